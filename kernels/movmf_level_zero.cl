@@ -38,9 +38,9 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
     const int parent_x = min(x >> 1, fit.width - 1), parent_y = min(y >> 1, fit.height - 1);
     const int parent_row = row_in_window(parent_y, fit.first_row, fit.height);
     __global const MultumVmfLobe* from = parent + (size_t)parent_row * fit.width + parent_x;
-    // |r_p| - n . r_p = |r_p| (1 - cos): the nearest direction, wide lobes and narrow ones alike; of Gaussians the
-    // nearest mean, and with a width of its own the nearest Gaussian (Wasserstein: |p - q|^2 + 2 (sigma - tau)^2). A
-    // dead lobe takes none.
+    // 1 - n . mu: the nearest direction, of wide lobes and narrow ones alike. A lobe of r = 0 has no direction and is
+    // as far from every normal as one at right angles. Of Gaussians the nearest mean, and with a width of its own the
+    // nearest Gaussian (Wasserstein: |p - q|^2 + 2 (sigma - tau)^2). A dead lobe takes none.
     float least = 1e30f;
     for (int j = 0; j < MULTUM_LOBES; ++j) {
       const MultumVmfLobe lobe = from[j * level_window_size(&fit)];
@@ -54,7 +54,8 @@ __kernel void movmf_level_zero(__global const float* normal_x, __global const fl
 #else
       const float length =
           sqrt(fma(lobe.mean_x, lobe.mean_x, fma(lobe.mean_y, lobe.mean_y, lobe.mean_z * lobe.mean_z)));
-      float gap = length - fma(lobe.mean_x, nx, fma(lobe.mean_y, ny, lobe.mean_z * nz));
+      const float along = fma(lobe.mean_x, nx, fma(lobe.mean_y, ny, lobe.mean_z * nz));
+      float gap = 1.0f - along / max(length, 1e-12f);
       if (fit.shortened) {
         const float dx = lobe.mean_x - nx, dy = lobe.mean_y - ny, dz = lobe.mean_z - nz;
         gap = fma(dx, dx, fma(dy, dy, dz * dz));

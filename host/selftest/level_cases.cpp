@@ -263,6 +263,34 @@ void a_dead_lobe_takes_nothing(Device& device, WorstError& worst) {
   }
 }
 
+// Beside a lobe of opposite normals, r = 0 but for a rounding or not even that, and a wide one: directions alone count.
+void directions_of_short_means(Device& device, WorstError& worst) {
+  const glm::vec3 mu(0.6f, 0.0f, 0.8f);
+  for (const float length : {0.0f, 1e-6f, 0.05f, 0.3f}) {
+    const std::vector<MultumVmfLobe> parent = {
+        {0.0f, 0.0f, -length, 0.5f},  // points away from all normals but the last
+        {0.99f * mu.x, 0.0f, 0.99f * mu.z, 0.3f},
+        {0.0f, 0.6f, 0.6f, 0.2f}};
+    const std::vector<int> found = nearest_lobes(device, parent, {mu, {0.8f, 0.0f, 0.6f}, {0.0f, 0.8f, 0.6f}, -mu});
+    const int expected[] = {1, 1, 2, 0};
+    for (std::size_t i = 0; i < found.size(); ++i)
+      worst.add(found[i] == expected[i] ? 0.0 : 1.0, fmt::format("|r| {}, normal {}", length, i));
+  }
+}
+
+// A lobe without a direction is as far as one at right angles: nearer than those that point away.
+void a_lobe_of_no_direction(Device& device, WorstError& worst) {
+  const glm::vec3 mu(0.6f, 0.0f, 0.8f);
+  for (const float amplitude : {1e-5f, 0.5f}) {
+    const std::vector<MultumVmfLobe> parent = {{0.9f * mu.x, 0.0f, 0.9f * mu.z, 0.5f}, {0.0f, 0.0f, 0.0f, amplitude}};
+    const std::vector<int> found =
+        nearest_lobes(device, parent, {mu, {-0.8f, 0.0f, 0.6001f}, {0.8f, 0.0f, -0.601f}, -mu});
+    const int expected[] = {0, 0, 1, 1};
+    for (std::size_t i = 0; i < found.size(); ++i)
+      worst.add(found[i] == expected[i] ? 0.0 : 1.0, fmt::format("amplitude {}, normal {}", amplitude, i));
+  }
+}
+
 // Whatever a normal is, the number of a lobe is written: an index beyond the lobes would be read later.
 void any_normal_gets_a_lobe(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -306,6 +334,15 @@ std::vector<NumericalCase> level_cases() {
         "lobes of an amplitude up to 1e-6 are passed over", kNothingWrong, "texels wrong", "none may be"},
        a_dead_lobe_takes_nothing,
        {{"movmf_level_zero", "lobe.amplitude > 1e-6f && gap < least", "gap < least"}}},
+      {{"directions-of-short-means", "movmf_level_zero",
+        "|r| - n . r = |r| (1 - cos) of a wide lobe is small: it is the nearest to normals far from it",
+        "cosines: divided by |r|", kNothingWrong, "texels wrong", "none may be"},
+       directions_of_short_means,
+       {{"movmf_level_zero", "1.0f - along / max(length, 1e-12f)", "length - along"}}},
+      {{"a-lobe-of-no-direction", "movmf_level_zero", "r = 0 is divided by its length: 0 / 0 is never the nearest",
+        "a length of at least 1e-12 divides: a cosine of 0", kNothingWrong, "texels wrong", "none may be"},
+       a_lobe_of_no_direction,
+       {{"movmf_level_zero", "max(length, 1e-12f)", "length"}}},
       {{"any-normal-gets-a-lobe", "movmf_level_zero", "no comparison with NaN holds: no number is written",
         "lobe 0 unless another is nearer", kNothingWrong, "texels wrong", "none may be"},
        any_normal_gets_a_lobe,
