@@ -21,6 +21,7 @@
 #define PROBE_ONE_MINUS_LOG 5  // log2(1 - e)
 #define PROBE_SHADING_KAPPA 6  // of q = 1 - A
 #define PROBE_VMF_PEAK 7       // vMF density at its mean, at kappa
+#define PROBE_VMF_SPREAD 8     // 1 - A(kappa)
 
 static float probed(float x, int function) {
   switch (function) {
@@ -31,7 +32,8 @@ static float probed(float x, int function) {
     case PROBE_LOG_PEAK: return log_peak(1.0f, x);
     case PROBE_ONE_MINUS_LOG: return log2_one_minus(x);
     case PROBE_SHADING_KAPPA: return shading_kappa(x);
-    default: return vmf_shape(x).peak;
+    case PROBE_VMF_PEAK: return vmf_shape(x).peak;
+    default: return vmf_spread(x);
   }
 }
 
@@ -40,6 +42,19 @@ __kernel void probe_functions(__global const float* inputs, __global float* valu
   const int i = (int)get_global_id(0);
   if (i >= count) return;
   values[i] = probed(inputs[i], function);
+}
+
+// One work-item = one highlight; global size count.
+//   lobes [count]         (a r, a)
+//   half_vectors [count]  unit; w: the kappa of the facets
+//   lights [count]        unit, towards the light
+//   values [count]        written: highlight_cosine()
+// Compute bound.
+__kernel void probe_highlight_cosine(__global const float4* lobes, __global const float4* half_vectors,
+                                     __global const float4* lights, __global float* values, int count) {
+  const int i = (int)get_global_id(0);
+  if (i >= count) return;
+  values[i] = highlight_cosine(lobes[i], half_vectors[i].xyz, lights[i].xyz, half_vectors[i].w);
 }
 
 // One work-item in all. sizes: the device's idea of the structs that it shares with the host.

@@ -5,7 +5,8 @@
 Prints, for every exponent s and lobe kappa, the relative L1 error over the hemisphere of half vectors (weight: solid
 angle) of: the vMF shape alone, the cosine-power shape alone, Han et al. 2007 eq. 20, and the blend that is used; then
 the errors of the polynomial inverse of A(kappa) = coth kappa - 1/kappa and of the convolved Lambert term.
-`fit_shading.py --fit` also tabulates other values of the blend's constant. Needs numpy; takes about 5 s."""
+`fit_shading.py --fit` also tabulates other values of the blend's constant, `fit_shading.py --cosine` what stands for
+max(n . l, 0) under a highlight. Needs numpy; takes about 5 s, with --cosine half a minute."""
 import sys
 
 import numpy as np
@@ -140,6 +141,57 @@ def search_blend(cases):
         print(f"{constant:8.1f} {pick[0]:13.3f} {pick[1]:14.3f} {pick[2]:15.3f} {np.mean(list(errors.values())):9.4f}")
 
 
+def unit(v):
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def directions(random, count, degrees):
+    """Evenly within so many degrees of +z."""
+    z = random.uniform(np.cos(np.radians(degrees)), 1, count)
+    phi, radius = random.uniform(0, 2 * np.pi, count), np.sqrt(1 - z * z)
+    return np.stack([radius * np.cos(phi), radius * np.sin(phi), z], -1)
+
+
+def highlights(s, facet_kappa, kappa, h, mu, light):
+    """integral f(n . h) vMF(n) max(n . l, 0) dn and the same without the cosine, in polar coordinates around the mean
+    of the product of both vMFs. f: Blinn-Phong of exponent s, or with s None the vMF of facet_kappa."""
+    nodes, weights = np.polynomial.legendre.leggauss(48)
+    total = facet_kappa * h + kappa * mu
+    size = np.linalg.norm(total, axis=-1)
+    middle = total / np.maximum(size, 1e-9)[:, None]
+    side = unit(np.cross(np.where(np.abs(middle[:, 2:]) < 0.9, [0, 0, 1.0], [1.0, 0, 0]), middle))
+    across = np.cross(middle, side)
+    reach = np.minimum(np.pi, 8 / np.sqrt(np.maximum(size, 1e-3)))[:, None]
+    theta = (reach * (nodes + 1) / 2)[:, :, None, None]
+    phi = ((np.arange(64) + 0.5) * 2 * np.pi / 64)[None, None, :, None]
+    n = (np.cos(theta) * middle[:, None, None] +
+         np.sin(theta) * (np.cos(phi) * side[:, None, None] + np.sin(phi) * across[:, None, None]))
+    angle = lambda w: np.arccos(np.clip(np.einsum("ijkc,ic->ijk", n, w), -1, 1))
+    facets = vmf(facet_kappa, angle(h)) if s is None else blinn_phong(s, angle(h))
+    value = facets * vmf(kappa, angle(mu)) * (weights * reach / 2 * np.sin(theta[:, :, 0, 0]))[:, :, None] * 2 * np.pi / 64
+    return (value * np.maximum(np.einsum("ijkc,ic->ijk", n, light), 0)).sum((1, 2)), value.sum((1, 2))
+
+
+def print_highlight_cosine():
+    print("highlight's cosine, relative L1 over l and the eye, lobes within 40 degrees of +z, %\n"
+          "              f     kappa   lobe's mean    mu . l   at the mean of f vMF   mean over f vMF, used")
+    random = np.random.default_rng(1)
+    facets = [(f"Blinn-Phong {s}", s, kappa_of_spread(1 / (s + 2))) for s in (1, 2, 5, 20, 100, 500)]
+    facets += [(f"vMF {k}", None, float(k)) for k in (2, 10, 50, 500)]
+    for name, s, facet_kappa in facets:
+        for kappa in (0.5, 2, 10, 50, 200, 1000):
+            light, eye, mu = directions(random, 800, 90), directions(random, 800, 90), directions(random, 800, 40)
+            h = unit(light + eye)
+            exact, without = highlights(s, facet_kappa, kappa, h, mu, light)
+            total = facet_kappa * h + kappa * mu
+            size, mu_l = np.linalg.norm(total, axis=-1), (mu * light).sum(-1)
+            n_l = (total * light).sum(-1) / size
+            spreads = np.array([spread(k) for k in size])
+            tried = (lambert(spread(kappa), mu_l), np.maximum(mu_l, 0), np.maximum(n_l, 0), lambert(spreads, n_l))
+            errors = [100 * np.abs(without * cosine - exact).sum() / exact.sum() for cosine in tried]
+            print(f"{name:>15} {kappa:9g} {errors[0]:13.2f} {errors[1]:9.2f} {errors[2]:22.2f} {errors[3]:23.2f}")
+
+
 def main():
     cases = list(blinn_phong_cases())
     print_blinn_phong(cases)
@@ -147,6 +199,8 @@ def main():
     print_lambert(lambert_tables())
     if "--fit" in sys.argv[1:]:
         search_blend(cases)
+    if "--cosine" in sys.argv[1:]:
+        print_highlight_cosine()
 
 
 if __name__ == "__main__":

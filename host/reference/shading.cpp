@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <glm/geometric.hpp>
+
 namespace multum::reference {
 namespace {
 
@@ -84,6 +86,12 @@ double convolved_lambert(double kappa, double theta) {
   return convolve([](double a) { return std::cos(a); }, 0.0, 0.5 * kPi, kappa, theta, kRings);
 }
 
+double mean_cosine(double kappa, double theta) {
+  if (kappa < 1e4) return kappa > 0.0 ? convolved_lambert(kappa, theta) : 0.25;
+  const double sigma = 1.0 / std::sqrt(kappa), x = std::cos(theta) / sigma;
+  return sigma * (std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi) + x * 0.5 * std::erfc(-x / std::sqrt(2.0)));
+}
+
 double convolved_vmf(double kappa_f, double kappa, double theta) {
   const double reach = std::min(kPi, 10.0 / std::sqrt(kappa_f));
   return convolve([kappa_f](double a) { return vmf_density(kappa_f, a); }, 0.0, reach, kappa, theta, kRings);
@@ -93,6 +101,32 @@ double convolved(const std::function<double(double)>& f, double narrow, double k
   // The peak, and the tail that reaches to the horizon.
   const double middle = std::min(narrow, 0.25 * kPi);
   return convolve(f, 0.0, middle, kappa, theta, 150) + convolve(f, middle, 0.5 * kPi, kappa, theta, 150);
+}
+
+// In polar coordinates around the mean of the product of both vMFs, within ten standard deviations of it.
+Highlight highlight(const std::function<double(double)>& f, double facet_kappa, double kappa, const glm::dvec3& mu,
+                    const glm::dvec3& h, const glm::dvec3& l) {
+  constexpr int kCircles = 96, kSpokes = 96;
+  const glm::dvec3 sum = facet_kappa * h + kappa * mu;
+  const double size = glm::length(sum), reach = std::min(kPi, 10.0 / std::sqrt(std::max(size, 1e-3)));
+  const glm::dvec3 middle = size > 1e-9 ? sum / size : mu;
+  const glm::dvec3 side =
+      glm::normalize(glm::cross(middle, std::abs(middle.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
+  const glm::dvec3 across = glm::cross(middle, side);
+  Highlight result = {0.0, 0.0};
+  for (int i = 0; i < kCircles; ++i) {  // midpoint rule
+    const double a = reach * (i + 0.5) / kCircles;
+    for (int k = 0; k < kSpokes; ++k) {
+      const double phi = 2.0 * kPi * (k + 0.5) / kSpokes;
+      const glm::dvec3 n = std::cos(a) * middle + std::sin(a) * (std::cos(phi) * side + std::sin(phi) * across);
+      const double density = vmf_density(kappa, 2.0 * std::asin(std::min(1.0, 0.5 * glm::length(n - mu))));
+      const double value = f(2.0 * std::asin(std::min(1.0, 0.5 * glm::length(n - h)))) * density * std::sin(a);
+      result.with_cosine += value * std::max(glm::dot(n, l), 0.0);
+      result.without_cosine += value;
+    }
+  }
+  const double cell = reach / kCircles * 2.0 * kPi / kSpokes;
+  return {result.with_cosine * cell, result.without_cosine * cell};
 }
 
 double ggx(double alpha, double theta) {

@@ -4,6 +4,8 @@
 
 #include <functional>
 
+#include <glm/vec3.hpp>
+
 namespace multum::reference {
 
 /// 1 - A(kappa), A = coth kappa - 1/kappa, and its inverse by bisection.
@@ -24,7 +26,19 @@ double convolved(const std::function<double(double)>& f, double narrow, double k
 /// The spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature, theta = angle of w and mu.
 double convolved_blinn_phong(double s, double kappa, double theta);
 double convolved_lambert(double kappa, double theta);
+/// The same above kappa 1e4 too, where the lobe is a normal distribution and the quadrature would need a point for
+/// every grain of it.
+double mean_cosine(double kappa, double theta);
 double convolved_vmf(double kappa_f, double kappa, double theta);
+
+/// A highlight over a vMF of normals, with its cosine and without: integral f(angle of n and h) vMF(n; mu, kappa)
+/// max(n . l, 0) dn, and the same without the last factor. f is 0 or small where a vMF of concentration `facet_kappa`
+/// about h is.
+struct Highlight {
+  double with_cosine, without_cosine;
+};
+Highlight highlight(const std::function<double(double)>& f, double facet_kappa, double kappa, const glm::dvec3& mu,
+                    const glm::dvec3& h, const glm::dvec3& l);
 
 /// GGX and what stands beside it in glTF and in Cook and Torrance 1982: V = G / (4 n.l n.v).
 double ggx(double alpha, double theta);

@@ -3,12 +3,17 @@
 // NaN. docs/ALGORITHMS.md, "Von Mises-Fisher lobes", has the formulas.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
+
 #include "host/reference/movmf_em.h"
 #include "host/reference/shading.h"
+#include "host/selftest/buffers.h"
 #include "host/selftest/case_lists.h"
 #include "host/selftest/struct_layout.h"
 
@@ -16,7 +21,7 @@ namespace multum {
 namespace {
 
 // As kernels/probe_numerics.cl numbers them.
-enum class Probe : int { kExp2, kLog2, kKappa, kIsNan, kLogPeak, kOneMinusLog, kShadingKappa, kVmfPeak };
+enum class Probe : int { kExp2, kLog2, kKappa, kIsNan, kLogPeak, kOneMinusLog, kShadingKappa, kVmfPeak, kVmfSpread };
 
 std::vector<double> probed(Device& device, const std::vector<float>& inputs, Probe function) {
   const DeviceBuffer in = device.wrap_buffer(inputs.data(), inputs.size() * sizeof(float), "inputs");
@@ -116,6 +121,57 @@ void vmf_peak(Device& device, WorstError& worst) {
       device, Probe::kVmfPeak, inputs, "kappa", [](double kappa) { return reference::vmf_density(kappa, 0.0); }, worst);
 }
 
+void vmf_spreads(Device& device, WorstError& worst) {
+  add_relative(
+      device, Probe::kVmfSpread, decades(1e-6, 1e6, 1.0231), "kappa",
+      [](double kappa) { return reference::vmf_spread(kappa); }, worst);
+}
+
+// Lobes from single directions to none, facets from mirrors to the whole sphere, half vectors along the lobe, across
+// and against it, where two equal vMFs leave no direction.
+void highlight_cosines(Device& device, WorstError& worst) {
+  const glm::dvec3 mu = glm::normalize(glm::dvec3(0.3, -0.2, 0.9)), across = glm::normalize(glm::dvec3(0.9, 0.0, -0.3));
+  std::vector<glm::vec4> lobes, half_vectors, lights;
+  for (const double kappa : {0.0, 1e-3, 0.5, 10.0, 1e3, 2e4})
+    for (const double facet_kappa : {0.5, 10.0, 1e3, 1e5})
+      for (const glm::dvec3& h : {mu, across, glm::normalize(mu + across), -mu})
+        for (const glm::dvec3& light : {mu, across, -across, glm::dvec3(0.0, 0.0, -1.0)}) {
+          const double r = kappa > 0.0 ? 1.0 - reference::vmf_spread(kappa) : 0.0;
+          lobes.emplace_back(glm::dvec4(0.25 * r * mu, 0.25));
+          half_vectors.emplace_back(glm::dvec4(h, facet_kappa));
+          lights.emplace_back(glm::dvec4(light, 0.0));
+        }
+  for (const float r : {0.5f, 0.9375f}) {  // of the very kappa that the device has of the lobe
+    const auto kappa = static_cast<float>(probed(device, {1.0f - r}, Probe::kShadingKappa)[0]);
+    lobes.emplace_back(0.0f, 0.0f, r, 1.0f);
+    half_vectors.emplace_back(0.0f, 0.0f, -1.0f, kappa);
+    lights.emplace_back(0.0f, 0.0f, 1.0f, 0.0f);
+  }
+  const DeviceBuffer out = device.make_buffer(lobes.size() * sizeof(float), "values");
+  device.kernel("probe_numerics", "probe_highlight_cosine", {4, 1, false})
+      .launch({lobes.size(), 16}, uploaded(device, lobes, "lobes"), uploaded(device, half_vectors, "half vectors"),
+              uploaded(device, lights, "lights"), out, static_cast<int>(lobes.size()));
+  const std::vector<float> found = downloaded<float>(device, out);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double facet_kappa = static_cast<double>(half_vectors[i].w), a = static_cast<double>(lobes[i].w);
+    const glm::dvec3 r = glm::dvec3(lobes[i]) / a, l(lights[i]);
+    const double length = glm::length(r);
+    const double kappa = length > 0.0 ? reference::vmf_kappa(std::max(1.0 - length, 1e-9)) : 0.0;
+    const glm::dvec3 sum =
+        facet_kappa * glm::dvec3(half_vectors[i]) + (length > 0.0 ? kappa / length * r : glm::dvec3(0.0));
+    const double size = glm::length(sum);
+    const std::string input = fmt::format("|r| {:.9g}, kappa of the facets {:.3g}, number {}", length, facet_kappa, i);
+    // Where both cancel, rounding has the direction that is left, and any mean of a cosine may come of it.
+    if (size < 1e-2 * facet_kappa) {
+      worst.add(found[i] >= 0.0f && found[i] <= 1.0f ? 0.0 : std::numeric_limits<double>::quiet_NaN(), input);
+      continue;
+    }
+    const double theta = std::acos(std::clamp(glm::dot(sum, l) / size, -1.0, 1.0));
+    const double exact = length < 1.0 ? reference::mean_cosine(size, theta) : std::max(std::cos(theta), 0.0);
+    worst.add(static_cast<double>(found[i]), exact, 1.0, input);
+  }
+}
+
 void one_minus_log(Device& device, WorstError& worst) {
   add_relative(
       device, Probe::kOneMinusLog, decades(1e-9, 0.999, 1.0171), "e",
@@ -192,6 +248,16 @@ std::vector<NumericalCase> kappa_cases() {
         "(1 + kappa) / 2 below kappa 1e-3", 1e-4, "relative", "exp2 rounds at 1: 6e-8 / 2e-3 where the branch begins"},
        vmf_peak,
        {probe_edit("const float scale = kappa > 1e-3f ? kappa", "const float scale = kappa > -1.0f ? kappa")}},
+      {{"vmf-spread-12-decades", "device/vmf_shading.clh", "1/kappa - 2/(exp(2 kappa) - 1) cancels towards kappa 0",
+        "two terms of the series below kappa 0.1", 2e-5, "relative",
+        "6e-8 of 1/kappa = 10, twice, and of exp's argument"},
+       vmf_spreads,
+       {probe_edit("if (kappa < 0.1f) return", "if (kappa < 0.0f) return")}},
+      {{"highlight-cosines-of-every-width", "device/vmf_shading.clh, probe_highlight_cosine",
+        "facets straight against a lobe as sharp as they: no direction is left, 0 / 0",
+        "a length of at least 1e-6 divides", 2.5e-3, "absolute", "0.22 % of the cosine's model"},
+       highlight_cosines,
+       {probe_edit("max(size, 1e-6f)", "size")}},
   };
 }
 

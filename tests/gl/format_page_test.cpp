@@ -110,10 +110,12 @@ glm::dvec3 expected_colour() {
     const glm::dvec3 mean = 0.5 * (kLobes[0][j].mean + kLobes[1][j].mean);
     const double amplitude = 0.5 * (kLobes[0][j].amplitude + kLobes[1][j].amplitude);
     const double kappa = reference::vmf_kappa(1.0 - glm::length(mean) / amplitude);
-    const auto angle_to = [&](const glm::dvec3& w) { return std::acos(glm::dot(glm::normalize(mean), w)); };
-    const double diffuse = reference::convolved_lambert(kappa, angle_to(kLight));
-    const double facets = reference::convolved_blinn_phong(kExponent, kappa, angle_to(half));
-    sum += amplitude * diffuse * (kAlbedo / std::numbers::pi + kHighlight * facets);
+    const glm::dvec3 mu = glm::normalize(mean);
+    const double diffuse = reference::convolved_lambert(kappa, std::acos(glm::dot(mu, kLight)));
+    const double highlight = reference::highlight([](double theta) { return reference::blinn_phong(kExponent, theta); },
+                                                  kExponent, kappa, mu, half, kLight)
+                                 .with_cosine;
+    sum += amplitude * (diffuse * kAlbedo / std::numbers::pi + highlight * kHighlight);
   }
   return kIrradiance * sum;
 }

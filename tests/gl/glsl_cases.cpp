@@ -89,6 +89,12 @@ void kappa(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
       gl, edits, "multum_vmf_kappa(b.w)", inputs, [](double q) { return reference::vmf_kappa(q); }, worst);
 }
 
+void vmf_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  add_function(
+      gl, edits, "multum_vmf_spread(b.w)", decades(1e-6, 1e6, 1.0231),
+      [](double k) { return reference::vmf_spread(k); }, worst);
+}
+
 void normaliser(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<double> inputs = decades(1e-6, 1e6, 1.0231);
   for (const double kappa_of_zero : {0.0, 1e-30, 1e-40}) inputs.push_back(kappa_of_zero);
@@ -191,6 +197,30 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
   }
 }
 
+// Lobes from single directions to none under facets from mirrors to the whole sphere, half vectors along the lobe,
+// across and against it, where two equal vMFs leave no direction.
+void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  const glm::dvec3 l = glm::normalize(glm::dvec3(0.3, -0.5, 0.8)), up(0.0, 0.0, 1.0);
+  GlslComparison c{
+      fmt::format("vec4(multum_movmf_highlight_cosine(a, b.xyz, vec3({}, {}, {}), b.w))", l.x, l.y, l.z), {}, {}};
+  for (const float r : {0.0f, 1e-6f, 0.125f, 0.5f, 0.9375f, 0.9999f})
+    for (const double facet_kappa : {0.5, 10.0, 1e3, 1e5})
+      for (const glm::dvec3& h : {up, tilted(90.0), tilted(45.0), tilted(150.0), l})
+        c.inputs.push_back({{0.0f, 0.0f, 0.25f * r, 0.25f}, with(h, facet_kappa)});
+  c.exact = [=](const glm::dvec4& a, const glm::dvec4& b) {
+    const double kappa = a.z > 0.0 ? reference::vmf_kappa(1.0 - a.z / a.w) : 0.0;
+    return glm::dvec4(highlight_cosine(b.w * glm::dvec3(b) + kappa * up, l));
+  };
+  compare_glsl(gl, edits, c, worst);
+  // Straight against it, of the very kappa that the shader has of the lobe.
+  c.expression =
+      "vec4(multum_movmf_highlight_cosine(a, -a.xyz / a.z, vec3(0.0, 0.0, 1.0), "
+      "multum_vmf_kappa(multum_movmf_spread(a))))";
+  c.inputs = {{{0.0f, 0.0f, 0.5f, 1.0f}, {}}, {{0.0f, 0.0f, 0.9375f, 1.0f}, {}}};
+  c.exact = [](const glm::dvec4&, const glm::dvec4&) { return glm::dvec4(0.25); };
+  compare_glsl(gl, edits, c, worst);
+}
+
 void lambert(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const auto add = [&](double spread, const std::function<double(double)>& exact) {
     std::vector<Point> points;
@@ -234,6 +264,11 @@ void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& 
 std::vector<GlslCase> function_cases() {
   const std::string file = "movmf_shading.glsl";
   return {
+      {{"glsl-vmf-spread-12-decades", file, "1/kappa - 2/(exp(2 kappa) - 1) cancels towards kappa 0",
+        "two terms of the series below kappa 0.1", 2e-5, "relative", "6e-8 of 1/kappa = 10, twice, and the GL's exp"},
+       {glsl_edit("if (kappa < 0.1) return", "if (kappa < 0.0) return")},
+       vmf_spread,
+       {"multum_vmf_spread"}},
       {{"glsl-kappa-12-decades", file, "Banerjee's factor 3 - A^2 alone is per cent off",
         "the factor refined by a polynomial, 1 - A^2 = q (2 - q) without cancellation", 2.4e-4, "relative",
         "2.3e-4 of the polynomial"},
@@ -301,20 +336,30 @@ std::vector<GlslCase> lobe_cases() {
       {{"glsl-torrance-sparrow-of-every-sigma", "torrance_sparrow.glsl",
         "1 - 1/kappa_f alone for the mean cosine is off for rough facets",
         "both terms of A, the exponent held at 80 where the second is nothing", 6e-4, "of the peak", reason},
-       {glsl_edit("1.0 / kappa_f - 2.0 / (exp(min(2.0 * kappa_f, 80.0)) - 1.0)", "1.0 / kappa_f")},
+       {glsl_edit("1.0 / kappa - 2.0 / (exp(min(2.0 * kappa, 80.0)) - 1.0)", "1.0 / kappa")},
        torrance_sparrow,
        {"multum_movmf_torrance_sparrow"}},
       {{"glsl-lambert-of-every-spread", file, "max(mu . l, 0), the paper's shortcut, knows no spread",
         "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
         "0.22 % of the model (tools/fit_shading.py)"},
-       {glsl_edit("return lobe.w * 0.5 * (m + sqrt(m * m + v * exp(-g)));",
-                  "return lobe.w * max(m / max(r, 1e-6), 0.0);")},
+       {glsl_edit("return 0.5 * (m + sqrt(m * m + v * exp(-g)));", "return max(t, 0.0);")},
        lambert,
-       {"multum_movmf_lambert"}},
+       {"multum_movmf_lambert", "multum_vmf_mean_cosine"}},
+      {{"glsl-highlight-cosines-of-every-width", file,
+        "facets straight against a lobe as sharp as they: no direction is left, 0 / 0",
+        "a length of at least 1e-6 divides", 2.5e-3, "absolute", "0.22 % of the cosine's model"},
+       {glsl_edit("max(size, 1e-6)", "size")},
+       highlight_cosines,
+       {"multum_movmf_highlight_cosine"}},
   };
 }
 
 }  // namespace
+
+double highlight_cosine(const glm::dvec3& sum, const glm::dvec3& l) {
+  const double size = glm::length(sum);
+  return size < 1e-6 ? 0.25 : reference::mean_cosine(size, angle_between(sum / size, l));
+}
 
 SourceEdit glsl_edit(const std::string& text, const std::string& replacement) {
   return {kGlslFormulas, text, replacement};

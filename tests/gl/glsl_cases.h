@@ -55,6 +55,9 @@ glm::dvec3 half_vector(const glm::dvec3& l, const glm::dvec3& v);
 /// Between vectors that are not quite of length 1, as a shader sees them.
 double angle_between(const glm::dvec3& a, const glm::dvec3& b);
 
+/// The mean of max(n . l, 0) over a vMF of that mean direction and concentration: facets' kappa h + a lobe's kappa mu.
+double highlight_cosine(const glm::dvec3& sum, const glm::dvec3& l);
+
 /// `text` of any formula becomes `replacement`.
 SourceEdit glsl_edit(const std::string& text, const std::string& replacement);
 /// Lobes longer than their amplitude have a negative spread then.

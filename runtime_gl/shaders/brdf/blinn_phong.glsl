@@ -58,4 +58,9 @@ vec3 multum_lobe_facets(vec4 lobe, vec3 h) {
   return vec3(multum_movmf_blinn_phong(lobe, h, u_exponent));
 #endif
 }
+
+vec3 multum_lobe_highlight(vec4 lobe, vec3 h, vec3 l) {
+  float facet_kappa = multum_vmf_kappa(1.0 / (u_exponent + 2.0));
+  return multum_lobe_facets(lobe, h) * multum_movmf_highlight_cosine(lobe, h, l, facet_kappa);
+}
 #endif

@@ -20,4 +20,16 @@ vec3 multum_lobe_facets(vec4 lobe, vec3 h) {
   for (int i = 0; i < MULTUM_TERM_COUNT; ++i) sum += u_term_weights[i] * multum_term(d, u_term_spreads[i], e);
   return lobe.w * max(sum, 0.0);
 }
+
+// Each term has a cosine of its own.
+vec3 multum_lobe_highlight(vec4 lobe, vec3 h, vec3 l) {
+  if (lobe.w <= MULTUM_AMPLITUDE_MIN) return vec3(0.0);
+  float d = multum_movmf_spread(lobe);
+  float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < MULTUM_TERM_COUNT; ++i)
+    sum += u_term_weights[i] * multum_term(d, u_term_spreads[i], e) *
+           multum_movmf_highlight_cosine(lobe, h, l, multum_vmf_kappa(u_term_spreads[i]));
+  return lobe.w * max(sum, 0.0);
+}
 #endif

@@ -10,7 +10,7 @@ float multum_movmf_torrance_sparrow(vec4 lobe, vec3 h, float sigma) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float kappa_f = 0.5 / (sigma * sigma);
   float d = multum_movmf_spread(lobe);
-  float q_f = 1.0 / kappa_f - 2.0 / (exp(min(2.0 * kappa_f, 80.0)) - 1.0);
+  float q_f = multum_vmf_spread(kappa_f);
   float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
   return lobe.w * multum_vmf_density(multum_vmf_kappa(d + (1.0 - d) * q_f), e);
 }
@@ -23,4 +23,8 @@ vec3 multum_facets(vec3 n, vec3 h) {
 }
 
 vec3 multum_lobe_facets(vec4 lobe, vec3 h) { return vec3(multum_movmf_torrance_sparrow(lobe, h, u_sigma)); }
+
+vec3 multum_lobe_highlight(vec4 lobe, vec3 h, vec3 l) {
+  return multum_lobe_facets(lobe, h) * multum_movmf_highlight_cosine(lobe, h, l, 0.5 / (u_sigma * u_sigma));
+}
 #endif

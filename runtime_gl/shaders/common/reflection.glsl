@@ -8,6 +8,7 @@
 //
 //   vec3 multum_facets(vec3 n, vec3 h)           f of one normal
 //   vec3 multum_lobe_facets(vec4 lobe, vec3 h)   f convolved with a vMF lobe (a r, a), amplitude in
+//   vec3 multum_lobe_highlight(vec4 lobe, vec3 h, vec3 l)   f(n.h) max(n.l, 0) convolved with it, amplitude in
 //   vec3 multum_fresnel(float v_h)               F, with MULTUM_FRESNEL; without, 1, or a number in u_specular and
 //                                                u_diffuse. What does not depend on n stands outside the convolution.
 //                                                MULTUM_FRESNEL_DIFFUSE: there is a 1 - F

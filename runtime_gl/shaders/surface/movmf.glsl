@@ -3,10 +3,13 @@
 // MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular alike.
 
 #ifdef MULTUM_VISIBILITY
-// The normals that reflect towards v are those of the lobe that are near h: their mean lies between the two, nearer to
-// what is sharper, and is where n.h is taken.
-float multum_lobe_visibility(vec4 lobe, float n_l, vec3 v, vec3 h) {
-  float n_v = multum_movmf_lambert(lobe, v) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
+// V of the mean cosines of those normals of the lobe that reflect from l to v. They are near h: their mean lies between
+// it and the lobe's, nearer to what is sharper, and is where n.h is taken.
+float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
+  vec3 facets = multum_lobe_facets(lobe, h);
+  float total = max(facets.x + facets.y + facets.z, 1e-20);
+  float n_l = clamp(dot(multum_lobe_highlight(lobe, h, l), vec3(1.0)) / total, 0.0, 1.0);
+  float n_v = clamp(dot(multum_lobe_highlight(lobe, h, v), vec3(1.0)) / total, 0.0, 1.0);
   vec3 n = multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent;
   float size = length(n);
   float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // where the two point apart and cancel, none
@@ -20,20 +23,24 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
     vec4 lobe = surface.lobes[j];
 #ifdef MULTUM_PAPER
     float cosine = max(dot(multum_movmf_mean_direction(lobe), l), 0.0);
-    float diffuse = lobe.w * cosine;
+    sum.diffuse += MULTUM_TINTED(surface, j, vec3(lobe.w * cosine));
+#elif defined(MULTUM_ROUGHNESS)
+    vec4 of_normals = multum_movmf_without_roughness(lobe, u_mean_cosine);
+    sum.diffuse += MULTUM_TINTED(surface, j, vec3(multum_movmf_lambert(of_normals, l)));
 #else
-#ifdef MULTUM_ROUGHNESS
-    float diffuse = multum_movmf_lambert(multum_movmf_without_roughness(lobe, u_mean_cosine), l);
-#else
-    float diffuse = multum_movmf_lambert(lobe, l);
+    sum.diffuse += MULTUM_TINTED(surface, j, vec3(multum_movmf_lambert(lobe, l)));
 #endif
-    float cosine = diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
-#endif
-    sum.diffuse += MULTUM_TINTED(surface, j, vec3(diffuse));
 #ifndef MULTUM_LAMBERT
+#if defined(MULTUM_PAPER)
     vec3 specular = multum_lobe_facets(lobe, h) * cosine;
+#elif defined(MULTUM_ROUGHNESS)
+    float facet_kappa = multum_vmf_kappa(1.0 - u_mean_cosine);
+    vec3 specular = multum_lobe_facets(lobe, h) * multum_movmf_highlight_cosine(of_normals, h, l, facet_kappa);
+#else
+    vec3 specular = multum_lobe_highlight(lobe, h, l);
+#endif
 #ifdef MULTUM_VISIBILITY
-    specular *= multum_lobe_visibility(lobe, cosine, v, h);
+    specular *= multum_lobe_visibility(lobe, l, v, h);
 #endif
     sum.specular += specular;
 #endif

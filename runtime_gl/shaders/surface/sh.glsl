@@ -95,14 +95,18 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_NORMAL_MAP
   vec4 lobe = surface.material * surface.finest;
 #ifdef MULTUM_ROUGHNESS
-  float finest_diffuse = multum_movmf_lambert(multum_movmf_without_roughness(lobe, u_mean_cosine), l);
+  vec4 of_normals = multum_movmf_without_roughness(lobe, u_mean_cosine);
 #else
-  float finest_diffuse = multum_movmf_lambert(lobe, l);
+  vec4 of_normals = lobe;
 #endif
-  sum.diffuse += surface.finest_albedo * finest_diffuse;
+  sum.diffuse += surface.finest_albedo * multum_movmf_lambert(of_normals, l);
 #ifndef MULTUM_LAMBERT
-  float finest_cosine = finest_diffuse / max(lobe.w, MULTUM_AMPLITUDE_MIN);
-  vec3 finest_specular = multum_lobe_facets(lobe, h) * finest_cosine;
+#ifdef MULTUM_ROUGHNESS
+  float facet_kappa = multum_vmf_kappa(1.0 - u_mean_cosine);
+  vec3 finest_specular = multum_lobe_facets(lobe, h) * multum_movmf_highlight_cosine(of_normals, h, l, facet_kappa);
+#else
+  vec3 finest_specular = multum_lobe_highlight(lobe, h, l);
+#endif
 #ifdef MULTUM_VISIBILITY
   vec3 finest_n = multum_movmf_mean_direction(lobe);
   finest_specular *= multum_visibility(max(dot(finest_n, l), 0.0), max(dot(finest_n, v), 0.0),
