@@ -3,20 +3,20 @@
 import cloth
 from ndf import density_error, density_of_lobes, density_of_normals, disk, picture, read_lobes, read_normals
 from report_page import percent
-from study import relative_l1, write_sky
+from study import ELONGATED_FILTER, REFERENCE, relative_l1, write_sky
 
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
-BASELINES = ("truth", "mip", "toksvig", "lean-jacobian")
-LABELS = {"truth": "truth", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",
-          "lean-jacobian": "LEAN"}
+BASELINES = (REFERENCE, "mip", "toksvig", "lean-jacobian")
+LABELS = {REFERENCE: "reference", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",
+          "lean-jacobian": "LEAN with the Jacobian"}
 
 
 def compare(study, view, names, name, exposure=1.0):
     study.figures([(view[n], LABELS[n]) for n in names], name=name, exposure=exposure)
     study.table(["method", "relative L1", "frame, ms"],
-                [[LABELS[n], percent(relative_l1(view[n], view["truth"])), f"{view.frame_ms[n]:.1f}"]
-                 for n in names if n != "truth"])
+                [[LABELS[n], percent(relative_l1(view[n], view[REFERENCE])), f"{view.frame_ms[n]:.1f}"]
+                 for n in names if n != REFERENCE])
 
 
 def v_groove(study):
@@ -32,19 +32,19 @@ def v_groove(study):
     far = study.view("groove_far", "groove", *lobes, "--repeat", "60", "--camera", "0,0,4,0,8,0,45",
                      compare=BASELINES)
     study.paragraph("Near:")
-    study.figures([(near[n], LABELS[n]) for n in ("truth", "multum", "mip")], name="groove_near",
+    study.figures([(near[n], LABELS[n]) for n in (REFERENCE, "multum", "mip")], name="groove_near",
                   exposure=0.35)
     study.paragraph("Far:")
-    compare(study, far, ("truth", "multum", "mip", "toksvig", "lean-jacobian"), "groove_far",
+    compare(study, far, (REFERENCE, "multum", "mip", "toksvig", "lean-jacobian"), "groove_far",
             exposure=0.35)
     normals = read_normals(source)
     directions, inside = disk(120)
     level = 5
-    truth = density_of_normals(normals[:32, :32].reshape(-1, 3), directions)
+    reference = density_of_normals(normals[:32, :32].reshape(-1, 3), directions)
     fitted = density_of_lobes(read_lobes(study.path("groove.ndf.exr"), level)[:, 0, 0], directions)
     study.paragraph("The distribution of normals under one texel of level 5, and the four lobes that stand for it:")
-    study.figures([(picture(truth, inside, truth.max()), "the normals"),
-                   (picture(fitted, inside, truth.max()), "four lobes")], name="groove_ndf", small=True)
+    study.figures([(picture(reference, inside, reference.max()), "the normals"),
+                   (picture(fitted, inside, reference.max()), "four lobes")], name="groove_ndf", small=True)
 
 
 def methods(study):
@@ -57,12 +57,12 @@ def methods(study):
     six = study.view("six", "quarters", *material, compare=BASELINES)
     one = study.view("one", "one_lobe", *material)
     study.heading("Figure 2: six lobes with colours against other methods")
-    study.figures([(six["truth"], "truth"), (six["multum"], "six lobes"), (one["multum"], "one lobe"),
+    study.figures([(six[REFERENCE], "reference"), (six["multum"], "six lobes"), (one["multum"], "one lobe"),
                    (six["toksvig"], "Toksvig"), (six["mip"], "averaged normals")], name="methods")
     rows = [["six lobes", six["multum"], six.frame_ms["multum"]], ["one lobe", one["multum"], one.frame_ms["multum"]],
             *[[LABELS[n], six[n], six.frame_ms[n]] for n in ("toksvig", "lean-jacobian", "mip")]]
     study.table(["method", "relative L1", "frame, ms"],
-                [[label, percent(relative_l1(shown, six["truth"])), f"{ms:.1f}"] for label, shown, ms in rows])
+                [[label, percent(relative_l1(shown, six[REFERENCE])), f"{ms:.1f}"] for label, shown, ms in rows])
     return material
 
 
@@ -74,12 +74,12 @@ def harmonics(study):
     study.bake("sh2", source, "--green", "up", "--ndf", "sh", "--sh-order", "2")
     matt = ("--source", source, "--green", "up", "--brdf", "lambert", "--diffuse", "0.9", "--light", "0.9,0.3,0.3",
             *FRAME)
-    plain = study.view("sh_plain", "sh2", *matt, compare=("truth", "mip"))
-    wide = study.view("sh_wide", "sh2", *matt, "--anisotropy", "8")
-    study.figures([(plain["truth"], "truth"), (wide["multum"], "SH, 8 times anisotropic"),
+    plain = study.view("sh_plain", "sh2", *matt, compare=(REFERENCE, "mip"))
+    wide = study.view("sh_wide", "sh2", *matt, *ELONGATED_FILTER)
+    study.figures([(plain[REFERENCE], "reference"), (wide["multum"], "SH, 8 times anisotropic"),
                    (plain["multum"], "SH, trilinear"), (plain["mip"], "averaged normals")], name="sh")
     study.table(["method", "relative L1"],
-                [[label, percent(relative_l1(shown, plain["truth"]))]
+                [[label, percent(relative_l1(shown, plain[REFERENCE]))]
                  for label, shown in (("SH, 8 times anisotropic", wide["multum"]), ("SH, trilinear", plain["multum"]),
                                       ("averaged normals", plain["mip"]))])
 
@@ -99,11 +99,11 @@ def measured_materials(study):
     for path in [p for p in found if "fabric" in p.name or "rubber" in p.name]:
         label = path.stem.replace("merl_nbrdf_", "")
         scene = ("--source", source, "--green", "up", "--brdf", path, *FRAME)
-        harmonic = study.view(f"measured_sh_{label}", "sh8", *scene, compare=("truth", "mip"))
+        harmonic = study.view(f"measured_sh_{label}", "sh8", *scene, compare=(REFERENCE, "mip"))
         lobes = study.view(f"measured_vmf_{label}", "quarters_white", *scene)
-        study.figures([(harmonic["truth"], f"{label}, truth"), (harmonic["multum"], "harmonics, order 8"),
+        study.figures([(harmonic[REFERENCE], f"{label}, reference"), (harmonic["multum"], "harmonics, order 8"),
                        (lobes["multum"], "six lobes"), (harmonic["mip"], "averaged normals")], name="measured")
-        rows.append([label, *[percent(relative_l1(shown, harmonic["truth"]))
+        rows.append([label, *[percent(relative_l1(shown, harmonic[REFERENCE]))
                               for shown in (harmonic["multum"], lobes["multum"], harmonic["mip"])]])
     study.table(["material", "harmonics, order 8", "six lobes", "averaged normals"], rows)
 
@@ -129,15 +129,15 @@ def draped_cloth(study):
         cloth.write_obj(mesh, positions, repeats=12)
         for place, camera in (("near", near), ("far", far)):
             views[step, place] = study.view(f"cloth_{step}_{place}", "cloth", *material, "--mesh", mesh, "--camera",
-                                            camera, compare=("truth", "mip"))
+                                            camera, compare=(REFERENCE, "mip"))
     first, second = steps
     study.figures([(views[first, "near"]["multum"], "harmonics, falling"),
                    (views[second, "near"]["multum"], "harmonics, at rest"),
-                   (views[second, "near"]["truth"], "truth, at rest"),
+                   (views[second, "near"][REFERENCE], "reference, at rest"),
                    (views[second, "near"]["mip"], "averaged normals"),
                    (views[second, "far"]["multum"], "harmonics, from afar")], name="cloth", exposure=exposure)
     study.table(["view", "harmonics, order 8", "averaged normals"],
-                [[f"{words}, {place}", *[percent(relative_l1(views[step, place][n], views[step, place]["truth"]))
+                [[f"{words}, {place}", *[percent(relative_l1(views[step, place][n], views[step, place][REFERENCE]))
                                          for n in ("multum", "mip")]]
                  for step, words in zip(steps, ("falling", "at rest")) for place in ("near", "far")])
 
@@ -158,13 +158,13 @@ def environment_light(study):
     rows = []
     for exponent in (12, 100):
         views = {mode: study.view(f"environment_{mode}{exponent}", "quarters_white", *scene, "--environment-mode", mode,
-                                  "--brdf", f"blinn-phong:{exponent}", compare=("truth", "mip"))
+                                  "--brdf", f"blinn-phong:{exponent}", compare=(REFERENCE, "mip"))
                  for mode in ("sh", "prefiltered")}
-        truth = views["sh"]["truth"]
-        study.figures([(truth, f"truth, s = {exponent}"), (views["sh"]["multum"], "harmonics"),
+        reference = views["sh"][REFERENCE]
+        study.figures([(reference, f"reference, s = {exponent}"), (views["sh"]["multum"], "harmonics"),
                        (views["prefiltered"]["multum"], "filtered maps"),
                        (views["prefiltered"]["mip"], "averaged normals")], name="environment", exposure=0.35)
-        rows.append([exponent, *[percent(relative_l1(shown, truth))
+        rows.append([exponent, *[percent(relative_l1(shown, reference))
                                  for shown in (views["sh"]["multum"], views["prefiltered"]["multum"],
                                                views["prefiltered"]["mip"])]])
     study.table(["s", "six lobes, harmonics", "six lobes, filtered maps", "averaged normals"], rows)
@@ -178,11 +178,11 @@ def shininess(study, material):
     rows = []
     for s in (10, 50, 200, 1000):
         view = study.view(f"shininess{s}", "quarters", *without, "--brdf", f"blinn-phong:{s}",
-                          compare=("truth", "toksvig"))
-        study.figures([(view["truth"], f"truth, s = {s}"), (view["multum"], "six lobes"),
+                          compare=(REFERENCE, "toksvig"))
+        study.figures([(view[REFERENCE], f"reference, s = {s}"), (view["multum"], "six lobes"),
                        (view["toksvig"], "Toksvig")], name="shininess")
-        rows.append([s, percent(relative_l1(view["multum"], view["truth"])),
-                     percent(relative_l1(view["toksvig"], view["truth"]))])
+        rows.append([s, percent(relative_l1(view["multum"], view[REFERENCE])),
+                     percent(relative_l1(view["toksvig"], view[REFERENCE]))])
     study.table(["s", "six lobes", "Toksvig"], rows)
 
 
@@ -192,19 +192,19 @@ def lobe_counts(study):
     directions, inside = disk(120)
     level, row, column = 5, 3, 3
     block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
-    truth = density_of_normals(block, directions)
+    reference = density_of_normals(block, directions)
     study.heading("Figure 7: one texel's normals, by one to six lobes, and by planar Gaussians")
     study.paragraph("A texel of level 5 of the scales, whose normals reach 72 degrees: near the rim of the disk a",
                     "planar Gaussian is a broad smear on the sphere. The error is that of the density shown, over",
                     "solid angle.")
-    shown, rows = [(picture(truth, inside, truth.max()), "the normals")], []
+    shown, rows = [(picture(reference, inside, reference.max()), "the normals")], []
     for count in range(1, 7):
         vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))
         gmm_bake = study.bake(f"scales_gmm{count}", source, "--green", "up", "--lobes", str(count), "--ndf", "gmm")
         density = density_of_lobes(read_lobes(study.path(f"scales_vmf{count}.ndf.exr"), level)[:, row, column],
                                    directions)
-        shown.append((picture(density, inside, truth.max()), f"{count} lobe{'s' if count > 1 else ''}"))
-        rows.append([count, percent(density_error(density, truth, directions, inside)),
+        shown.append((picture(density, inside, reference.max()), f"{count} lobe{'s' if count > 1 else ''}"))
+        rows.append([count, percent(density_error(density, reference, directions, inside)),
                      *[percent(measured(bake, level, "blinn-phong:100")) for bake in (vmf_bake, gmm_bake)]])
     study.figures(shown, name="lobes", small=True)
     study.table(["lobes", "density, vmf", "highlight s = 100, level 5, vmf", "the same, gmm"], rows)

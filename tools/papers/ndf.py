@@ -77,7 +77,7 @@ def picture(density, inside, peak):
     return rgb
 
 
-def density_error(density, truth, directions, inside):
+def density_error(density, reference, directions, inside):
     """Relative L1 over solid angle: d omega = dx dy / n_z."""
     weight = np.where(inside, 1 / np.maximum(directions[:, :, 2], 0.05), 0)
-    return float((np.abs(density - truth) * weight).sum() / (truth * weight).sum())
+    return float((np.abs(density - reference) * weight).sum() / (reference * weight).sum())

@@ -17,7 +17,10 @@ import OpenImageIO as oiio
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from report_page import STYLE, machine, table, text  # noqa: E402
 
-DIFFERENCE_GAIN = 4.0
+# multum-view's name of the picture that others are held to: many samples of the finest normals a pixel.
+REFERENCE = "truth"
+# A filter of elongated footprints, of every method that can have one.
+ELONGATED_FILTER = ("--anisotropy", "8")
 
 
 class StepFailed(Exception):
@@ -68,28 +71,34 @@ def write_sky(path, width=256):
     write_picture(path, sky, oiio.FLOAT)
 
 
-def relative_l1(picture, truth):
-    """sum |picture - truth| / sum truth, linear: what multum-view and the bakes report."""
-    return float(np.abs(picture - truth).sum() / truth.sum())
+def relative_l1(picture, reference):
+    """sum |picture - reference| / sum reference, linear: what multum-view and the bakes report."""
+    return float(np.abs(picture - reference).sum() / reference.sum())
 
 
-def colour_distance(picture, truth):
+def box_reduced(picture, factor):
+    """Means of factor x factor pixels."""
+    height, width, channels = picture.shape
+    return picture.reshape(height // factor, factor, width // factor, factor, channels).mean(axis=(1, 3))
+
+
+def colour_distance(picture, reference):
     """Tan et al.'s "normalized Euclidean color error per pixel", which they do not define: here the distance of the
     displayed (sRGB, clamped) colours over that of black and white, its mean over the pixels that the object covers."""
-    covered = truth.max(axis=2) > 0
-    return float((np.linalg.norm(srgb(picture) - srgb(truth), axis=2) / np.sqrt(3))[covered].mean())
+    covered = reference.max(axis=2) > 0
+    return float((np.linalg.norm(srgb(picture) - srgb(reference), axis=2) / np.sqrt(3))[covered].mean())
 
 
-def flicker(frames, truths):
-    """How much frames change beyond what the truth's do: the mean over neighbours in time of
-    sum |(f' - f) - (t' - t)| / sum t. 0: as steady as the truth."""
-    changes = [np.abs((frames[i + 1] - frames[i]) - (truths[i + 1] - truths[i])).sum() / truths[i].sum()
+def flicker(frames, references):
+    """How much frames change beyond what the reference's do: the mean over neighbours in time of
+    sum |(f' - f) - (r' - r)| / sum r. 0: as steady as the reference."""
+    changes = [np.abs((frames[i + 1] - frames[i]) - (references[i + 1] - references[i])).sum() / references[i].sum()
                for i in range(len(frames) - 1)]
     return float(np.mean(changes))
 
 
 class View:
-    """What one run of multum-view drew: pictures by name ("truth", "multum", "toksvig", ...), and its report."""
+    """What one run of multum-view drew: pictures by name (REFERENCE, "multum", "toksvig", ...), and its report."""
 
     def __init__(self, pictures, report):
         self.pictures, self.report = pictures, report
@@ -102,7 +111,7 @@ class View:
 class Study:
     def __init__(self, title, folder, programs, data, size, samples):
         """`programs`: folder of multum and multum-view; `data`: folder of shared real data, or None; `size`: texels a
-        side of the maps that are made; `samples`: a pixel of the truth."""
+        side of the maps that are made; `samples`: a pixel of the reference."""
         self.title, self.folder, self.programs, self.data = title, folder, programs, data
         self.size, self.samples, self.picture_count = size, samples, 0
         self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
@@ -151,7 +160,7 @@ class Study:
         return loaded
 
     def view(self, name, baked, *options, compare=(), samples=None):
-        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names. `samples`: of this truth."""
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names. `samples`: of this reference."""
         report = self.path(f"{name}.view.json")
         command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
                    "--report", report, "--samples", samples or self.samples, *options]
