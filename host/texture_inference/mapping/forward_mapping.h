@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The baseline of texture inference: "forward mapping" (Hakura et al. 2000, sections 3.2 and 3.3), which knows nothing
 // of the GL's filter. Every pixel's colour is put into the four texels around its texture coordinate, bilinearly;
-// texels are normalised; what no pixel reached is filled from coarser levels (pull-push); mips are box-filtered.
+// texels are normalised; what no pixel reached is filled from coarser levels (pull-push); mips are box-filtered. The
+// paper's baseline has a Lanczos-windowed sinc of 16 x 16 taps in the place of the bilinear splat, and reflects the
+// layer at its borders where this fills: ours spreads a pixel less far and has no ringing.
 #pragma once
 
 #include <vector>
