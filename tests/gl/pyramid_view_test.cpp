@@ -282,6 +282,62 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
   EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-3f);
 }
 
+// A surface of height 0 seen face-on from one unit above, by a lens for which one unit is 64 pixels: its finest points,
+// of 64 a side, lie a pixel apart (but for the 1 / 63 that a grid's ends add).
+TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
+  const Pyramid flat = make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; });
+  const auto level = [&](double distance, double spacing) {
+    return level_of_projection(flat, {{0.0, 0.0, distance}, 64.0 * 100.0}, spacing);
+  };
+  EXPECT_NEAR(level(100.0, 1.0), 0.0, 0.03);
+  EXPECT_NEAR(level(200.0, 1.0), 1.0, 0.03);
+  EXPECT_NEAR(level(300.0, 1.0), std::log2(3.0), 0.03);
+  EXPECT_NEAR(level(100.0, 8.0), 3.0, 0.03);
+  EXPECT_EQ(level(10.0, 1.0), 0.0) << "no finer level than the finest";
+  EXPECT_EQ(level(1e9, 1.0), 6.0) << "nor a coarser one than the coarsest";
+  EXPECT_NEAR(level_of_projection(flat, {{200.0, 0.0, 0.0}, 64.0 * 100.0}, 1.0), 1.0, 0.03) << "seen edge-on";
+}
+
+TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
+  // Control points on a plane: the patches are that plane, and reach the control points' border.
+  const Pyramid ramp =
+      make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 16.0; });
+  const PyramidSurface points = surface_at_level(ramp, 1.0), plane = patches_at_level(ramp, 1.0, 4);
+  EXPECT_EQ(plane.columns, 4 * 7 + 1);
+  EXPECT_EQ(plane.rows, 4 * 7 + 1);
+  EXPECT_EQ(plane.indices.size(), 6u * 28u * 28u);
+  EXPECT_LT(glm::distance(plane.positions.front(), points.positions.front()), 1e-6f);
+  EXPECT_LT(glm::distance(plane.positions.back(), points.positions.back()), 1e-6f);
+  // Between control points of one row that lie evenly, a cubic B-spline of heights z: (z[-1] + 4 z[0] + z[1]) / 6 at
+  // the point, (z[0] + 23 z[1] + 23 z[2] + z[3]) / 48 midway.
+  const Pyramid wave =
+      make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.2 * std::sin(1.1 * x); });
+  const PyramidSurface control = surface_at_level(wave, 0.0), spline = patches_at_level(wave, 0.0, 2);
+  const auto z = [&](int i) { return control.positions[static_cast<std::size_t>(5 * 16 + i)].z; };
+  const auto found = [&](int i) { return static_cast<std::size_t>(10 * spline.columns + i); };
+  EXPECT_NEAR(spline.positions[found(2 * 6)].z, (z(5) + 4.0f * z(6) + z(7)) / 6.0f, 1e-6f);
+  EXPECT_NEAR(spline.positions[found(2 * 6 + 1)].z, (z(5) + 23.0f * z(6) + 23.0f * z(7) + z(8)) / 48.0f, 1e-6f);
+  const float slope = 15.0f * 0.5f * (z(7) - z(5));  // at the point, by x: points lie 1 / 15 apart
+  EXPECT_LT(glm::distance(spline.normals[found(2 * 6)], glm::normalize(glm::vec3(-slope, 0.0f, 1.0f))), 1e-5f);
+}
+
+// A ring of control points: closed, without a seam.
+TEST(PyramidSurfaceTest, PatchesOfPeriodicPositionsAreClosed) {
+  constexpr int kSize = 16;
+  Pyramid tube = make_pyramid(PyramidKind::kPosition, kSize, WrapMode::kPeriodic, [](int x, int y, int c) {
+    const double angle = 2.0 * M_PI * (x + 0.5) / kSize;
+    return c == 0 ? std::cos(angle) : c == 1 ? std::sin(angle) : 0.1 * y;
+  });
+  tube.header.map.wrap_t = WrapMode::kClamp;
+  for (const PyramidSurface& surface : {surface_at_level(tube, 0.0), patches_at_level(tube, 0.0, 3)})
+    for (int row = 0; row < surface.rows; ++row) {
+      const auto first = static_cast<std::size_t>(row * surface.columns);
+      const auto last = first + static_cast<std::size_t>(surface.columns) - 1;
+      EXPECT_LT(glm::distance(surface.positions[first], surface.positions[last]), 1e-6f);
+      EXPECT_LT(glm::distance(surface.normals[first], surface.normals[last]), 1e-5f);
+    }
+}
+
 class PyramidModesTest : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return folder_ / name; }
@@ -328,6 +384,50 @@ TEST_F(PyramidModesTest, ASurfaceAtALevel) {
   const ChildResult result = view({"lod", path("h.exr"), "--level", "1.5"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NE(result.output.find("level 1.5: 6 x 6 points, 50 triangles"), std::string::npos) << result.output;
+}
+
+TEST_F(PyramidModesTest, ASurfaceByItsProjectionAndInPatches) {
+  write(make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; }), "h.exr");
+  // 32 pixels high, a right angle: a unit at distance 1 is 16 pixels, so that points lie 16 / 63 pixels apart.
+  const std::vector<std::string> above = {"lod", path("h.exr"), "--camera", "0,0,1,0,0,0,90"};
+  const auto drawn = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), above.begin(), above.end());
+    const ChildResult result = view(more);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return result.output;
+  };
+  testing::expect_says(drawn({"--point-spacing", "2"}), {"level 3.", ": 8 x 8 points"});
+  testing::expect_says(drawn({"--level", "3", "--patches", "5"}), {"level 3: 36 x 36 points"});
+  std::filesystem::remove(path("out.png"));
+  expect_refusal({"lod", path("h.exr"), "--level", "1", "--point-spacing", "1"}, 2, {"--point-spacing", "--level"});
+}
+
+// Bumps smaller than a pixel alias; the surface of a coarser level has none. The reference keeps them.
+TEST_F(PyramidModesTest, ReflectedLightOnASurfaceOfLimitedCurvature) {
+  write(make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp,
+                     [](int x, int y, int) { return 0.01 * std::sin(1.5 * x) * std::sin(1.5 * y); }),
+        "h.exr");
+  const std::string lights = path("lights.exr");
+  const ChildResult made = run_child({std::string(MULTUM_BIN_DIR) + "/multum", "reflectance", "-o", lights, "--brdf",
+                                      "blinn-phong:100", "--light", "0.3,0.8,0.5", "--size", "64"});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const auto error_at = [&](const std::string& level) {
+    const ChildResult result =
+        view({"pyramid", lights, "--surface", path("h.exr"), "--surface-level", level, "--lookup", "truth,bilinear",
+              "--samples", "16", "--report", path("r.json"), "--pictures", path("l" + level)});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file)["pictures"][1]["relative_l1"].get<double>();
+  };
+  const double finest = error_at("0"), limited = error_at("4");
+  EXPECT_LT(limited, 0.8 * finest);
+  const auto bytes = [&](const std::string& name) { return testing::read_bytes(path(name)); };
+  EXPECT_EQ(bytes("l0_truth.png"), bytes("l4_truth.png"));
+  EXPECT_NE(bytes("l0_bilinear.png"), bytes("l4_bilinear.png"));
+  std::filesystem::remove(path("out.png"));
+  expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface-level", "1"}, 2, {"no --surface"});
+  expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface", path("h.exr")}, 2,
+                 {"two", "--mesh or --surface"});
 }
 
 TEST_F(PyramidModesTest, WrongSubjectsAreRefused) {

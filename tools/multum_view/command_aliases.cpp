@@ -157,7 +157,7 @@ void add_alias_options(CLI::App& app, CommandOptions& o) {
   app.add_option("--reflectance", o.pyramid.file);
   add_lookup_options(app, o.pyramid);
   app.add_option("--lod", o.lod.file);
-  add_level_option(app, o.lod);
+  add_level_option(app, o.lod.detail);
   add_material_map_option(app, o.model);
   app.option_defaults()->group("Options");
 }

@@ -10,6 +10,7 @@
 
 #include "host/asset/pyramid/pyramid_file.h"
 #include "tools/multum_view/map_options.h"
+#include "tools/multum_view/surface_detail.h"
 
 namespace multum {
 
@@ -50,6 +51,8 @@ struct PyramidOptions {
   std::string file;
   std::optional<PyramidKind> expected;  // of the file; unset: colours or reflected light
   SurfaceOptions surface;
+  std::string surface_pyramid;  // in the place of surface.mesh, at `detail` but for the truth; empty: none
+  DetailOptions detail;
   CameraOptions camera;
   OutputOptions output;
   std::vector<std::string> lookups = {"level"};  // truth, nearest, bilinear, level, driver
@@ -67,11 +70,11 @@ int draw_pyramid(const PyramidOptions& options);
 
 struct LodOptions {
   std::string file;
-  float level = 0.0f;
+  DetailOptions detail;
+  std::optional<int> patch_steps;  // cells along a side of a bicubic patch; unset: points are corners of triangles
   PictureOptions picture;
 };
 void add_lod_options(CLI::App& app, LodOptions& options);
-CLI::Option* add_level_option(CLI::App& app, LodOptions& options);
 /// Draws a pyramid of heights or positions as a mesh of one level.
 int draw_lod(const LodOptions& options);
 

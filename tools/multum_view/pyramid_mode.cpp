@@ -82,17 +82,24 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
   return camera;
 }
 
+/// What the pyramid colours.
+struct Surfaces {
+  gl::MeshData drawn;
+  std::optional<gl::MeshData> finest;  // what the truth shows; unset: the same
+};
+
 class PyramidPictures {
  public:
   PyramidPictures(const PyramidOptions& options, const gl::RenderScene& scene, const gl::GlFunctions& gl,
-                  const Pyramid& pyramid, const gl::MeshData& mesh, std::optional<gl::PhongLights> lights)
+                  const Pyramid& pyramid, const Surfaces& surfaces, std::optional<gl::PhongLights> lights)
       : options_(options),
         gl_(gl),
         pyramid_(pyramid),
-        mesh_(gl, mesh),
+        mesh_(gl, surfaces.drawn),
         by_normal_(pyramid.header.kind == PyramidKind::kReflectance),
         lights_(std::move(lights)),
         renderer_(gl, options.output.width(), options.output.height()) {
+    if (surfaces.finest) finest_.emplace(gl, *surfaces.finest);
     scene_.camera = scene.camera;
     scene_.uv_scale = scene.uv_scale;
     scene_.level_bias = options.level_bias.value_or(by_normal_ ? gl::kEqualVarianceBias : 0.0f);
@@ -117,8 +124,9 @@ class PyramidPictures {
     const PyramidLookup finest = by_normal_ ? PyramidLookup::kBilinear : PyramidLookup::kNearest;
     return gl::supersampled(side, [&](glm::vec2 offset) {
       scene.shift = shift + offset;
-      return lights_ ? renderer_.draw_phong(mesh_, *lights_, scene)
-                     : renderer_.draw(mesh_, texture(finest), finest, by_normal_, scene);
+      const gl::Mesh& mesh = finest_ ? *finest_ : mesh_;
+      return lights_ ? renderer_.draw_phong(mesh, *lights_, scene)
+                     : renderer_.draw(mesh, texture(finest), finest, by_normal_, scene);
     });
   }
 
@@ -133,6 +141,7 @@ class PyramidPictures {
   const gl::GlFunctions& gl_;
   const Pyramid& pyramid_;
   const gl::Mesh mesh_;
+  std::optional<gl::Mesh> finest_;  // of the truth, where it is another
   const bool by_normal_;
   const std::optional<gl::PhongLights> lights_;
   gl::PyramidRenderer renderer_;
@@ -178,21 +187,28 @@ nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::
 }
 
 /// What the pyramid colours, with the camera that sees it.
-gl::MeshData make_surface(const PyramidOptions& options, const PyramidHeader& header, ViewScenes& scenes) {
+Surfaces make_surfaces(const PyramidOptions& options, const PyramidHeader& header, ViewScenes& scenes) {
   PictureOptions picture;
   picture.surface = options.surface;
   picture.camera = options.camera;
   picture.output = options.output;
   scenes = make_scenes(picture);
-  if (header.kind != PyramidKind::kReflectance) return make_mesh(picture, scenes);
-  const TriangleMesh mesh = read_mesh(options.surface.mesh);
+  if (header.kind != PyramidKind::kReflectance) return {make_mesh(picture, scenes), std::nullopt};
+  std::optional<Pyramid> pyramid;
+  if (!options.surface_pyramid.empty()) pyramid = read_surface_pyramid(options.surface_pyramid);
+  const TriangleMesh mesh =
+      pyramid ? to_triangle_mesh(surface_at_level(*pyramid, 0.0)) : read_mesh(options.surface.mesh);
   if (scenes.has_camera) {
-    frame_mesh(mesh, options.surface.mesh, options.output, scenes);
+    frame_mesh(mesh, pyramid ? options.surface_pyramid : options.surface.mesh, options.output, scenes);
   } else {
     const ReflectanceFrame frame = parse_reflectance_frame(header.map.provenance.settings, options.file);
     scenes.first.camera = viewer_camera(mesh, frame, scenes.first.camera);
   }
-  return to_mesh_data(mesh);
+  if (!pyramid) return {to_mesh_data(mesh), std::nullopt};
+  const double level = detail_level(options.detail, *pyramid, scenes.first.camera, options.output.height());
+  const PyramidSurface drawn = surface_at_level(*pyramid, level);
+  write_shown(stdout, fmt::format("level {:g}: {} x {} points\n", level, drawn.columns, drawn.rows));
+  return {to_mesh_data(to_triangle_mesh(drawn)), to_mesh_data(mesh)};
 }
 
 void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
@@ -200,10 +216,15 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
   if (!by_normal && header.kind != PyramidKind::kColour)
     throw Error(ErrorCode::kInput, fmt::format("{}: found a pyramid of {}, expected one of colours or reflected light",
                                                options.file, pyramid_kind_name(header.kind)));
-  if (by_normal && options.surface.mesh.empty())
-    throw Error(ErrorCode::kUsage, options.file + ": is a map over normals, for a surface, expected --mesh");
-  if (!by_normal && !options.surface.mesh.empty())
-    throw Error(ErrorCode::kUsage, options.file + ": is a pyramid of colours and lies on the plane, found --mesh");
+  if (by_normal && options.surface.mesh.empty() == options.surface_pyramid.empty())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: is a map over normals, for a surface, found {}, expected {}", options.file,
+                            options.surface.mesh.empty() ? "none" : "two", "--mesh or --surface"));
+  if (!by_normal && !(options.surface.mesh.empty() && options.surface_pyramid.empty()))
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is a pyramid of colours and lies on the plane, found {}",
+                                               options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
+  if (options.surface_pyramid.empty() && (options.detail.level || options.detail.spacing))
+    throw Error(ErrorCode::kUsage, "--surface-level, --surface-spacing: found no --surface, expected one");
 }
 
 void write_pyramid_report(const PyramidOptions& options, const std::string& path, const nlohmann::json& facts) {
@@ -241,6 +262,10 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
       ->capture_default_str();
   add_pictures_option(app, options.output);
   add_mesh_option(app, options.surface);
+  app.add_option("--surface", options.surface_pyramid,
+                 "put reflected light on a pyramid of heights or positions, as multum lod writes it; but for the truth "
+                 "at --surface-level, which limits its curvature");
+  add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
   app.add_option("--anisotropy", options.anisotropy, "anisotropy of the driver's lookup")
@@ -262,10 +287,10 @@ int draw_pyramid(const PyramidOptions& options) {
   std::optional<gl::PhongLights> lights;
   if (pyramid.header.kind == PyramidKind::kReflectance) lights = baked_lights(pyramid.header, options.file);
   ViewScenes scenes;
-  const gl::MeshData mesh = make_surface(options, pyramid.header, scenes);
+  const Surfaces surfaces = make_surfaces(options, pyramid.header, scenes);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(options.context);
   log_info(context->description());
-  PyramidPictures drawer(options, scenes.first, context->functions(), pyramid, mesh, lights);
+  PyramidPictures drawer(options, scenes.first, context->functions(), pyramid, surfaces, lights);
   std::vector<NamedPicture> pictures;
   for (const std::string& name : options.lookups) pictures.push_back({name, {drawer.draw(name, {0.0f, 0.0f}), 0.0}});
   const std::vector<double> flickers = options.shifts > 0 ? measure_flicker(options, drawer) : std::vector<double>();

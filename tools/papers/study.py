@@ -202,6 +202,14 @@ class Study:
                  f"<figcaption>{text(caption)}</figcaption></figure>" for file, caption in files]
         self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 
+    def strip(self, name, shown, zoom=1, crop=None):
+        """One picture, NAME.png, of several beside one another. `shown`: (displayed values 0..1, caption) each, in
+        squares of `zoom` x `zoom`; `crop`: rows and columns, as slices, of each."""
+        parts = [picture[crop] if crop else picture for picture, _ in shown]
+        enlarged = [part.repeat(zoom, 0).repeat(zoom, 1) for part in parts]
+        write_picture(self.path(f"{name}.png"), np.concatenate(enlarged, axis=1))
+        self.picture_files([(f"{name}.png", "; ".join(caption for _, caption in shown))])
+
     def write_page(self):
         rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]
         page = f"""<!DOCTYPE html>

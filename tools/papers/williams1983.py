@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Williams 1983, "Pyramidal Parametrics": filtered magnification and compression, highlights, levels of detail."""
+"""Williams 1983, "Pyramidal Parametrics": filtered magnification and compression, highlights, limited curvature, levels
+of detail and their boiling, patches."""
 import json
 import math
 
 import numpy as np
 import OpenImageIO as oiio
 from report_page import percent
-from study import write_picture
+from study import REFERENCE, box_reduced, flicker, read_picture, relative_l1, srgb, write_picture
 
 TITLE = "Williams 1983: pyramidal parametrics"
 
@@ -27,8 +28,8 @@ def colours(study):
                     "at the nearest texel it breaks into blocks and into noise; the pyramid is smooth in both.")
     study.testmap("picture")
     study.run("multum", "mip", study.path("picture_albedo.png"), "-o", study.path("picture.exr"))
-    rows = sheet(study, "colours", "the truth and three ways to look up", "pyramid", study.path("picture.exr"),
-                 "--lookup", "truth,nearest,level,driver", "--size", "400x300", "--samples", str(study.samples))
+    rows = sheet(study, "colours", "the reference and three ways to look up", "pyramid", study.path("picture.exr"),
+                 "--lookup", f"{REFERENCE},nearest,level,driver", "--size", "400x300", "--samples", str(study.samples))
     study.table(["lookup", "relative L1"],
                 [[row["name"], percent(row["relative_l1"])] for row in rows if "relative_l1" in row])
 
@@ -66,22 +67,141 @@ def highlights(study):
     ball = bumpy_ball(study.path("ball.obj"))
     found = []
     for size in ("28x28", "56x56"):
-        rows = sheet(study, f"highlights_{size}", f"{size} pixels: the truth, the finest level, the curvature's level",
-                     "pyramid", study.path("lights.exr"), "--mesh", ball, "--lookup", "truth,bilinear,level",
-                     "--shifts", "8", "--size", size, "--samples", str(min(study.samples, 64)))
+        rows = sheet(study, f"highlights_{size}",
+                     f"{size} pixels: the reference, the finest level, the curvature's level", "pyramid",
+                     study.path("lights.exr"), "--mesh", ball, "--lookup", f"{REFERENCE},bilinear,level", "--shifts",
+                     "8", "--size", size, "--samples", str(min(study.samples, 64)))
         found += [[size, row["name"], percent(row["relative_l1"]), f"{row['flicker']:.3f}"]
                   for row in rows if "relative_l1" in row]
     study.table(["pixels", "lookup", "relative L1", "flicker"], found)
 
 
+def bumpy_positions(path, width=256, height=128, bumps=0.05):
+    """The ball as a grid of positions, for multum lod: x, y, z over azimuth and polar angle."""
+    polar = (np.arange(height) + 0.5)[:, None] / height * np.pi
+    azimuth = (np.arange(width) + 0.5)[None, :] / width * 2 * np.pi
+    radius = 1 + bumps * np.sin(9 * polar) * np.sin(9 * azimuth) * np.sin(polar)
+    points = radius[:, :, None] * np.dstack([np.sin(polar) * np.cos(azimuth), np.cos(polar) * np.ones_like(azimuth),
+                                             -np.sin(polar) * np.sin(azimuth)])
+    write_picture(path, points, oiio.FLOAT)
+    return path
+
+
+def limited_curvature(study):
+    study.heading("Curvature limited before rendering")
+    study.paragraph("The surface's own pyramid takes away what is smaller than the spacing of its points in pixels,",
+                    "before any highlight is looked up. Where lights have no pyramid, points half a pixel apart are",
+                    "nearer and steadier. With one the finest surface is nearer: limited, it lacks the spread of",
+                    "normals that the bumps had, which points a pixel apart lose altogether.")
+    study.run("multum", "lod", bumpy_positions(study.path("ball_points.exr")), "-o", study.path("ball_lod.exr"), "--of",
+              "positions", "--swrap", "periodic", "--twrap", "clamp")
+    found, shown, size = [], [], "28x28"
+    for words, name, detail in (("finest", "finest", ("--surface-level", "0")),
+                                ("half a pixel", "half", ("--surface-spacing", "0.5")),
+                                ("a pixel", "whole", ("--surface-spacing", "1"))):
+        rows = sheet(study, f"limited_{name}", f"points: {words}; the reference, the finest lights, the level's",
+                     "pyramid", study.path("lights.exr"), "--surface", study.path("ball_lod.exr"), *detail, "--lookup",
+                     f"{REFERENCE},bilinear,level", "--shifts", "8", "--size", size, "--samples",
+                     str(min(study.samples, 64)), "--pictures", study.path(f"limited_{name}"), "--exposure", "0.2")
+        shown += [(read_picture(study.path(f"limited_{name}_{lookup}.png"))[:, :, :3], f"{words}, {caption}")
+                  for lookup, caption in ((REFERENCE, "reference"), ("bilinear", "finest lights"),
+                                          ("level", "the level's"))]
+        found += [[words, row["name"], percent(row["relative_l1"]), f"{row['flicker']:.3f}"]
+                  for row in rows if "relative_l1" in row]
+    study.table(["spacing of points", "lookup of lights", "relative L1", "flicker"], found)
+    study.strip("limited", [shown[0], shown[1], shown[4], shown[2], shown[5]], zoom=5)
+
+
+HILL_SIDE, OCTAVES = 257, 7  # the finest octave has a wave of 6 points
+
+
+def hills(study):
+    """A height field's pyramid."""
+    y, x = np.mgrid[0:HILL_SIDE, 0:HILL_SIDE] / HILL_SIDE
+    heights = sum(0.5 ** k * np.sin(2 ** k * 5 * x + k) * np.cos(2 ** k * 4 * y + 2 * k) for k in range(OCTAVES))
+    write_picture(study.path("hills.exr"), (0.05 * heights)[:, :, None], oiio.FLOAT)
+    study.run("multum", "lod", study.path("hills.exr"), "-o", study.path("lod.exr"))
+
+
+def draw_surface(study, name, pyramid, *options, factor=1, size=(160, 120)):
+    """A picture in linear RGB, and its row; `factor` x `factor` samples a pixel."""
+    width, height = size
+    study.run("multum-view", "lod", study.path(pyramid), *options, "-o", study.path(f"{name}.exr"), "--report",
+              study.path(f"{name}.view.json"), "--size", f"{factor * width}x{factor * height}")
+    loaded = json.loads(study.path(f"{name}.view.json").read_text())
+    return box_reduced(read_picture(study.path(f"{name}.exr"))[:, :, :3], factor), loaded["pictures"][0]
+
+
+def camera(distance):
+    return ("--camera", f"{0.45 * distance:.5f},{-0.75 * distance:.5f},{0.5 * distance:.5f},0,0,0,30", "--up", "0,0,1",
+            "--brdf", "blinn-phong:60", "--diffuse", "0.5", "--specular", "0.05", "--light", "0.4,-0.2,0.6")
+
+
+def boiling(study):
+    study.heading("The surface's level from its projection")
+    study.paragraph("A zoom of 14 frames, each 8 % farther away. What pictures change from frame to frame beyond what",
+                    "the reference changes, the finest surface with 6 x 6 samples a pixel, is boiling. The level that",
+                    "keeps points a distance in pixels changes without a step; in whole levels it jumps.")
+    frames = [3.0 * 1.08 ** k for k in range(14)]
+    references = [draw_surface(study, f"zoom_reference{k}", "lod.exr", "--level", "0", *camera(d), factor=6)[0]
+                  for k, d in enumerate(frames)]
+    rows = []
+    for words, detail in (("finest", ("--level", "0")), ("1 pixel apart", ("--point-spacing", "1")),
+                          ("2 pixels apart", ("--point-spacing", "2")), ("4 pixels apart", ("--point-spacing", "4"))):
+        drawn = [draw_surface(study, f"zoom{len(rows)}_{k}", "lod.exr", *detail, *camera(d))
+                 for k, d in enumerate(frames)]
+        rows.append([words, drawn])
+        if detail[-1] == "2":
+            whole = [draw_surface(study, f"zoom_whole{k}", "lod.exr", "--level", str(round(row["level"])), *camera(d))
+                     for k, (d, (_, row)) in enumerate(zip(frames, drawn))]
+            rows.append(["2 pixels apart, whole levels", whole])
+    study.table(["points", "levels", "triangles", "relative L1", "boiling"],
+                [[words, f"{drawn[0][1]['level']:.2f} to {drawn[-1][1]['level']:.2f}",
+                  f"{drawn[0][1]['triangles']} to {drawn[-1][1]['triangles']}",
+                  percent(float(np.mean([relative_l1(shown, r) for (shown, _), r in zip(drawn, references)]))),
+                  percent(flicker([shown for shown, _ in drawn], references))] for words, drawn in rows])
+    covered = np.argwhere(references[-1].max(axis=2) > 0)
+    crop = tuple(slice(low - 2, high + 3) for low, high in zip(covered.min(axis=0), covered.max(axis=0)))
+    study.strip("boiling", [(srgb(references[-1]), "reference, last frame"),
+                            *[(srgb(drawn[-1][0]), f"points {words}") for words, drawn in rows]], 6, crop)
+
+
+def torus_points(path, around=64, across=32):
+    """A fluted ring as a grid of control points, closed both ways."""
+    u = (np.arange(around) + 0.5)[None, :] / around * 2 * np.pi
+    v = (np.arange(across) + 0.5)[:, None] / across * 2 * np.pi
+    thick = 0.4 * (1 + 0.2 * np.sin(5 * u) * np.ones_like(v))
+    far = 1 + thick * np.cos(v)
+    write_picture(path, np.dstack([far * np.cos(u), far * np.sin(u), thick * np.sin(-v)]), oiio.FLOAT)
+    return path
+
+
+def patches(study):
+    study.heading("Patches by their control points")
+    study.paragraph("A level's points as control points of bicubic B-spline patches: smooth where triangles of the",
+                    "same points show their edges. Errors are against the spline itself, in 32 x 32 cells a patch.")
+    study.run("multum", "lod", torus_points(study.path("torus_points.exr")), "-o", study.path("torus_lod.exr"), "--of",
+              "positions", "--wrap", "periodic")
+    view = ("--camera", "0.3,-3.2,2.2,0,0,0,38", "--up", "0,0,1", "--brdf", "blinn-phong:60", "--specular", "0.1",
+            "--light", "0.4,-0.6,1")
+    draw = lambda name, *options: draw_surface(study, name, "torus_lod.exr", *options, *view, factor=4, size=(240, 160))
+    rows, shown = [], []
+    for level, points in (("1", "32 x 16"), ("2", "16 x 8")):
+        spline, _ = draw(f"spline{level}", "--level", level, "--patches", "32")
+        pictures = {"triangles": draw(f"points{level}", "--level", level)[0],
+                    **{cells: draw(f"patches{level}_{cells}", "--level", level, "--patches", cells)[0]
+                       for cells in ("2", "4", "8")}}
+        rows.append([level, points, *[percent(relative_l1(picture, spline)) for picture in pictures.values()]])
+        shown += [(srgb(pictures["triangles"]), f"{points} points as triangles"),
+                  (srgb(pictures["8"]), "as patches of 8 x 8 cells")]
+    study.table(["level", "control points", "triangles of them", "patches of 2 x 2 cells", "4 x 4", "8 x 8"], rows)
+    study.strip("patches", shown)
+
+
 def levels_of_detail(study):
     study.heading("Levels of detail")
     study.paragraph("A height field's pyramid, drawn at continuous levels: fewer points, smoother hills.")
-    size = 257
-    y, x = np.mgrid[0:size, 0:size] / size
-    heights = sum(0.5 ** k * np.sin(2 ** k * 5 * x + k) * np.cos(2 ** k * 4 * y + 2 * k) for k in range(6))
-    write_picture(study.path("hills.exr"), (0.05 * heights)[:, :, None], oiio.FLOAT)
-    study.run("multum", "lod", study.path("hills.exr"), "-o", study.path("lod.exr"))
+    hills(study)
     shown = []
     for level in (0, 2, 3.5, 5):
         name = f"level{str(level).replace('.', '_')}"
@@ -94,4 +214,7 @@ def levels_of_detail(study):
 def reproduce(study):
     colours(study)
     highlights(study)
+    limited_curvature(study)
     levels_of_detail(study)
+    boiling(study)
+    patches(study)
