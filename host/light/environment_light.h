@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepares an environment for shading, once.
+// Prepares an environment for shading; once, or as it changes.
 #pragma once
 
 #include <memory>
-#include <utility>
 
 #include "host/light/harmonics.h"
 #include "host/light/light_samples.h"
@@ -20,12 +19,16 @@ struct EnvironmentLight {
   EnvironmentMap small;      // for half_vector_light()
   SmoothEnvironment smooth;
   LightSampler sampler;
+  double processor_seconds = 0.0;  // that making it took
 };
 
-inline std::shared_ptr<const EnvironmentLight> make_environment_light(EnvironmentMap map) {
-  const EnvironmentMap shown = shrink(map, kEnvironmentWidthMax);
-  return std::make_shared<const EnvironmentLight>(EnvironmentLight{std::move(map), prefilter(shown), shrink(shown, 64),
-                                                                   smooth_environment(shown), LightSampler(shown)});
-}
+std::shared_ptr<const EnvironmentLight> make_environment_light(EnvironmentMap map);
+
+/// What make_environment_light() makes of (1 - share) a + share b, for the cost of mixing what was made of each:
+/// levels, harmonics and sums are linear in the light (Han et al. 2007, section 8, of light that changes). `a` and `b`
+/// are of one size; at shares of 0 and 1 they are returned.
+std::shared_ptr<const EnvironmentLight> mix_environments(const std::shared_ptr<const EnvironmentLight>& a,
+                                                         const std::shared_ptr<const EnvironmentLight>& b,
+                                                         double share);
 
 }  // namespace multum

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/base/error.h"
+
 namespace multum {
 namespace {
 
@@ -27,6 +29,14 @@ LightSampler::LightSampler(const EnvironmentMap& map) : width_(map.width), heigh
           texel_solid_angle(map.width, map.height, y) * sampled_luminance(glm::dvec3(map.texels[cumulative_.size()]));
       cumulative_.push_back(sum);
     }
+}
+
+LightSampler::LightSampler(const LightSampler& a, const LightSampler& b, double share)
+    : width_(a.width_), height_(a.height_) {
+  MULTUM_CHECK(a.width_ == b.width_ && a.height_ == b.height_);
+  cumulative_.reserve(a.cumulative_.size());
+  for (std::size_t i = 0; i < a.cumulative_.size(); ++i)
+    cumulative_.push_back((1.0 - share) * a.cumulative_[i] + share * b.cumulative_[i]);
 }
 
 // The texel by the inverse of the cumulative sum, then evenly in longitude and in the cosine of latitude.

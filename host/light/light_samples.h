@@ -13,6 +13,8 @@ namespace multum {
 class LightSampler {
  public:
   explicit LightSampler(const EnvironmentMap& map);
+  /// Of (1 - share) of the map of `a` and `share` of that of `b`, which are of one size.
+  LightSampler(const LightSampler& a, const LightSampler& b, double share);
   /// Number `index` of a low-discrepancy sequence; unit, in the environment's frame.
   glm::dvec3 direction(unsigned index) const;
   double total() const { return cumulative_.back(); }  // the integral of the luminance

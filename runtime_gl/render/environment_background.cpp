@@ -35,7 +35,7 @@ glm::vec3 radiance(const EnvironmentMap& map, glm::dvec2 st) {
 FloatImage environment_background(const RenderScene& scene, int width, int height) {
   MULTUM_CHECK(scene.environment != nullptr);
   const EnvironmentMap& map = scene.environment->map;
-  const std::array<glm::vec3, 3> axes = environment_axes(scene.environment_up);
+  const std::array<glm::vec3, 3> axes = environment_axes(scene);
   const glm::mat4 inverse = glm::inverse(view_projection(scene.camera, width, height, glm::vec2(0.0f)));
   // Directions are linear over the picture, before they are normalised.
   const auto at_far = [&](float x, float y) {

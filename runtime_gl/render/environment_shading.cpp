@@ -2,10 +2,12 @@
 #include "runtime_gl/render/environment_shading.h"
 
 #include <cmath>
+#include <ctime>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vec4.hpp>
 
 #include "host/base/error.h"
@@ -38,10 +40,13 @@ void set_smooth(const ShaderProgram& shader, const SmoothEnvironment& smooth) {
 
 }  // namespace
 
-std::array<glm::vec3, 3> environment_axes(const glm::vec3& up) {
+std::array<glm::vec3, 3> environment_axes(const RenderScene& scene) {
+  const glm::vec3& up = scene.environment_up;
   const glm::vec3 ahead = std::abs(up.y) < 0.9f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
-  const glm::vec3 z = -glm::normalize(ahead - up * glm::dot(up, ahead));
-  return {glm::cross(up, z), up, z};
+  const glm::vec3 z = -glm::normalize(ahead - up * glm::dot(up, ahead)), x = glm::cross(up, z);
+  const float angle = glm::radians(scene.environment_turn);
+  const float cosine = std::cos(angle), sine = std::sin(angle);
+  return {cosine * x - sine * z, up, sine * x + cosine * z};
 }
 
 ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light) {
@@ -98,7 +103,7 @@ EnvironmentShading::Tables EnvironmentShading::make_tables(const Brdf& brdf) con
 
 void EnvironmentShading::set_half_vector_light(const RenderScene& scene, glm::ivec2 viewport) {
   const glm::mat4 inverse = glm::inverse(view_projection(scene.camera, viewport.x, viewport.y, glm::vec2(0.0f)));
-  const std::array<glm::vec3, 3> axes = environment_axes(scene.environment_up);
+  const std::array<glm::vec3, 3> axes = environment_axes(scene);
   constexpr int kNodes = kGridColumns * kGridRows;
   std::vector<glm::vec4> texels(static_cast<std::size_t>(kNodes * (kHalfVectorOrder + 1) * (kHalfVectorOrder + 1)));
   for (int y = 0; y < kGridRows; ++y)
@@ -132,7 +137,14 @@ void EnvironmentShading::set_sample(const ShaderProgram& shader, const RenderSce
 void EnvironmentShading::set(const ShaderProgram& shader, const RenderScene& scene, bool samples_light,
                              glm::ivec2 viewport, int unit) {
   if (scene.environment == nullptr) return;
-  const std::array<glm::vec3, 3> axes = environment_axes(scene.environment_up);
+  const std::clock_t start = std::clock();
+  set_parts(shader, scene, samples_light, viewport, unit);
+  processor_seconds_ += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
+
+void EnvironmentShading::set_parts(const ShaderProgram& shader, const RenderScene& scene, bool samples_light,
+                                   glm::ivec2 viewport, int unit) {
+  const std::array<glm::vec3, 3> axes = environment_axes(scene);
   shader.set_vec3("u_environment_axes", glm::value_ptr(axes[0]), 3);
   set_map(scene);
   TextureBinder binder(shader, unit);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "runtime_gl/gl/texture.h"
@@ -17,8 +18,8 @@ namespace multum::gl {
 constexpr int kEnvironmentSampleCount = 32;
 
 /// The environment's x, y and z in the world: y is up; -z, the map's middle, is ahead of who looks over the plane z = 0
-/// along y, or at a mesh from the front.
-std::array<glm::vec3, 3> environment_axes(const glm::vec3& up);
+/// along y, or at a mesh from the front; then all are turned by the scene's environment_turn.
+std::array<glm::vec3, 3> environment_axes(const RenderScene& scene);
 
 /// `samples_light`: that of the material. Nothing without an environment.
 ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light);
@@ -33,7 +34,12 @@ class EnvironmentShading {
   /// Of what samples light: the directions of the picture's sample number `sample`.
   void set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample) const;
 
+  /// Processor time of set() since the last call: what an environment or a camera that changes costs besides drawing.
+  double take_processor_seconds() { return std::exchange(processor_seconds_, 0.0); }
+
  private:
+  void set_parts(const ShaderProgram& shader, const RenderScene& scene, bool samples_light, glm::ivec2 viewport,
+                 int unit);
   void set_map(const RenderScene& scene);
   // What lobes reflect of an environment by a BRDF.
   struct Tables {
@@ -49,6 +55,7 @@ class EnvironmentShading {
   std::optional<Texture> map_;
   KeptOfBrdf<Tables> tables_;
   std::optional<Texture> half_vector_light_;
+  double processor_seconds_ = 0.0;
 };
 
 }  // namespace multum::gl

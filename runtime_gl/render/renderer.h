@@ -64,6 +64,8 @@ class Renderer {
                          const ReferenceSampling& sampling, Progress* progress = nullptr);
   /// Of all that was drawn, but for how pictures are added up.
   std::vector<ShaderVariant> variants() const;
+  /// EnvironmentShading::take_processor_seconds().
+  double take_environment_seconds() { return environment_.take_processor_seconds(); }
 
  private:
   struct Variant {

@@ -49,6 +49,7 @@ struct RenderScene {
   std::shared_ptr<const EnvironmentLight> environment;  // null: none
   EnvironmentMode environment_mode = EnvironmentMode::kPrefiltered;
   glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit; what lies up in the map. With +Z, its middle lies along +Y
+  float environment_turn = 0.0f;               // degrees about `environment_up`, counterclockwise as seen from there
   Brdf brdf;
   TextureFilter filter;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv

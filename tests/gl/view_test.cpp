@@ -62,6 +62,12 @@ class ViewTest : public ::testing::Test {
     for (int i = 0; i < 128; ++i) sky += i < 64 ? "\x60\x80\xC0\x81" : "\x40\x30\x20\x7F";
     std::ofstream(path("sky.hdr"), std::ios::binary) << sky;
   }
+  /// night.hdr, of the same size: bright in one half around, so that a turn shows.
+  void write_night() const {
+    std::string night = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
+    for (int i = 0; i < 128; ++i) night += i % 16 < 8 ? "\x20\x40\xC0\x81" : "\x40\x30\x20\x7B";
+    std::ofstream(path("night.hdr"), std::ios::binary) << night;
+  }
   fs::path folder_;
 };
 
@@ -405,6 +411,45 @@ TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
   refuse({"--to-brdf", "ggx:0.1", "--scene", path("plan.json")}, {"--scene", "file"});
   refuse({"--to-diffuse", "1", "--pictures", path("p")}, {"unknown option '--pictures'"});
   expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, {"--to-brdf", "'multum-view animate'"});
+}
+
+// The last frame is what the last frame's environment shows by itself.
+TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
+  write_sky();
+  write_night();
+  for (const char* mode : {"prefiltered", "sh"}) {
+    const std::vector<std::string> common = {
+        "--environment-mode", mode, "--brdf", "blinn-phong:12", "--size", "16x12", "--context", "osmesa"};
+    std::vector<std::string> animate = {"animate",
+                                        path("map.ndf.exr"),
+                                        "-o",
+                                        path("frames"),
+                                        "--frames",
+                                        "3",
+                                        "--environment",
+                                        path("sky.hdr"),
+                                        "--to-environment",
+                                        path("night.hdr"),
+                                        "--to-environment-turn",
+                                        "90",
+                                        "--report",
+                                        path("r.json")};
+    animate.insert(animate.end(), common.begin(), common.end());
+    const ChildResult result = run(animate);
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    std::vector<std::string> last = {"-o", path("still.png"), "--environment", path("night.hdr"), "--environment-turn",
+                                     "90"};
+    last.insert(last.end(), common.begin(), common.end());
+    const ChildResult still = view(last);
+    ASSERT_EQ(still.exit_code, 0) << still.output;
+    const auto hash_of = [&](const char* name) { return hash_file((folder_ / "frames" / name).string()); };
+    EXPECT_EQ(hash_file(path("still.png")), hash_of("frame_0002.png"));
+    EXPECT_NE(hash_of("frame_0001.png"), hash_of("frame_0002.png"));
+    EXPECT_NE(hash_of("frame_0001.png"), hash_of("frame_0000.png"));
+    std::ifstream file(path("r.json"));
+    EXPECT_GT(nlohmann::json::parse(file)["pictures"][1][0]["environment_processor_ms"]["set"].get<double>(), 0.0);
+  }
+  expect_refusal({"-o", path("out.png"), "--environment-turn", "10"}, 2, {"--environment-turn", "no --environment"});
 }
 
 TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {

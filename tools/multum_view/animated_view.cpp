@@ -40,6 +40,8 @@ gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene
   scene.camera.eye = glm::mix(from.camera.eye, to.camera.eye, share);
   scene.camera.target = glm::mix(from.camera.target, to.camera.target, share);
   scene.camera.fov_y_degrees = glm::mix(from.camera.fov_y_degrees, to.camera.fov_y_degrees, share);
+  scene.environment = mix_environments(from.environment, to.environment, t);
+  scene.environment_turn = glm::mix(from.environment_turn, to.environment_turn, share);
   scene.brdf = brdf_between(from.brdf, to.brdf, t);
   MULTUM_CHECK(from.lights.size() == to.lights.size() && from.point_lights.size() == to.point_lights.size());
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
@@ -67,8 +69,12 @@ nlohmann::json draw_animation(const MapOptions& options, const ViewScenes& scene
     const double t = count > 1 ? static_cast<double>(frame) / (count - 1) : 0.0;
     output.path = frame_path(options.animation, frame);
     write_shown(stdout, fmt::format("frame {}\n", frame));
-    const std::vector<NamedPicture> pictures = drawer.draw(scene_between(scenes.first, scenes.last, t));
+    const gl::RenderScene scene = scene_between(scenes.first, scenes.last, t);
+    const std::vector<NamedPicture> pictures = drawer.draw(scene);
     frames.push_back(print_table(pictures));
+    if (scene.environment)
+      frames.back()[0]["environment_processor_ms"] = {{"made", 1e3 * scene.environment->processor_seconds},
+                                                      {"set", 1e3 * drawer.take_environment_seconds()}};
     write_pictures(output, pictures);
   }
   return frames;

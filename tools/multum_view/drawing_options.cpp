@@ -29,6 +29,9 @@ void add_environment_options(CLI::App& app, LightOptions& options) {
   app.add_option(
       "--environment", options.environment,
       "light from everywhere, seen behind what is drawn: an image over latitude and longitude, .exr or .hdr");
+  app.add_option("--environment-turn", options.environment_turn,
+                 "turn the environment by so many degrees about what is up, counterclockwise as seen from there")
+      ->check(number_in(-3600.0f, 3600.0f));
   app.add_flag("--no-background", options.no_background, "draw black behind the surface, not the environment");
   add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
              "highlights of the environment: prefiltered (mips convolved with vMFs) or sh (harmonics to order 8, for "

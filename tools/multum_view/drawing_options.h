@@ -28,6 +28,7 @@ struct LightOptions {
   std::vector<gl::PointLight> points;
   std::string environment;                              // over latitude and longitude; empty: none
   std::optional<gl::EnvironmentMode> environment_mode;  // unset: prefiltered
+  std::optional<float> environment_turn;                // degrees about what is up; unset: 0
   bool no_background = false;                           // black where nothing stands, not the environment
 };
 

@@ -24,7 +24,7 @@ int draw_map(MapOptions options) {
   const gl::MeshData mesh_data = make_mesh(picture, scenes);
   const gl::NormalImage source =
       needs_source(options, map.header) ? read_source(options, scenes, map) : gl::NormalImage{};
-  scenes.first.environment = scenes.last.environment = read_environment(picture.light);
+  read_environments(options, scenes);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(picture.context);
   log_info(context->description());
   warn_of_wrong_anisotropy(options, map.header, context->description());

@@ -110,6 +110,11 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
           options.point_lights.push_back(parse_point_light("--to-point-light", text));
       },
       "--point-light of the last frame, as often as --point-light");
+  app.add_option("--to-environment", options.environment,
+                 "environment that --environment fades into, of its size; its harmonics and filtered levels change "
+                 "from frame to frame");
+  app.add_option("--to-environment-turn", options.environment_turn, "--environment-turn of the last frame")
+      ->check(number_in(-3600.0f, 3600.0f));
   app.add_option("--to-brdf", options.brdf, "--brdf of the last frame, of the same family");
   app.add_option_function<std::string>(
       "--to-diffuse", [&](const std::string& text) { options.diffuse = parse_colour("--to-diffuse", text); },
@@ -133,6 +138,11 @@ void check_map_options(const MapOptions& options) {
     if (!path->empty() && source.normals.empty())
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
+  const AnimationOptions& to = options.animation;
+  if (picture.light.environment.empty() &&
+      (picture.light.environment_turn || to.environment_turn || !to.environment.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--environment-turn, --to-environment and --to-environment-turn: found no --environment, expected one");
   const bool has_frames = !options.animation.folder.empty();
   if (has_frames != options.animation.changes_anything())
     throw Error(ErrorCode::kUsage, has_frames ? "animate: say what changes: --to-camera, --to-light, --to-brdf, ..."

@@ -37,9 +37,12 @@ struct AnimationOptions {
   std::optional<glm::vec3> diffuse, specular;
   std::vector<gl::Light> lights;
   std::vector<gl::PointLight> point_lights;
+  std::string environment;  // of the size of the first frame's
+  std::optional<float> environment_turn;
 
   bool changes_anything() const {
-    return camera || !brdf.empty() || diffuse || specular || !lights.empty() || !point_lights.empty();
+    return camera || !brdf.empty() || diffuse || specular || !lights.empty() || !point_lights.empty() ||
+           !environment.empty() || environment_turn;
   }
 };
 

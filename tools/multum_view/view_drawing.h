@@ -33,6 +33,7 @@ class PictureDrawer {
   /// The truth first, where it is asked for, then the baked map, then the baselines.
   std::vector<NamedPicture> draw(const gl::RenderScene& scene);
   std::vector<gl::ShaderVariant> variants() const { return renderer_.variants(); }
+  double take_environment_seconds() { return renderer_.take_environment_seconds(); }
 
  private:
   const MapOptions& options_;

@@ -205,6 +205,19 @@ std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& opt
   return make_environment_light(std::move(map));
 }
 
+void read_environments(const MapOptions& options, ViewScenes& scenes) {
+  const std::string& last = options.animation.environment;
+  scenes.first.environment = scenes.last.environment = read_environment(options.picture.light);
+  if (last.empty()) return;
+  LightOptions light = options.picture.light;
+  light.environment = last;
+  scenes.last.environment = read_environment(light);
+  const EnvironmentMap &from = scenes.first.environment->map, &to = scenes.last.environment->map;
+  if (from.width != to.width || from.height != to.height)
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {} x {} texels, expected {} x {}, as {} has", last, to.width,
+                                               to.height, from.width, from.height, options.picture.light.environment));
+}
+
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (!needs_source(options, baked) && !options.source.normals.empty())
     log_warning(options.source.normals + ": is not read without --compare: the baked map's picture does not need it");

@@ -27,6 +27,8 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
 
 /// Null without --environment.
 std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& options);
+/// That of the first frame and of the last. Throws Error(kInput) where they are not of one size.
+void read_environments(const MapOptions& options, ViewScenes& scenes);
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked);
 

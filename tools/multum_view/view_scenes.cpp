@@ -46,6 +46,7 @@ void set_lights(const LightOptions& options, const glm::vec3& up, gl::RenderScen
   scene.point_lights = options.points;
   scene.environment_mode = options.environment_mode.value_or(gl::EnvironmentMode::kPrefiltered);
   scene.environment_up = up;
+  scene.environment_turn = options.environment_turn.value_or(0.0f);
 }
 
 std::vector<Brdf> make_basis(const MaterialOptions& options) {
@@ -117,6 +118,7 @@ ViewScenes make_scenes(const PictureOptions& options) {
 void change_last_scene(const AnimationOptions& options, ViewScenes& scenes) {
   scenes.has_last_camera = options.camera.has_value();
   if (options.camera) place_camera(*options.camera, scenes.last.camera);
+  if (options.environment_turn) scenes.last.environment_turn = *options.environment_turn;
   change_brdf(options, scenes, scenes.last.brdf);
   change_lights("--to-light", options.lights, scenes.last.lights);
   change_lights("--to-point-light", options.point_lights, scenes.last.point_lights);

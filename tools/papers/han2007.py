@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Han, Sun, Ramamoorthi and Grinspun 2007, "Frequency Domain Normal Map Filtering": figures 1 to 9."""
+"""Han, Sun, Ramamoorthi and Grinspun 2007, "Frequency Domain Normal Map Filtering": figures 1 to 9, section 8."""
+import json
+
 import cloth
+import numpy as np
+import OpenImageIO as oiio
 from ndf import density_error, density_of_lobes, density_of_normals, disk, picture, read_lobes, read_normals
 from report_page import percent
-from study import ELONGATED_FILTER, REFERENCE, relative_l1, write_sky
+from study import ELONGATED_FILTER, REFERENCE, read_picture, relative_l1, write_picture, write_sky
 
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
@@ -170,6 +174,42 @@ def environment_light(study):
     study.table(["s", "six lobes, harmonics", "six lobes, filtered maps", "averaged normals"], rows)
 
 
+def changing_light(study):
+    """Section 8's dynamic lighting: an environment that turns and fades into another."""
+    study.heading("Section 8: an environment that changes at run time")
+    frames = 5
+    study.paragraph("A sky turns by 90 degrees and fades into dusk. From frame to frame the harmonics up to order 2",
+                    "and the filtered maps are mixed of those of both skies, in which they are linear; an environment",
+                    "that no frame knew before costs what the column of a new one has. Harmonics to order 8 of the",
+                    "light over half vectors (Han's highlights) are made anew in every frame in any case.")
+    light, dusk = study.path("sky512.exr"), study.path("dusk512.exr")
+    write_sky(light, 512)
+    sky = read_picture(light)
+    write_picture(dusk, np.roll(sky, 200, axis=1) * np.array([0.9, 0.45, 0.2], dtype=np.float32), oiio.FLOAT)
+    scene = (study.path("quarters_white.ndf.exr"), "--green", "up", "--source", study.path("quarters_normal.png"),
+             "--mesh", study.torus(), "--repeat", "3", "--up", "0,0,1", "--camera", "0.9,-2.2,1.7,0,0,0,40",
+             "--environment", light, "--to-environment", dusk, "--to-environment-turn", "90", "--diffuse", "0.35",
+             "--specular", "0.3", "--brdf", "blinn-phong:12", "--exposure", "0.5", "--frames", frames, *FRAME)
+    errors, costs = [], []
+    for mode, words in (("sh", "harmonics, order 8"), ("prefiltered", "filtered maps")):
+        folder, report = study.path(f"changing_{mode}"), study.path(f"changing_{mode}.json")
+        run = lambda *more: study.run("multum-view", "animate", *scene, "--environment-mode", mode, "-o", folder,
+                                      "--report", report, *more)
+        run("--compare", f"{REFERENCE},mip", "--samples", study.samples, "--no-background")
+        rows = [{row["name"]: row for row in frame} for frame in json.loads(report.read_text())["pictures"]]
+        for name, key in ((words, "multum"), (f"averaged normals, {words}", "mip")):
+            errors.append([name, *[percent(frame[key]["relative_l1"]) for frame in rows]])
+        run()
+        costs.append([words, [frame[0]["environment_processor_ms"]
+                              for frame in json.loads(report.read_text())["pictures"]]])
+    study.strip("changing_light", [(read_picture(folder / f"frame_{k:04}.png")[:, :, :3], f"frame {k + 1}")
+                                   for k in range(frames)], crop=(slice(None, None, 2), slice(None, None, 2)))
+    study.table(["relative L1", *[f"frame {k + 1}" for k in range(frames)]], errors)
+    study.table(["processor time a frame, ms", "a new environment, 512 x 256", "the mixture of two", "into the shader"],
+                [[words, f"{spent[0]['made']:.0f}", f"{np.median([s['made'] for s in spent[1:-1]]):.1f}",
+                  f"{np.median([s['set'] for s in spent[1:-1]]):.0f}"] for words, spent in costs])
+
+
 def shininess(study, material):
     study.heading("Figures 6 and 8: scale, shininess and light, changed without another bake")
     without = list(material)
@@ -224,3 +264,4 @@ def reproduce(study):
     shininess(study, material)
     lobe_counts(study)
     environment_light(study)
+    changing_light(study)

@@ -139,6 +139,39 @@ TEST(PrefilteredLevels, HaveTheirMeanCosines) {
 }
 
 // Under light of 1 from everywhere L' = 4 (v.h)^2 on a hemisphere: its mean is 4 (2 pi / 3) Y_00.
+// What is mixed of two prepared environments is what is prepared of the mixed one, to the rounding of floats.
+TEST(EnvironmentLight, MixingIsLinear) {
+  const auto sky = [](const glm::dvec3& d) { return glm::vec3(1.0 + d.y, 0.5, 0.2 * d.x * d.x); };
+  const auto lamp = [](const glm::dvec3& d) { return glm::vec3(d.z > 0.9 ? 40.0f : 0.1f); };
+  constexpr double kShare = 0.3;
+  const auto a = make_environment_light(make_map(32, sky)), b = make_environment_light(make_map(32, lamp));
+  const auto anew = make_environment_light(make_map(32, [&](const glm::dvec3& d) {
+    return static_cast<float>(1.0 - kShare) * sky(d) + static_cast<float>(kShare) * lamp(d);
+  }));
+  const auto mixed = mix_environments(a, b, kShare);
+  ASSERT_EQ(mixed->levels.levels.size(), anew->levels.levels.size());
+  EXPECT_EQ(mixed->levels.spreads, anew->levels.spreads);
+  const auto expect_same = [](const EnvironmentMap& found, const EnvironmentMap& expected) {
+    ASSERT_EQ(found.texels.size(), expected.texels.size());
+    for (std::size_t i = 0; i < found.texels.size(); ++i)
+      ASSERT_LT(glm::length(found.texels[i] - expected.texels[i]), 1e-5f * (1.0f + glm::length(expected.texels[i])));
+  };
+  expect_same(mixed->map, anew->map);
+  expect_same(mixed->small, anew->small);
+  for (std::size_t l = 0; l < anew->levels.levels.size(); ++l)
+    expect_same(mixed->levels.levels[l], anew->levels.levels[l]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(mixed->smooth.mean[c], anew->smooth.mean[c], 1e-5);
+    EXPECT_LT(glm::length(mixed->smooth.linear[c] - anew->smooth.linear[c]), 1e-5);
+    for (int row = 0; row < 3; ++row)
+      EXPECT_LT(glm::length(mixed->smooth.quadratic[c][row] - anew->smooth.quadratic[c][row]), 1e-5);
+  }
+  EXPECT_NEAR(mixed->sampler.total(), anew->sampler.total(), 1e-5 * anew->sampler.total());
+  EXPECT_LT(glm::length(mixed->sampler.direction(3) - anew->sampler.direction(3)), 0.1);
+  EXPECT_EQ(mix_environments(a, b, 0.0), a);
+  EXPECT_EQ(mix_environments(a, b, 1.0), b);
+}
+
 TEST(HalfVectorLight, OfConstantLight) {
   const EnvironmentMap white = make_map(64, [](const glm::dvec3&) { return glm::vec3(1.0f); });
   for (const glm::dvec3 v : {glm::dvec3(0.0, 1.0, 0.0), glm::normalize(glm::dvec3(1.0, -0.3, 0.4))}) {
