@@ -39,6 +39,7 @@ def check_em(text):
     levels = [row["level"] for row in result["levels"]]
     assert levels == list(range(levels[0], 0, -1)), f"levels {levels}: expected each from the second coarsest to 1"
     assert 2 ** (levels[0] + 1) == result["size"]
+    if "--instructions avx2" in result["command"]: assert result["yardstick_instructions"] == "AVX2", result
     assert result["ratio"] > 0 and result["kernels_ms"] > 0 and result["evaluations_per_s"] > 0
     for row in result["levels"]:
         check_spread({"median": row["ratio"], "quartiles": row["ratio_quartiles"]})

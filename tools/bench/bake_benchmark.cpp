@@ -52,6 +52,7 @@ std::vector<std::string> row_of(const std::string& name, const Json& values, std
 }  // namespace
 
 Json run_bake_benchmark(const BakeBenchmarkOptions& options, Progress* progress) {
+  if (options.instructions) limit_opencl(choose_instructions(options.instructions));
   const std::string version = maketx_version();
   const ScratchFolder folder(options.folder);
   const std::string map = make_map_file(folder.path(), options.size, progress);
@@ -78,6 +79,7 @@ Json run_bake_benchmark(const BakeBenchmarkOptions& options, Progress* progress)
                  {"lobes", options.lobes},
                  {"repetitions", options.repetitions},
                  {"result_hash", content_hash}};
+  if (options.instructions) result["instructions"] = instructions_name(*options.instructions);
   result["programs"] = {{{"name", "multum bake"}, {"command", command_text(ours)}},
                         {{"name", "maketx"}, {"command", command_text(theirs)}, {"version", version}}};
   result["programs"][0].update(costs_json(our_costs));
@@ -94,7 +96,8 @@ ResultView view_bake(const Json& result) {
   table.add(row_of(ours.at("name"), ours, kCosts));
   table.add(row_of(theirs.at("name"), theirs, kCosts));
   table.add(row_of("ratio", result.at("ratio"), {"wall", "cpu", "peak", "output"}));
-  return {fmt::format("A whole bake against maketx, {0} x {0}", result.at("size").get<int>()),
+  return {fmt::format("A whole bake against maketx, {0} x {0}{1}", result.at("size").get<int>(),
+                      result.contains("instructions") ? ", " + result["instructions"].get<std::string>() : ""),
           fmt::format(
               "The four-quarter map, from a 16-bit PNG to a file that is synced to disk ({}). A: `{}`; B: `{}` "
               "(OpenImageIO {}). {} pairs A B, after one run of each that does not count; the ratio is that of a "

@@ -106,7 +106,7 @@ class LevelBench {
     });
   }
 
-  double time_yardstick() {
+  double time_yardstick(Instructions instructions) {
     YardstickLevel y{static_cast<int>(lobes_),
                      fit_.iteration_count,
                      static_cast<int>(slots_ / MULTUM_GROUP),
@@ -122,7 +122,7 @@ class LevelBench {
     y.level_width = fit_.width;
     y.texel_count = fit_.width * fit_.height;
     y.texel_side = fit_.sample_columns;
-    return milliseconds_of([&] { yardstick_result_ = fit_with_yardstick(y); });
+    return milliseconds_of([&] { yardstick_result_ = fit_with_yardstick(y, instructions); });
   }
 
   const std::vector<MultumVmfLobe>& kernel_result() {
@@ -164,13 +164,13 @@ class LevelBench {
 using Json = nlohmann::ordered_json;
 
 // All cores, half of them or a quarter: where work is little, waking threads costs more than they do.
-int fastest_threads(LevelBench& bench) {
+int fastest_threads(LevelBench& bench, Instructions instructions) {
   int best = core_count();
   double least = 0.0;
   for (const int share : {1, 2, 4}) {
     const int threads = std::max(1, core_count() / share);
     omp_set_num_threads(threads);
-    const double time = bench.time_yardstick();
+    const double time = bench.time_yardstick(instructions);
     if (share == 1 || time < least) {
       least = time;
       best = threads;
@@ -186,17 +186,17 @@ Json run_kernels(LevelBench& bench, int level, int repetitions) {
   return {{"level", level}, {"kernels_ms", spread_of(times).median}};
 }
 
-Json run_level(LevelBench& bench, int level, const EmBenchmarkOptions& options) {
+Json run_level(LevelBench& bench, int level, const EmBenchmarkOptions& options, Instructions instructions) {
   if (!options.yardstick) return run_kernels(bench, level, options.repetitions);
   const int repetitions = options.repetitions;
   bench.time_kernels();  // compiles, fills caches
-  const int threads = options.threads > 0 ? options.threads : fastest_threads(bench);
+  const int threads = options.threads > 0 ? options.threads : fastest_threads(bench, instructions);
   omp_set_num_threads(threads);
-  bench.time_yardstick();
+  bench.time_yardstick(instructions);
   std::vector<double> ours, theirs, ratios;
   for (int i = 0; i < repetitions; ++i) {
     ours.push_back(bench.time_kernels());
-    theirs.push_back(bench.time_yardstick());
+    theirs.push_back(bench.time_yardstick(instructions));
     ratios.push_back(ours.back() / theirs.back());
   }
   const Spread ratio = spread_of(ratios);
@@ -218,6 +218,8 @@ double sum_over_levels(const Json& levels, const char* key) {
 }  // namespace
 
 Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
+  const Instructions instructions = choose_instructions(options.instructions);
+  if (options.instructions) limit_opencl(instructions);
   Device device = Device::open(options.device);
   const NormalMap map = make_four_quarter_map(options.size, 7).normals;
   MovmfSettings settings;
@@ -237,7 +239,7 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
     progress_advance(progress, 0);              // a chance to cancel
     // Each level starts from the level above it as the kernels fitted it.
     LevelBench bench(device, map, level, parent, options);
-    levels.push_back(run_level(bench, level.level, options));
+    levels.push_back(run_level(bench, level.level, options, instructions));
     parent = bench.kernel_result();
     hash.update(parent.data(), parent.size() * sizeof(MultumVmfLobe));
     fmt::print(stderr, "level {}: {} ms\n", level.level, rounded_text(levels.back()["kernels_ms"].get<double>()));
@@ -257,6 +259,7 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
                  {"levels", levels}};
   if (options.yardstick) {
     const double theirs = sum_over_levels(levels, "yardstick_ms");
+    result["yardstick_instructions"] = instructions_name(instructions);
     result["yardstick_ms"] = theirs;
     result["ratio"] = ours / theirs;
   }
@@ -304,14 +307,15 @@ ResultView view_em(const Json& result) {
       "EM kernels against plain C++",
       fmt::format(
           "EM of the four-quarter map, {0} x {0}, {1} lobes, {2} iterations, every level but the coarsest; "
-          "kernels and yardstick (`tools/bench/yardsticks/em_yardstick.cpp`: the same sums in C++ with 16-wide vectors "
-          "and OpenMP, {3}) in turns, {4} pairs a level, from the same starts; the ratio is that "
+          "kernels and yardstick (`tools/bench/yardsticks/em_yardstick.cpp`: the same sums in C++ with {6} and OpenMP, "
+          "{3}) in turns, {4} pairs a level, from the same starts; the ratio is that "
           "of a pair, in the last row that of the sums of medians. Mean difference: of amplitudes and "
           "first moments; where lobes outnumber normals, rounding picks between equal optima. {5} G lobe "
           "evaluations a second.",
           result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
           threads_text(result), result.at("repetitions").get<int>(),
-          rounded_text(result.at("evaluations_per_s").get<double>() / 1e9)),
+          rounded_text(result.at("evaluations_per_s").get<double>() / 1e9),
+          result.value("yardstick_instructions", "16-wide vectors")),
       table.text()};
 }
 

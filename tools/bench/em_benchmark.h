@@ -3,10 +3,12 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "host/base/progress.h"
 #include "tools/bench/documents/result_view.h"
+#include "tools/bench/measuring/instructions.h"
 
 namespace multum::bench {
 
@@ -18,6 +20,7 @@ struct EmBenchmarkOptions {
   int threads = 2;        // of the yardstick, and of a processor that is the device; 0: of each level the fastest
   std::string device;     // as Device::open() has it
   bool yardstick = true;  // false: the kernels alone
+  std::optional<Instructions> instructions;  // of both; nullopt: the widest that the processor has
 };
 
 /// Milliseconds of both, a level, and their ratio; the sum over levels; the mean difference of results.

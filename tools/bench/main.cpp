@@ -21,6 +21,7 @@
 #include "tools/bench/load_benchmark.h"
 #include "tools/bench/measuring/command_text.h"
 #include "tools/bench/measuring/gl_contexts.h"
+#include "tools/bench/measuring/instructions.h"
 #include "tools/bench/on_gpu.h"
 #include "tools/bench/scale_benchmark.h"
 #include "tools/command_line/choices.h"
@@ -37,6 +38,8 @@ constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
 
 const Choices<gl::ContextBackend> kContexts = {
     {"osmesa", gl::ContextBackend::kOsmesa}, {"egl", gl::ContextBackend::kEgl}, {"auto", gl::ContextBackend::kAuto}};
+
+const Choices<Instructions> kInstructions = {{"avx2", Instructions::kAvx2}, {"avx512", Instructions::kAvx512}};
 
 // PoCL takes its thread count from the environment when the first platform is looked for.
 void set_device_threads(int threads) { setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1); }
@@ -94,6 +97,8 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--device", em.device, kDeviceHelp);
+  add_choice(*command, "--instructions", em.instructions, kInstructions,
+             "vector instructions of the yardstick, and of kernels on PoCL (default: the widest that there are)");
   command->add_flag("!--no-yardstick", em.yardstick, "time the kernels alone");
   return {command, "", [&em](Progress* progress) {
             if (em.threads > 0) set_device_threads(em.threads);
@@ -125,6 +130,8 @@ Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
   add_side(*command, "--size", bake.size, "side of the map");
   add_bake_options(*command, bake);
   add_repetitions(*command, bake, "pairs of runs");
+  add_choice(*command, "--instructions", bake.instructions, kInstructions,
+             "vector instructions of multum's kernels on PoCL (default: the widest that there are)");
   command->add_option("options", bake.bake_options, "behind --: more options of multum bake");
   return {command, "", [&bake](Progress* progress) { return run_bake_benchmark(bake, progress); }};
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of the EM kernels: the same sums in plain C++ with 16-wide vectors (GCC's vector extensions, compiled
-// for the machine at hand: AVX-512, or pairs of AVX2 registers) and OpenMP. Kept readable; the kernels are measured
-// against it.
+// The yardstick of the EM kernels: the same sums in plain C++ with vectors as wide as a register (GCC's vector
+// extensions, compiled for AVX-512 and for AVX2) and OpenMP. Kept readable; the kernels are measured against it.
 #pragma once
 
 #include <cstddef>
 #include <vector>
+
+#include "tools/bench/measuring/instructions.h"
 
 namespace multum::bench {
 
@@ -29,7 +30,7 @@ struct YardstickLevel {
   int texel_side = 0;  // finest texels along a side
 };
 
-/// (r_x, r_y, r_z, a) of [lobe][texel slot].
-std::vector<float> fit_with_yardstick(const YardstickLevel& level);
+/// (r_x, r_y, r_z, a) of [lobe][texel slot]. The build for `instructions`, which the processor must have.
+std::vector<float> fit_with_yardstick(const YardstickLevel& level, Instructions instructions);
 
 }  // namespace multum::bench
