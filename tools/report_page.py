@@ -5,7 +5,8 @@ import math
 import os
 import pathlib
 import platform
-import subprocess
+
+import committed_tree
 
 SERIES = ["c1", "c2", "c3", "c4"]
 
@@ -117,17 +118,12 @@ def first_value(path, key):
 
 def machine(devices, contexts, versions):
     """A table of what the page's figures were measured on."""
-    commit = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=False,
-                            cwd=pathlib.Path(__file__).parent) if has_program("git") else None
+    commit = f"commit {committed_tree.commit_of()}"  # behind which -dirty stands where sources are not committed
     rows = [["processor", first_value("/proc/cpuinfo", "model name") or platform.machine()],
             ["logical cores", len(os.sched_getaffinity(0))],
             ["system", first_value("/etc/os-release", "PRETTY_NAME") or platform.platform()],
             ["OpenCL", ", ".join(sorted(devices))],
             ["GL", ", ".join(sorted(contexts))],
             ["multum", ", ".join(sorted(versions)) +
-             (f", commit {commit.stdout.strip()}" if commit and commit.returncode == 0 else "")]]
+             (f", {commit}" if commit else "")]]
     return table(["", ""], [r for r in rows if r[1]])
-
-
-def has_program(name):
-    return any(os.access(os.path.join(folder, name), os.X_OK) for folder in os.get_exec_path())

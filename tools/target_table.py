@@ -18,6 +18,8 @@ import sys
 import tempfile
 import time
 
+import committed_tree
+
 CHOICE = re.compile(r"(?P<verdict>chosen|best reached): (?P<options>--ndf .*?): "
                     r"(?P<error>[\d.]+) \+- (?P<interval>[\d.]+) %"
                     r"(?: when shaded as (?P<shading>[\w-]+))?.*?; (?P<tried>\d+) of \d+ settings tried")
@@ -102,7 +104,9 @@ def main():
     parser.add_argument("--state", help="JSON file of rows, written as they are made")
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("-o", "--output", required=True)
+    committed_tree.add_option(parser)
     arguments = parser.parse_args()
+    commit = committed_tree.stated_commit(arguments.allow_dirty)
     rows = json.load(open(arguments.state)) if arguments.resume and os.path.exists(arguments.state) else []
     done = {(row["map"], row["target"]) for row in rows}
     with tempfile.TemporaryDirectory() as folder:
@@ -120,7 +124,7 @@ def main():
     version = subprocess.run([arguments.multum, "--version"], capture_output=True, text=True).stdout.strip()
     device = subprocess.run([arguments.multum, "devices"], capture_output=True, text=True).stdout.splitlines()
     name = re.sub(r"^\d+\s+|\s+\(.*", "", device[0]) if device else "no device"
-    machine = f"{version} on {name}"
+    machine = f"{version}, {commit}, on {name}"
     pathlib.Path(arguments.output).write_text(document(arguments, rows, machine))
 
 
