@@ -54,7 +54,7 @@ def stated_commit(allow_dirty, root=ROOT):
         sys.exit(f"{pathlib.Path(sys.argv[0]).name}: the sources are at commit {commit}, expected a committed tree, "
                  "from which the same figures can be made again; commit first, or say --allow-dirty, which the "
                  "document then states")
-    return f"commit {commit}, made with --allow-dirty from sources that are not committed"
+    return f"commit {commit} (--allow-dirty: sources that are not committed)"
 
 
 def main():

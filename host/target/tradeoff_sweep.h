@@ -47,8 +47,10 @@ struct TradeoffRow {
   /// Error that rows are ranked by: `reached` does not see levels 0 and 1, and so not what --first-level leaves to the
   /// normal map; pictures do.
   double ranked_error() const { return rendered >= 0.0 ? rendered : reached.error; }
-  double bake_seconds = 0.0;  // fitting or averaging, and writing; reading is the same for all
-  double frame_ms = -1.0;     // < 0: not drawn
+  // Of fitting or averaging, and writing; reading is the same for all: elapsed, and of processors
+  // (host/base/run_times.h)
+  double bake_seconds = 0.0, bake_processor_seconds = 0.0;
+  double frame_ms = -1.0;  // < 0: not drawn
   std::uint64_t file_bytes = 0;
   std::uint64_t normals_bytes = 0;    // on the GPU, of the normal map that has the levels finer than the file's first
   std::uint64_t gpu_bytes = 0;        // with these

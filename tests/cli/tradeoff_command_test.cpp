@@ -108,6 +108,8 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   std::size_t fitting = 0;
   std::map<std::pair<int, int>, std::uint64_t> bytes;  // by lobes and first level
   for (const nlohmann::json& row : json["rows"]) {
+    EXPECT_GT(row["bake_seconds"].get<double>(), 0.0) << row;
+    EXPECT_GT(row["bake_processor_seconds"].get<double>(), 0.0) << row;
     EXPECT_EQ(row["fits"], row["gpu_bytes"].get<std::uint64_t>() <= bytes_max) << row;
     fitting += row["fits"].get<bool>() ? 1 : 0;
     if (row["fits"]) best = std::min(best, row["relative_l1"].get<double>());

@@ -7,7 +7,8 @@
 
 namespace multum::bench {
 
-/// The commit, abbreviated; "-dirty" is appended when tracked files differed from it; "unknown" outside a repository.
+/// The commit, abbreviated; "-dirty" is appended when tracked files but documents differed from it; "unknown" outside a
+/// repository.
 std::string built_commit();
 
 std::string compiler_name();  // "GNU 12.2.0, Release"

@@ -127,8 +127,8 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
 }
 
 // All of one anisotropy, in turns; the first is what the others are compared with.
-void time_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOptions& options,
-                   std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
+void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOptions& options,
+                          std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
   const gl::Mesh mesh(functions, plane());
   gl::Renderer renderer(functions, options.width, options.height);
   const gl::RenderScene scene = plane_scene();
@@ -159,7 +159,7 @@ Json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progr
   ContentHash hash;
   for (const float anisotropy : kAnisotropies) {
     std::vector<Subject> subjects = all_subjects(context->functions(), files, anisotropy);
-    time_in_turns(context->functions(), options, subjects, hash, progress);
+    time_frames_in_turns(context->functions(), options, subjects, hash, progress);
     for (const Subject& subject : subjects)
       rows.push_back({{"name", subject.name},
                       {"anisotropy", subject.anisotropy},

@@ -208,6 +208,11 @@ CLI::App* add_on_gpu(CLI::App& app, OnGpuOptions& options, std::string& from) {
   return command;
 }
 
+void add_allow_dirty(CLI::App& command, bool& allow_dirty) {
+  command.add_flag("--allow-dirty", allow_dirty,
+                   "make it although it was measured with sources that are not committed: the document says so");
+}
+
 CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
   CLI::App* command = app.add_subcommand("accuracy", "make docs/ACCURACY.md: every figure of it");
   command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
@@ -221,6 +226,7 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   command->add_option("--commit", accuracy.commit, "named in the document")->default_val(built_commit());
+  add_allow_dirty(*command, accuracy.allow_dirty);
   command->add_option("--threads", accuracy.threads)->check(CLI::Range(1, 256))->capture_default_str();
   return command;
 }
@@ -232,6 +238,7 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
       ->add_option("--json", document.results,
                    "a result of em, bake, scale, load, infer or frames; more than one in this order")
       ->required();
+  add_allow_dirty(*command, document.allow_dirty);
   return command;
 }
 

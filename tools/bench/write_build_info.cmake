@@ -5,13 +5,18 @@
 # no lock, or it would now and then refuse a commit that is made during a build.
 get_filename_component(ceiling ${SOURCE_FOLDER} DIRECTORY)
 set(commit unknown)
-execute_process(
-  COMMAND ${CMAKE_COMMAND} -E env GIT_OPTIONAL_LOCKS=0 GIT_CEILING_DIRECTORIES=${ceiling}
-    git describe --always --dirty --abbrev=7 --exclude=*
+# Documents may differ: they are made one after another, and no figure depends on them.
+set(git ${CMAKE_COMMAND} -E env GIT_OPTIONAL_LOCKS=0 GIT_CEILING_DIRECTORIES=${ceiling} git)
+execute_process(COMMAND ${git} describe --always --abbrev=7 --exclude=*
   WORKING_DIRECTORY ${SOURCE_FOLDER} OUTPUT_VARIABLE described RESULT_VARIABLE failed
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 if(NOT failed)
   set(commit ${described})
+  execute_process(COMMAND ${git} diff --quiet HEAD -- . :!docs :!README.md
+    WORKING_DIRECTORY ${SOURCE_FOLDER} RESULT_VARIABLE differs OUTPUT_QUIET ERROR_QUIET)
+  if(differs)
+    string(APPEND commit -dirty)
+  endif()
 endif()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
 // SPDX-License-Identifier: Apache-2.0

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -14,13 +15,16 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/run_times.h"
 #include "host/movmf/movmf_bake.h"
 #include "host/target/tradeoff_page.h"
 #include "host/testmap/four_quarter_map.h"
+#include "tools/bench/documents/committed_tree.h"
 #include "tools/bench/documents/formula_document.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/measuring/machine.h"
 #include "tools/bench/measuring/scratch_folder.h"
+#include "tools/bench/measuring/statistics.h"
 
 namespace multum::bench {
 namespace {
@@ -28,10 +32,10 @@ namespace {
 constexpr AccuracyPoint kPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY,
                                      AccuracyPoint::kBetween};
 
-// What a bake reached and took: errors in %, looked up by level, point and BRDF.
+// What a bake reached: errors in %, looked up by level, point and BRDF.
 class Errors {
  public:
-  explicit Errors(const std::vector<AccuracyRow>& rows, double fit_seconds = 0.0) : fit_seconds_(fit_seconds) {
+  explicit Errors(const std::vector<AccuracyRow>& rows) {
     for (const AccuracyRow& row : rows)
       values_[{row.level, static_cast<int>(row.point), row.brdf.text()}] = row.error * 100.0;
   }
@@ -43,7 +47,6 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
-  double fit_seconds() const { return fit_seconds_; }
   // The worse of x and y.
   std::string midway(int level, const std::string& brdf) const {
     const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
@@ -60,7 +63,6 @@ class Errors {
   }
 
  private:
-  double fit_seconds_;
   std::map<std::tuple<int, int, std::string>, double> values_;
 };
 
@@ -88,9 +90,19 @@ AccuracySettings every_texel(int threads) {
 Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, const Variant& variant, int threads) {
   FitReport report;
   const MovmfMipmap mipmap = bake_stored(device, map, albedo, variant, threads, report);
-  double fit_seconds = report.start_seconds;
-  for (const LevelReport& level : report.levels) fit_seconds += level.seconds;
-  return Errors(measure_accuracy(device, mipmap, map, albedo, every_texel(threads), nullptr), fit_seconds);
+  return Errors(measure_accuracy(device, mipmap, map, albedo, every_texel(threads), nullptr));
+}
+
+// Fits of all variants, whose kernels have been compiled.
+std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::vector<Variant>& variants) {
+  std::printf("times, %d rounds\n", kTimedRounds);
+  std::vector<std::function<void()>> runs;
+  for (const Variant& variant : variants)
+    runs.push_back([&device, &map, &variant] {
+      FitReport report;
+      bake_movmf(device, map, nullptr, variant.settings, report, nullptr);
+    });
+  return time_in_turns(runs, kTimedRounds, nullptr);
 }
 
 MovmfSettings with_lobes(int lobes) {
@@ -120,12 +132,12 @@ std::string summary_line(const std::string& name, const Errors& errors) {
   for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
   for (const char* brdf : {"blinn-phong:20", "blinn-phong:500", "lambert"})
     text += " " + errors.three_levels(AccuracyPoint::kCentre, brdf) + " |";
-  return text + fmt::format(" {:.2f} |\n", errors.fit_seconds());
+  return text;
 }
 
 constexpr char kSummaryHead[] =
-    "| | s = 100, centres | midway in x | midway in y | between l and l+1 | s = 20 | s = 500 | Lambert | fit, s |\n"
-    "|---|---|---|---|---|---|---|---|---|\n";
+    "| | s = 100, centres | midway in x | midway in y | between l and l+1 | s = 20 | s = 500 | Lambert |";
+constexpr char kSummaryRule[] = "|---|---|---|---|---|---|---|---|";
 
 std::vector<Variant> compared_variants() {
   std::vector<Variant> variants;
@@ -161,20 +173,26 @@ std::vector<Variant> compared_variants() {
 std::string quarters_section(Device& device, const AccuracyDocumentOptions& options) {
   const FourQuarterMap map = make_four_quarter_map(options.size, 7);
   const int levels = mip_level_count(options.size, options.size);
-  std::string summary = kSummaryHead, tables;
-  for (const Variant& variant : compared_variants()) {
+  std::string summary = fmt::format("{} fit, processor s | elapsed, s |\n{}---|---|\n", kSummaryHead, kSummaryRule);
+  std::string tables;
+  const std::vector<Variant> variants = compared_variants();
+  std::vector<std::string> lines;
+  for (const Variant& variant : variants) {
     std::printf("four-quarter map, %s\n", variant.name.c_str());
     const Errors errors = measure(device, map.normals, nullptr, variant, options.threads);
-    summary += summary_line(variant.name, errors);
+    lines.push_back(summary_line(variant.name, errors));
     if (variant.name == "4 lobes" || variant.name == "6 lobes")
       tables += fmt::format("\n### All levels, {}\n\n", variant.name) + level_table(errors, levels);
   }
-  std::string seeds = kSummaryHead;
+  const std::vector<RunTime> times = fit_times(device, map.normals, variants);
+  for (std::size_t i = 0; i < variants.size(); ++i)
+    summary += fmt::format("{} {:.2f} | {:.2f} |\n", lines[i], times[i].processor_seconds, times[i].elapsed_seconds);
+  std::string seeds = fmt::format("{}\n{}\n", kSummaryHead, kSummaryRule);
   for (std::uint64_t seed : {1, 2, 3})
     for (int lobes : {4, 6}) {
       const FourQuarterMap other = make_four_quarter_map(options.size, seed);
       const Variant variant{fmt::format("seed {}, {} lobes", seed, lobes), with_lobes(lobes)};
-      seeds += summary_line(variant.name, measure(device, other.normals, nullptr, variant, options.threads));
+      seeds += summary_line(variant.name, measure(device, other.normals, nullptr, variant, options.threads)) + "\n";
     }
   std::string colours = "| | s = 20 | s = 100 | s = 500 | Lambert |\n|---|---|---|---|---|\n";
   for (int lobes : {4, 6}) {
@@ -185,8 +203,10 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
       colours += " " + errors.three_levels(AccuracyPoint::kCentre, brdf) + " |";
     colours += "\n";
   }
-  return "Levels 3 / 5 / 7, all texels, white; the time is that of one fit on this machine, "
-         "start included:\n\n" +
+  return fmt::format(
+             "Levels 3 / 5 / 7, all texels, white. Times: of a fit, start included, on {} cores; the least of {} fits "
+             "of each, in turns, after one that compiled the kernels: what processors worked, and what went by.\n\n",
+             core_count(), kTimedRounds) +
          summary +
          fmt::format(
              "\nThe same with another seed of the noise quarter: how far the figures are a matter of luck. Level "
@@ -253,7 +273,35 @@ struct MapTable {
   std::string losses;
 };
 
-void add_map(Device& device, const std::string& path, const AccuracyDocumentOptions& options, MapTable (&tables)[2]) {
+// Errors of all maps at levels 1 and up, by who made them and by exponent: at level 0 a texel is a normal, and whoever
+// keeps that is exact.
+using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
+
+// Those whose rivals have as many channels are beside them.
+struct Rival {
+  const char* name;
+  int channels;  // a texel
+};
+constexpr Rival kRivals[] = {{"mip", 3},     {"Toksvig", 3},  {"1 lobe", 4},  {"LEAN", 5}, {"LEAN with Jacobian", 5},
+                             {"2 lobes", 8}, {"4 lobes", 16}, {"6 lobes", 24}};
+
+std::string equal_channels_table(const MapErrors& errors) {
+  MarkdownTable table({"stored", "channels a texel", "s = 20", "s = 100", "s = 500"});
+  for (const Rival& rival : kRivals) {
+    std::vector<std::string> cells = {rival.name, std::to_string(rival.channels)};
+    for (const double s : {20.0, 100.0, 500.0}) {
+      const auto found = errors.find({rival.name, s});
+      if (found == errors.end()) return "";
+      const Spread spread = spread_of(found->second);
+      cells.push_back(fmt::format("{:.1f} ({:.1f} .. {:.1f})", spread.median, spread.low, spread.high));
+    }
+    table.add(std::move(cells));
+  }
+  return table.text();
+}
+
+void add_map(Device& device, const std::string& path, const AccuracyDocumentOptions& options, MapTable (&tables)[2],
+             MapErrors& errors_of_all) {
   const std::string name = std::filesystem::path(path).filename().string();
   NormalMap map;
   try {
@@ -267,21 +315,32 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
   std::map<std::pair<int, double>, BaselineRow> best;
   for (const BaselineRow& row : measure_baselines(map, exponents, options.threads)) {
     const auto key = std::pair(row.level, row.exponent);
+    if (row.level > 0) errors_of_all[{baseline_name(row.baseline), row.exponent}].push_back(row.error * 100.0);
     if (row.baseline == Baseline::kMip) continue;
     if (!best.contains(key) || row.error < best.at(key).error) best[key] = row;
   }
+  const int level_count = mip_level_count(map.width, map.height);
+  const auto add_to_all = [&](int lobes, const Errors& errors) {
+    for (const double s : exponents)
+      for (int level = 1; level < level_count; ++level)
+        errors_of_all[{fmt::format("{} lobe{}", lobes, lobes == 1 ? "" : "s"), s}].push_back(
+            *errors.at(level, AccuracyPoint::kCentre, fmt::format("blinn-phong:{}", s)));
+  };
+  for (const int lobes : {1, 2})
+    add_to_all(lobes, measure(device, map, nullptr, {"", with_lobes(lobes)}, options.threads));
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
     const Errors errors = measure(device, map, nullptr, {"", with_lobes(lobe_counts[t])}, options.threads);
+    add_to_all(lobe_counts[t], errors);
     for (double s : exponents) {
       tables[t].rows += fmt::format("| {} | {} |", name, s);
-      for (int level = 0; level < mip_level_count(map.width, map.height); ++level) {
+      for (int level = 0; level < level_count; ++level) {
         const double ours = *errors.at(level, AccuracyPoint::kCentre, fmt::format("blinn-phong:{}", s));
         const BaselineRow& other = best.at({level, s});
         const bool worse = ours > other.error * 100.0 + 0.05;
-        ++tables[t].cells;
+        if (level > 0) ++tables[t].cells;
         tables[t].rows += fmt::format(" {0}{1:.1f}{0}/{2:.1f} |", worse ? "**" : "", ours, other.error * 100.0);
-        if (!worse) continue;
+        if (!worse || level == 0) continue;
         ++tables[t].worse;
         tables[t].losses += fmt::format("- {}, s = {}, level {}: {:.1f} % against {:.1f} % ({})\n", name, s, level,
                                         ours, other.error * 100.0, baseline_name(other.baseline));
@@ -297,13 +356,19 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
     if (entry.is_regular_file()) paths.push_back(entry.path().string());
   std::sort(paths.begin(), paths.end());
   MapTable tables[2];
-  for (const std::string& path : paths) add_map(device, path, options, tables);
+  MapErrors errors;
+  for (const std::string& path : paths) add_map(device, path, options, tables, errors);
   std::string text =
       "Every file of the test folder that `multum bake` takes for a normal map, texel "
       "centres, all texels of "
       "every level, in %: this bake / the best of Toksvig, LEAN and LEAN with its Jacobian. Bold: worse than the "
       "baseline by more "
-      "than 0.05 points. The baselines' normals are stored in 16 bits as the lobes are, their moments as floats.\n";
+      "than 0.05 points. The baselines' normals are stored in 16 bits as the lobes are, their moments as floats. Cells "
+      "of level 0 are not counted: a texel is a normal there.\n"
+      "\n### By channels\n\nMedians, with the first and third quartile in brackets, over all maps and their levels 1 "
+      "and up, each cell once. A lobe has four channels, an averaged normal and Toksvig's, whose length tells how "
+      "they vary, three, LEAN five.\n\n" +
+      equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
     text += fmt::format("\n### {} lobes: {} of {} cells worse\n\n{}\n", lobe_counts[t], tables[t].worse,
@@ -318,7 +383,8 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
 
 // A row a setting, an error a BRDF.
 std::string errors_table(const TradeoffResult& result) {
-  MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, ms", "GPU, MB"});
+  MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, processor ms",
+                       "elapsed, ms", "GPU, MB"});
   for (const TradeoffRow& row : result.rows) {
     if (!row.is_measured) continue;
     std::vector<std::string> cells = {"`" + row.options + "`",
@@ -327,6 +393,7 @@ std::string errors_table(const TradeoffResult& result) {
       const ReachedError one = reached_error(row.errors, parse_target_brdf(brdf));
       cells.push_back(fmt::format("{:.2f} ± {:.2f}", 100.0 * one.error, 100.0 * one.confidence));
     }
+    cells.push_back(fmt::format("{:.0f}", 1e3 * row.bake_processor_seconds));
     cells.push_back(fmt::format("{:.0f}", 1e3 * row.bake_seconds));
     cells.push_back(fmt::format("{:.2f}", static_cast<double>(row.gpu_bytes) / 1e6));
     table.add(std::move(cells));
@@ -353,7 +420,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
       "Settings that `multum tradeoff` sweeps. One figure a BRDF: relative L1 in %, texel centres and midpoints of "
       "levels "
       "2 and up, each level weighing the same, with half of its 95 % interval (docs/ALGORITHMS.md, \"Measured "
-      "error\").\n" +
+      "error\"). Times: of fitting or averaging, rounding and writing, the least of three bakes of each setting, in "
+      "turns, kernels compiled before: what processors worked, and what went by.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   job.length = SweepLength::kQuick;
@@ -379,10 +447,11 @@ std::map<std::string, std::string> sections_of(const std::string& path) {
 }  // namespace
 
 int write_accuracy_document(const AccuracyDocumentOptions& options) {
+  const std::string commit = stated_commit(options.output, options.commit, options.allow_dirty);
   Device device = Device::open("");
   const std::map<std::string, std::string> there = sections_of(options.output);
-  const std::string made_by = fmt::format("Made at commit {} on {}, {}, device {}.\n\n", options.commit,
-                                          processor_name(), system_name(), device.info().name);
+  const std::string made_by =
+      fmt::format("Made at {} on {}, {}, device {}.\n\n", commit, processor_name(), system_name(), device.info().name);
   std::string text =
       "# Accuracy\n\nGenerated by `multum-bench accuracy -o docs/ACCURACY.md`, sections by themselves by --section. Do "
       "not edit.\n\n"

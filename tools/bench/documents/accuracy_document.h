@@ -13,8 +13,9 @@ struct AccuracyDocumentOptions {
   std::string brdfs;   // folder of measured BRDFs; empty: none
   // Of kSections: these alone are made, and take the place of those of a document that is there; empty: all are.
   std::vector<std::string> sections;
-  std::string commit;  // named in the document
-  int size = 1024;     // side of the four-quarter map
+  std::string commit;        // named in the document
+  bool allow_dirty = false;  // although `commit` is not that of a committed tree
+  int size = 1024;           // side of the four-quarter map
   int threads = 2;
 };
 

@@ -9,6 +9,7 @@
 
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "tools/bench/documents/committed_tree.h"
 #include "tools/bench/documents/result_file.h"
 
 namespace multum::bench {
@@ -41,7 +42,11 @@ std::string introduction(const BenchmarksDocumentOptions& options) {
 int write_benchmarks_document(const BenchmarksDocumentOptions& options) {
   check_paths_differ(options.results, {options.output});
   std::vector<Json> results;
-  for (const std::string& path : options.results) results.push_back(read_result(path));
+  for (const std::string& path : options.results) {
+    results.push_back(read_result(path));
+    const std::string stated = stated_commit(path, results.back().at("commit").get<std::string>(), options.allow_dirty);
+    results.back()["commit"] = stated.substr(stated.find(' ') + 1);  // conditions_text() has the word before it
+  }
   const bool same = same_conditions(results);
   std::string text = introduction(options);
   if (same) text += fmt::format("\nAll of it: {}.\n", conditions_text(results[0]));
