@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered moments by the runtime's formulas, so that a bake can measure the error of what it wrote: the
-// convolution alone, without n . l.
+// Shades filtered moments by the runtime's formulas, so that a bake can measure the error of what it wrote: of a
+// highlight the convolution alone, or with the cosine n . l of its light.
 
 #include "device/moment_shading.clh"
 #include "shared/moments.h"
@@ -9,9 +9,18 @@
 #error "moment_shade has only a scalar variant"
 #endif
 
+// Of half vector h the cosine that its highlight is multiplied by: that of the averaged normal; 1 where none is asked
+// for.
+static inline float cosine_of_half(float4 mean, float4 h, __global const float4* lights) {
+  if (h.w == 0.0f) return 1.0f;
+  return max(1.0f - one_minus_cosine(mean, lights[(int)h.w - 1].xyz), 0.0f);
+}
+
 // One work-item = one sample point; global size sample_count.
 //   moments    [sample]                       already filtered
-//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine
+//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine; w
+//   of
+//                                 half vectors: 1 + the number of the light whose cosine is in its highlights, 0: none
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // `shading` is MULTUM_SHADE_...; levels that are left to the normal map are shaded by Toksvig's rule in each.
@@ -34,7 +43,8 @@ __kernel void moment_shade(__global const MultumFilteredMoments* moments, __glob
               ? shade_toksvig(mean, h, exponents[e])
               : m.share * shade_lean(m.s * inverse, m.t * inverse, m.ss * inverse, m.tt * inverse, m.st * inverse, h,
                                      exponents[e], shading == MULTUM_SHADE_LEAN_JACOBIAN);
-      *out++ = stored + shade_toksvig(map_mean, h, exponents[e]);
+      *out++ = stored * cosine_of_half(mean, half_vectors[d], lights) +
+               shade_toksvig(map_mean, h, exponents[e]) * cosine_of_half(map_mean, half_vectors[d], lights);
     }
   for (int d = 0; d < light_count; ++d)
     *out++ = shade_mean_cosine(without_roughness(mean, lights[d].w), lights[d].xyz) +

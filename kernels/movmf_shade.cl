@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered lobes by the runtime's formula, so that a bake can measure the error of what it wrote: the
-// convolution alone, without n . l.
+// Shades filtered lobes by the runtime's formula, so that a bake can measure the error of what it wrote: of a highlight
+// the convolution alone, or with the cosine n . l of its light.
 
 #include "device/numerics.clh"
 #include "shared/highlight.h"
@@ -24,6 +24,13 @@
 
 #define HAS_TERMS (!MULTUM_PLANAR)
 
+// Of half vector h the cosine that its highlight of the lobe is multiplied by: the mean of n . l over the lobe, as the
+// runtime has it; 1 where none is asked for.
+static inline float cosine_of_half(float4 lobe, float4 h, __global const float4* lights) {
+  if (h.w == 0.0f) return 1.0f;
+  return SHADE_LAMBERT(lobe, lights[(int)h.w - 1]) / max(lobe.w, 1e-6f);
+}
+
 #if MULTUM_VECTOR_WIDTH != 1
 #error "movmf_shade has only a scalar variant"
 #endif
@@ -35,7 +42,8 @@
 //   lobes      [sample][lobe]                 (a r_x, a r_y, a r_z, a), already filtered; of MULTUM_PLANAR as
 //                                             gmm_shading.clh has them
 //   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine, of
-//                                             MULTUM_PLANAR unused
+//                                             MULTUM_PLANAR unused; w of half vectors: 1 + the number of the light
+//                                             whose cosine its highlights are multiplied by, 0: none
 //   highlights [highlight_count]              of MULTUM_PLANAR the exponent and the total alone count
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
 // Compute bound.
@@ -53,7 +61,8 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
       for (int j = 0; j < MULTUM_LOBES; ++j) {
         const float4 lobe = lobes[(size_t)sample * MULTUM_LOBES + j];
         for (int d = 0; d < half_count; ++d)
-          out[d] += shade_terms(lobe, highlights + e, one_minus_cosine(lobe, half_vectors[d].xyz));
+          out[d] += shade_terms(lobe, highlights + e, one_minus_cosine(lobe, half_vectors[d].xyz)) *
+                    cosine_of_half(lobe, half_vectors[d], lights);
       }
       out += half_count;
       continue;
@@ -64,8 +73,10 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
       shapes[j] = SHAPE_OF(lobes[(size_t)sample * MULTUM_LOBES + j], highlights[e].exponent);
     for (int d = 0; d < half_count; ++d) {
       float sum = 0.0f;
-      for (int j = 0; j < MULTUM_LOBES; ++j)
-        sum += SHADE_HIGHLIGHT(shapes[j], lobes[(size_t)sample * MULTUM_LOBES + j], half_vectors[d].xyz);
+      for (int j = 0; j < MULTUM_LOBES; ++j) {
+        const float4 lobe = lobes[(size_t)sample * MULTUM_LOBES + j];
+        sum += SHADE_HIGHLIGHT(shapes[j], lobe, half_vectors[d].xyz) * cosine_of_half(lobe, half_vectors[d], lights);
+      }
       *out++ = sum * highlights[e].total;
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of what it wrote:
-// the convolution alone, without n . l (Han et al. 2007, section 5): the sum of a_l g_lm Y_lm, clamped at 0.
+// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of what it wrote
+// (Han et al. 2007, section 5): the sum of a_l g_lm Y_lm, clamped at 0; of a highlight the convolution alone, or with
+// the cosine n . l of its light.
 
 #include "device/spherical_harmonics.clh"
 #include "device/vmf_shading.clh"
@@ -24,12 +25,31 @@ static float shade_map(float4 lobe, __global const MultumHighlight* f, float3 h)
   return shade_terms(lobe, f, e);
 }
 
+#define SH_LINEAR_CONSTANT 0.488602512f  // of Y_1m
+
+// Of half vector h the cosine that its highlight is multiplied by: that of the mean normal, shorter than 1; 1 where
+// none is asked for. Coefficients are (1, -1), (1, 0), (1, 1): y, z, x.
+static float cosine_of_half(__global const float* g, float share, float4 h, __global const float4* lights) {
+  if (h.w == 0.0f) return 1.0f;
+  const float4 light = lights[(int)h.w - 1];
+  const float sum = g[2] * light.x + g[0] * light.y + g[1] * light.z;
+  return max(sum / (SH_LINEAR_CONSTANT * max(share, AMPLITUDE_SHADED_MIN)), 0.0f);
+}
+
+static float map_cosine(float4 lobe, float4 h, __global const float4* lights) {
+  if (h.w == 0.0f) return 1.0f;
+  const float4 light = lights[(int)h.w - 1];
+  return shade_lambert(without_roughness(lobe, light.w), light.xyz) / max(lobe.w, AMPLITUDE_SHADED_MIN);
+}
+
 // One work-item = one sample point; global size sample_count.
 //   coefficients [sample][order (order + 2)]   already filtered
 //   points     [sample]
 //   steps      the recurrence's constants
 //   zonal      [highlight_count + 1][order + 1]   of each highlight, then of Lambert
-//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine
+//   half_vectors [half_count], lights [light_count]   unit vectors; w of lights: without_roughness()'s mean cosine; w
+//   of
+//                                 half vectors: 1 + the number of the light whose cosine is in its highlights, 0: none
 //   highlights [highlight_count]
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
 // Levels that are left to the normal map are shaded as lobes are. Compute bound.
@@ -47,9 +67,11 @@ __kernel void sh_shade(__global const float* coefficients, __global const Multum
   for (int d = 0; d < half_count; ++d) {
     const float3 h = half_vectors[d].xyz;
     sh_bands(g, point.share, h, steps, bands);
+    const float cosine = cosine_of_half(g, point.share, half_vectors[d], lights),
+                cosine_of_map = map_cosine(map_lobe, half_vectors[d], lights);
     for (int e = 0; e < highlight_count; ++e)
-      out[e * half_count + d] =
-          weighted_bands(bands, zonal + e * (MULTUM_SH_ORDER + 1)) + shade_map(map_lobe, highlights + e, h);
+      out[e * half_count + d] = weighted_bands(bands, zonal + e * (MULTUM_SH_ORDER + 1)) * cosine +
+                                shade_map(map_lobe, highlights + e, h) * cosine_of_map;
   }
   out += highlight_count * half_count;
   for (int d = 0; d < light_count; ++d) {

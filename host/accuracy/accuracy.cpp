@@ -15,31 +15,6 @@
 namespace multum {
 namespace {
 
-// Sums of |model - truth| and of truth, over directions and colour channels.
-struct ErrorSum {
-  double difference = 0.0;
-  double truth = 0.0;
-  double count = 0.0;  // of values
-  void operator+=(const ErrorSum& other) {
-    difference += other.difference;
-    truth += other.truth;
-    count += other.count;
-  }
-  ErrorSum times(double weight) const { return {weight * difference, weight * truth, weight * count}; }
-};
-
-// What differences are in parts of: the truth, or where that is next to nothing, since no light and no eye is where the
-// highlight is, a hundredth of what a white diffuse surface reflects, 1/pi. In parts of 1e-40 nothing says anything.
-class ErrorBase {
- public:
-  explicit ErrorBase(const ErrorSum& all) : is_floor_(all.truth < kFloor * all.count) {}
-  double of(const ErrorSum& sum) const { return is_floor_ ? kFloor * sum.count : sum.truth; }
-
- private:
-  static constexpr double kFloor = 0.01 / M_PI;
-  const bool is_floor_;
-};
-
 // They are added up for each level, kind of point and BRDF, each sample for all texels of its cell. Of levels that are
 // sampled, those of each point are kept too: the spread among them is the confidence.
 //
@@ -58,13 +33,11 @@ class ErrorSums {
         brdf_count_(brdf_count),
         totals_(points.texels().sizes().size() * kAccuracyPointKinds * brdf_count),
         counts_(points.texels().sizes().size() * kAccuracyPointKinds),
-        weights_(counts_.size()),
         chosen_(points.chosen_count() * kAccuracyPointKinds * brdf_count) {}
 
   void count(const SamplePoint& point) {
     const AccuracySample& sample = points_.samples()[point.sample];
     ++counts_[group(sample.level, point.kind)];
-    weights_[group(sample.level, point.kind)] += static_cast<double>(sample.cell_texels);
   }
   void add(const SamplePoint& point, std::size_t brdf, const ErrorSum& sum) {
     const AccuracySample& sample = points_.samples()[point.sample];
@@ -88,64 +61,9 @@ class ErrorSums {
     return row;
   }
 
-  AccuracySummary summary(std::size_t brdf, AccuracyBrdf what, int first_level) const {
-    AccuracySummary summary{std::move(what), 0.0, 0.0, 0, 0, 0.0};
-    const int level_count = static_cast<int>(points_.texels().sizes().size());
-    first_level = std::min(std::max(first_level, kSummaryLevel), level_count - 1);
-    ErrorSum means;  // of a point, all levels together
-    for (int l = first_level; l < level_count; ++l) {
-      const ErrorSum mean = level_mean(l, brdf);
-      means += mean;
-      summary.sample_count += counts_[group(l, AccuracyPoint::kCentre)];
-      const double error = mean.count > 0.0 ? mean.difference / ErrorBase(mean).of(mean) : 0.0;
-      if (error > summary.worst_level_error) summary.worst_level = l;
-      summary.worst_level_error = std::max(summary.worst_level_error, error);
-    }
-    if (!(means.count > 0.0)) return summary;
-    const ErrorBase base(means);
-    summary.error = means.difference / base.of(means);
-    double variance = 0.0;
-    bool any_sampled = false;
-    for (int l = first_level; l < level_count; ++l) {
-      if (!is_sampled(l)) continue;
-      any_sampled = true;
-      variance += level_variance(l, brdf, summary.error, base);
-    }
-    if (any_sampled) summary.confidence = std::max(kIntervalMin, 1.96 * std::sqrt(variance) / base.of(means));
-    return summary;
-  }
-
  private:
-  static constexpr AccuracyPoint kSummaryPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX,
-                                                     AccuracyPoint::kMidY};
-
   bool is_sampled(int level) const {
     return points_.chosen_count() > 0 && level <= points_.samples()[points_.chosen_count() - 1].level;
-  }
-
-  // How many points the level has, as far as the samples say.
-  double point_count(int level) const {
-    double count = 0.0;
-    for (const AccuracyPoint kind : kSummaryPoints) count += weights_[group(level, kind)];
-    return count;
-  }
-
-  // Of a point of the level.
-  ErrorSum level_mean(int level, std::size_t brdf) const {
-    ErrorSum sum;
-    for (const AccuracyPoint kind : kSummaryPoints) sum += totals_[group(level, kind) * brdf_count_ + brdf];
-    return sum.times(1.0 / std::max(1.0, point_count(level)));
-  }
-
-  // Of the level's mean of difference - ratio * base: a texel's residuals at its points are one draw.
-  double level_variance(int level, std::size_t brdf, double ratio, const ErrorBase& base) const {
-    const double variance = total_variance(level, [&](std::size_t sample) {
-      ErrorSum texel;
-      for (const AccuracyPoint kind : kSummaryPoints) texel += chosen_[chosen_index(sample, kind, brdf)];
-      return texel.difference - ratio * base.of(texel);
-    });
-    const double count = point_count(level);
-    return variance / (count * count);
   }
 
   // Of the sum of residual(sample) over all texels of a sampled level: v above.
@@ -181,9 +99,17 @@ class ErrorSums {
   std::size_t brdf_count_;
   std::vector<ErrorSum> totals_;      // [level][kind][brdf]
   std::vector<std::int64_t> counts_;  // [level][kind]
-  std::vector<double> weights_;       // [level][kind]
   std::vector<ErrorSum> chosen_;      // [sample][kind][brdf]
 };
+
+FootprintSettings footprint_settings(const AccuracySettings& settings) {
+  return {settings.footprints_per_octave,
+          settings.first_level,
+          settings.seed,
+          settings.wrap_s,
+          settings.wrap_t,
+          settings.filter};
+}
 
 std::vector<Highlight> highlights_of(const AccuracySettings& settings) {
   std::vector<Highlight> all;
@@ -192,27 +118,48 @@ std::vector<Highlight> highlights_of(const AccuracySettings& settings) {
   return all;
 }
 
+// Where a measurement looks.
+struct MeasuredPlaces {
+  const AccuracyPoints& points;
+  const FootprintAverages& footprints;
+  const TexelSelection& model_texels;
+  const std::vector<std::size_t>& model_slots;  // of the points'
+};
+
+void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model_slots, PointTaps& taps) {
+  for (std::size_t t = 0; t < static_cast<std::size_t>(point.tap_count); ++t)
+    taps.add(model_slots[point.slots[t]], point.weights[t]);
+  taps.finish_point();
+}
+
 // One measurement: the truth of as many directions as memory has room for, compared with the model; then of the next.
+// Footprints, which are few, come with the first.
 class Comparison {
  public:
-  Comparison(const AccuracySettings& settings, const AccuracyPoints& points, const AccuracyModel& model,
+  Comparison(const AccuracySettings& settings, const MeasuredPlaces& places, const AccuracyModel& model,
              bool has_colours)
       : settings_(settings),
-        points_(points),
+        places_(places),
+        points_(places.points),
         highlights_(highlights_of(settings)),
         shadings_(model.shadings()),
         channel_count_(has_colours ? 3 : 0),
         plain_count_(highlights_.size() + 1),
-        averages_(points.texels(), static_cast<int>(points.texels().sizes().size())),
-        sums_(points, brdf_count()) {}
+        averages_(points_.texels(), static_cast<int>(points_.texels().sizes().size())),
+        sums_(points_, brdf_count()) {
+    if (has_footprints()) MULTUM_CHECK(settings.directions.half_vector_lights.size() >= half_count());
+  }
 
   void run(Device& device, const FinestPlanes& planes, AccuracyModel& model, Progress* progress) {
-    const TexelAverages map_averages(points_.texels(), model.first_level());
+    const TexelAverages map_averages(places_.model_texels, model.first_level());
     PlaneAverages map_lobes(map_averages, channel_count_ > 0);
-    std::vector<TexelSums*> streamed;
+    std::vector<RowSums*> streamed;
+    const std::vector<std::unique_ptr<FootprintTruth>> footprint_truths = make_footprint_truths();
+    for (const auto& truth : footprint_truths) streamed.push_back(truth.get());
     if (model.first_level() > 0) streamed.push_back(&map_lobes);
     model.set_map_averages(&map_lobes);
-    for (std::size_t direction = 0; direction < half_count() + settings_.directions.lights.size();) {
+    if (points_.samples().empty()) stream_rows(planes, {settings_.threads}, streamed, progress);
+    for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& truth : pass.truths) streamed.push_back(truth.get());
       stream_rows(planes, {settings_.threads}, streamed, progress);
@@ -220,6 +167,7 @@ class Comparison {
       compare(device, pass, model, direction == 0, progress);
       direction += pass.truths.size();
     }
+    if (has_footprints()) compare_footprints(device, footprint_truths, model);
     model.set_map_averages(nullptr);
   }
 
@@ -235,10 +183,19 @@ class Comparison {
     return rows;
   }
 
-  std::vector<AccuracySummary> summaries() const {
-    std::vector<AccuracySummary> all;
-    for (std::size_t b = 0; b < brdf_count(); ++b) all.push_back(sums_.summary(b, what_of(b), settings_.first_level));
-    return all;
+  // Of one of `count` equal parts of the footprints, one after the other.
+  std::vector<FootprintError> footprint_errors(int part, int count) const {
+    const std::vector<Footprint>& all = places_.footprints.footprints();
+    const auto place = [&](int number) {
+      return static_cast<std::ptrdiff_t>(all.size()) / count * static_cast<std::ptrdiff_t>(number);
+    };
+    const std::vector<Footprint> footprints(all.begin() + place(part), all.begin() + place(part + 1));
+    std::vector<FootprintError> errors;
+    for (std::size_t b = 0; b < footprint_sums_.size(); ++b)
+      errors.push_back(
+          footprint_error(what_of(b), footprints,
+                          {footprint_sums_[b].begin() + place(part), footprint_sums_[b].begin() + place(part + 1)}));
+    return errors;
   }
 
  private:
@@ -248,6 +205,8 @@ class Comparison {
     std::vector<std::unique_ptr<BrdfTruth>> truths;
   };
 
+  bool has_footprints() const { return !places_.footprints.footprints().empty(); }
+  std::size_t direction_count() const { return half_count() + settings_.directions.lights.size(); }
   std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
   // What does not fit is another pass over the map. With 2048 samples a level all 40 values of a map of 16384 x 16384
@@ -257,7 +216,7 @@ class Comparison {
     constexpr std::size_t kTruthBytesMax = std::size_t{256} << 20;
     Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
     std::size_t bytes = 0;
-    for (std::size_t d = first; d < half_count() + settings_.directions.lights.size(); ++d) {
+    for (std::size_t d = first; d < direction_count(); ++d) {
       const bool is_light = d >= half_count();
       const std::size_t value_count = is_light ? 1 : highlights_.size();
       bytes += averages_.slot_count() * value_count * (1 + channel_count_) * sizeof(double);
@@ -265,13 +224,84 @@ class Comparison {
       const glm::dvec3& omega =
           is_light ? settings_.directions.lights[d - half_count()] : settings_.directions.half_vectors[d];
       (is_light ? pass.directions.lights : pass.directions.half_vectors).push_back(omega);
-      pass.truths.push_back(std::make_unique<BrdfTruth>(averages_,
-                                                        settings_.has_roughness ? shortened_values(omega, is_light)
-                                                        : is_light              ? power_values(omega, {1.0})
-                                                                                : highlight_values(omega, highlights_),
-                                                        channel_count_ > 0));
+      pass.truths.push_back(std::make_unique<BrdfTruth>(averages_, brdf_values(omega, is_light), channel_count_ > 0));
     }
     return pass;
+  }
+
+  BrdfValues brdf_values(const glm::dvec3& omega, bool is_light) const {
+    if (settings_.has_roughness) return shortened_values(omega, is_light);
+    return is_light ? power_values(omega, {1.0}) : highlight_values(omega, highlights_);
+  }
+
+  // Half vectors before lights.
+  std::vector<std::unique_ptr<FootprintTruth>> make_footprint_truths() const {
+    std::vector<std::unique_ptr<FootprintTruth>> truths;
+    if (!has_footprints()) return truths;
+    const AccuracyDirections& directions = settings_.directions;
+    for (std::size_t d = 0; d < half_count(); ++d) {
+      const glm::dvec3& light = directions.lights[static_cast<std::size_t>(directions.half_vector_lights[d])];
+      truths.push_back(std::make_unique<FootprintTruth>(places_.footprints,
+                                                        brdf_values(directions.half_vectors[d], false),
+                                                        brdf_values(light, true), channel_count_ > 0));
+    }
+    for (const glm::dvec3& light : directions.lights)
+      truths.push_back(std::make_unique<FootprintTruth>(places_.footprints, std::nullopt, brdf_values(light, true),
+                                                        channel_count_ > 0));
+    return truths;
+  }
+
+  // footprint_sums_[BRDF][footprint].
+  void compare_footprints(Device& device, const std::vector<std::unique_ptr<FootprintTruth>>& truths,
+                          const AccuracyModel& model) {
+    const std::vector<Footprint>& footprints = places_.footprints.footprints();
+    const FootprintSettings settings = footprint_settings(settings_);
+    PointTaps points;
+    std::vector<FilterTap> taps;
+    for (const Footprint& footprint : footprints) {
+      taps.clear();
+      append_filter_taps(footprint, places_.model_texels.sizes(), settings, taps);
+      for (const FilterTap& tap : taps) points.add(places_.model_texels.slot(tap.level, tap.texel), tap.weight);
+      points.finish_point();
+    }
+    const std::unique_ptr<PointShading> shading = model.make_shading(
+        device, {half_count() > 0 ? settings_.directions.half_vectors : std::vector<glm::dvec3>{},
+                 settings_.directions.lights, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f,
+                 half_count() > 0 ? settings_.directions.half_vector_lights : std::vector<int>{}});
+    footprint_sums_.assign(brdf_count(), std::vector<ErrorSum>(footprints.size()));
+    std::vector<float> values;
+    for (std::size_t way = 0; way < shadings_.size(); ++way)
+      for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
+        shading->shade(points, static_cast<int>(way), channel, settings_.threads, values);
+        const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
+        add_footprints(truths, values, channel, first_brdf);
+      }
+  }
+
+  // Of one channel, or plain for -1.
+  void add_footprints(const std::vector<std::unique_ptr<FootprintTruth>>& truths, const std::vector<float>& values,
+                      int channel, std::size_t first_brdf) {
+    const std::size_t highlight_count = highlights_.size();
+    const std::size_t value_count = half_count() * highlight_count + settings_.directions.lights.size();
+    for (std::size_t d = 0; d < truths.size(); ++d) {
+      const bool is_light = d >= half_count();
+      const std::size_t own_count = is_light ? 1 : highlight_count;
+      for (std::size_t e = 0; e < own_count; ++e) {
+        const std::size_t value = is_light ? half_count() * highlight_count + d - half_count() : e * half_count() + d;
+        std::vector<ErrorSum>& sums = footprint_sums_[first_brdf + (is_light ? highlight_count : e)];
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          const double truth =
+              truths[d]->at(i, static_cast<std::size_t>(1 + channel) * own_count + e) * value_scale(is_light, e);
+          const auto shaded = static_cast<double>(values[i * value_count + value]);
+          sums[i] += {std::abs(shaded - truth), truth, 1.0};
+        }
+      }
+    }
+  }
+
+  // What is averaged without it.
+  double value_scale(bool is_light, std::size_t highlight) const {
+    return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }
 
   void compare(Device& device, const Pass& pass, const AccuracyModel& model, bool is_first, Progress* progress) {
@@ -279,6 +309,7 @@ class Comparison {
     const std::unique_ptr<PointShading> shading = model.make_shading(device, pass.directions);
     const std::size_t sample_count = points_.samples().size();
     std::vector<SamplePoint> points;
+    PointTaps taps;
     std::vector<float> values;
     std::vector<ErrorSum> sums;
     for (std::size_t first = 0; first < sample_count; first += kSamplesPerBatch) {
@@ -286,9 +317,11 @@ class Comparison {
       points.clear();
       for (std::size_t i = first; i < std::min(first + kSamplesPerBatch, sample_count); ++i)
         points_.append_points(i, points);
+      taps.clear();
+      for (const SamplePoint& point : points) append_taps(point, places_.model_slots, taps);
       for (std::size_t way = 0; way < shadings_.size(); ++way)
         for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
-          shading->shade(points, static_cast<int>(way), channel, settings_.threads, values);
+          shading->shade(taps, static_cast<int>(way), channel, settings_.threads, values);
           compare_points(pass, points, values, channel, sums);
           const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
           for (std::size_t i = 0; i < points.size(); ++i)
@@ -313,8 +346,7 @@ class Comparison {
         const std::size_t first_value = static_cast<std::size_t>(1 + channel) * own_count;
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
           for (std::size_t e = 0; e < own_count; ++e) {
-            const double truth = truth_at(*pass.truths[d], points[i], first_value + e) *
-                                 (is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[e]));
+            const double truth = truth_at(*pass.truths[d], points[i], first_value + e) * value_scale(is_light, e);
             const std::size_t value =
                 is_light ? pass_half_count * highlight_count + d - pass_half_count : e * pass_half_count + d;
             const auto shaded = static_cast<double>(values[i * value_count + value]);
@@ -345,6 +377,7 @@ class Comparison {
   }
 
   const AccuracySettings& settings_;
+  const MeasuredPlaces places_;
   const AccuracyPoints& points_;
   const std::vector<Highlight> highlights_;
   const std::vector<std::string> shadings_;
@@ -352,6 +385,7 @@ class Comparison {
   const std::size_t plain_count_;    // BRDFs: highlights, then Lambert
   const TexelAverages averages_;
   ErrorSums sums_;
+  std::vector<std::vector<ErrorSum>> footprint_sums_;  // [BRDF][footprint]
 };
 
 std::vector<PlaneSize> level_sizes(int map_width, int map_height) {
@@ -372,38 +406,96 @@ AccuracyDirections accuracy_directions() {
   for (const glm::dvec3& light :
        {glm::dvec3(.3, .2, .93), glm::dvec3(-.7, .1, .7), glm::dvec3(.1, -.9, .45), glm::dvec3(.5, .6, .6)})
     directions.lights.push_back(glm::normalize(light));
-  for (const glm::dvec3& light : directions.lights)
-    for (const glm::dvec3& view : {glm::dvec3(0, 0, 1), glm::dvec3(.6, 0, .8), glm::dvec3(-.3, .7, .6)})
-      directions.half_vectors.push_back(glm::normalize(light + glm::normalize(view)));
+  for (std::size_t i = 0; i < directions.lights.size(); ++i)
+    for (const glm::dvec3& view : {glm::dvec3(0, 0, 1), glm::dvec3(.6, 0, .8), glm::dvec3(-.3, .7, .6)}) {
+      directions.half_vectors.push_back(glm::normalize(directions.lights[i] + glm::normalize(view)));
+      directions.half_vector_lights.push_back(static_cast<int>(i));
+    }
   return directions;
 }
 
-AccuracyMeter::AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings)
-    : settings_(settings),
-      points_(level_sizes(map_width, map_height), {settings.first_level, settings.samples_per_level, settings.seed}) {}
+namespace {
 
-AccuracySettings AccuracyMeter::of_file(AccuracySettings settings, bool has_roughness, float mean_cosine) {
-  settings.has_roughness = has_roughness;
-  settings.mean_cosine = mean_cosine;
-  if (has_roughness) {
+AccuracySettings of_file(AccuracySettings settings, const BakedHeader& header) {
+  settings.has_roughness = header.has_roughness;
+  settings.mean_cosine = header.mean_cosine;
+  settings.wrap_s = header.wrap_s;
+  settings.wrap_t = header.wrap_t;
+  if (header.has_roughness) {
     settings.exponents = {static_cast<double>(kRoughnessExponent)};
     settings.highlights.clear();
   }
   return settings;
 }
 
+SampleSettings sample_settings(const AccuracySettings& settings, PlaneSize map) {
+  const int none = mip_level_count(map.width, map.height);
+  return {settings.has_level_table ? settings.first_level : none, settings.samples_per_level, settings.seed};
+}
+
+std::vector<Footprint> footprints_of(PlaneSize map, const AccuracySettings& settings) {
+  MULTUM_CHECK(settings.replicates >= 1);
+  FootprintSettings own = footprint_settings(settings);
+  std::vector<Footprint> all;
+  for (int r = 0; r < settings.replicates; ++r, ++own.seed) {
+    const std::vector<Footprint> chosen = choose_footprints(map.width, map.height, own);
+    all.insert(all.end(), chosen.begin(), chosen.end());
+  }
+  return all;
+}
+
+TexelSelection model_texels(const AccuracyPoints& points, const FootprintAverages& footprints,
+                            const AccuracySettings& settings) {
+  const std::vector<PlaneSize>& sizes = points.texels().sizes();
+  std::vector<std::vector<int>> texels(sizes.size());
+  std::vector<FilterTap> taps;
+  for (const Footprint& footprint : footprints.footprints())
+    append_filter_taps(footprint, sizes, footprint_settings(settings), taps);
+  for (const FilterTap& tap : taps) texels[static_cast<std::size_t>(tap.level)].push_back(tap.texel);
+  for (std::size_t level = 0; level < sizes.size(); ++level)
+    for (int y = 0; y < sizes[level].height; ++y) {
+      const int l = static_cast<int>(level);
+      for (std::size_t slot = points.texels().row_begin(l, y); slot < points.texels().row_end(l, y); ++slot)
+        texels[level].push_back(y * sizes[level].width + points.texels().column(slot));
+    }
+  return {sizes, std::move(texels)};
+}
+
+std::vector<std::size_t> slots_in(const TexelSelection& all, const TexelSelection& some) {
+  std::vector<std::size_t> slots;
+  for (int l = 0; l < static_cast<int>(some.sizes().size()); ++l) {
+    const PlaneSize size = some.sizes()[static_cast<std::size_t>(l)];
+    for (int y = 0; y < size.height; ++y)
+      for (std::size_t slot = some.row_begin(l, y); slot < some.row_end(l, y); ++slot)
+        slots.push_back(all.slot(l, y * size.width + some.column(slot)));
+  }
+  return slots;
+}
+
+}  // namespace
+
+AccuracyMeter::AccuracyMeter(PlaneSize map, const BakedHeader& header, const AccuracySettings& settings)
+    : settings_(of_file(settings, header)),
+      points_(level_sizes(map.width, map.height), sample_settings(settings_, map)),
+      footprints_(footprints_of(map, settings_), map.width, map.height, footprint_settings(settings_)),
+      texels_(model_texels(points_, footprints_, settings_)),
+      model_slots_(slots_in(texels_, points_.texels())) {}
+
 bool AccuracyMeter::needs_rows(int level, int first_row, int row_count) const {
-  return points_.texels().row_begin(level, first_row) < points_.texels().row_begin(level, first_row + row_count);
+  return texels_.row_begin(level, first_row) < texels_.row_begin(level, first_row + row_count);
 }
 
 std::vector<AccuracyRow> AccuracyMeter::run(Device& device, const PlaneStore& normals, const PlaneStore* albedo,
                                             Progress* progress) {
-  const PlaneSize size = points_.texels().sizes().front();
+  const PlaneSize size = texels_.sizes().front();
   MULTUM_CHECK(normals.width() == size.width && normals.height() == size.height);
   MULTUM_CHECK(albedo == nullptr || model().has_colours());
-  Comparison comparison(settings_, points_, model(), albedo != nullptr);
+  Comparison comparison(settings_, {points_, footprints_, texels_, model_slots_}, model(), albedo != nullptr);
   comparison.run(device, {normals, albedo}, model(), progress);
-  summaries_ = comparison.summaries();
+  footprint_errors_ = comparison.footprint_errors(0, 1);
+  replicate_errors_.clear();
+  for (int r = 0; r < settings_.replicates; ++r)
+    replicate_errors_.push_back(comparison.footprint_errors(r, settings_.replicates));
   return comparison.rows();
 }
 
@@ -412,7 +504,8 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
                                                             Progress* progress) {
   const int level_count = static_cast<int>(points_.texels().sizes().size());
   MULTUM_CHECK(model().first_level() == by_default.model().first_level());
-  const TexelAverages finest(points_.texels(), model().first_level()), all(points_.texels(), level_count);
+  MULTUM_CHECK(texels_.slot_count() == by_default.texels_.slot_count());
+  const TexelAverages finest(texels_, model().first_level()), all(points_.texels(), level_count);
   PlaneAverages finest_lobes(finest, albedo != nullptr), means(all, albedo != nullptr);
   stream_rows({normals, albedo}, {settings_.threads}, {&finest_lobes, &means}, progress);
   const std::vector<Highlight> highlights = highlights_of(settings_);
@@ -424,6 +517,8 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
   const std::size_t value_count = half_count * highlight_count + light_count;
   std::vector<SamplePoint> points;
   for (std::size_t i = 0; i < points_.samples().size(); ++i) points_.append_points(i, points);
+  PointTaps taps;
+  for (const SamplePoint& point : points) append_taps(point, model_slots_, taps);
 
   const auto index = [&](int level, std::size_t brdf) {
     return static_cast<std::size_t>(level) * (highlight_count + 1) + brdf;
@@ -442,7 +537,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
     const std::unique_ptr<PointShading> shading = shown.make_shading(device, directions);
     std::vector<float> values;
     // Of several ways to shade, the last is the runtime's by_default one.
-    shading->shade(points, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
+    shading->shade(taps, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
                    values);
     for (std::size_t i = 0; takes_mean && i < points.size(); ++i) {
       double colour = 0.0;

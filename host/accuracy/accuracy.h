@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how far a baked mipmap is from the truth. Truth: the average over every finest normal that a texel covers,
-// in double (accuracy_truth.h). Model: what is stored, rounded as stored, filtered linearly and shaded by the runtime's
-// formula (accuracy_model.h). Levels finer than the first that is stored: the normal map's own mips, in float, each
-// texel one lobe with the mean vector of the normals that it covers; between them and the stored levels both are shaded
-// and mixed, as renderers do. Error: relative L1 = sum |model - truth| / sum truth, over sampled texels and a fixed set
-// of lights and views, of the BRDF's convolution alone, f without n . l (docs/ALGORITHMS.md).
+// Measures how far a baked mipmap is from its reference, in two ways.
+//
+// What a bake states, promises and is chosen by is the error of pixels (host/accuracy/footprint_error.h). Reference:
+// the average, over the pixel's footprint, of the BRDF times n . l of every finest normal, in double. Model: what is
+// stored, rounded as stored, read by the runtime's filter (pixel_filter.h), filtered and shaded by the runtime's
+// formula (accuracy_model.h). Error: relative L1 = sum |model - reference| / sum reference, over footprints and a fixed
+// set of lights and views.
+//
+// The table of levels says where a fit is good: at texel centres, midway between texels and between levels, against
+// averages over the normals that the texels cover, filtered alike, of the BRDF's convolution alone, f without n . l.
+//
+// Levels finer than the first that is stored are the normal map's own mips, in float, each texel one lobe with the mean
+// vector of the normals that it covers; between them and the stored levels both are shaded and mixed, as renderers do
+// (docs/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -16,6 +24,8 @@
 #include "host/accuracy/accuracy_brdf.h"
 #include "host/accuracy/accuracy_model.h"
 #include "host/accuracy/accuracy_points.h"
+#include "host/accuracy/footprint_averages.h"
+#include "host/accuracy/footprint_error.h"
 #include "host/accuracy/highlight.h"
 #include "host/accuracy/moment_model.h"
 #include "host/accuracy/movmf_model.h"
@@ -42,20 +52,7 @@ struct AccuracyRow {
 constexpr double kIntervalMin = 1e-6;
 constexpr double kIntervalUnstated = -1.0;
 
-/// One figure for a BRDF: relative L1 over texel centres and midpoints, in x and in y, of levels kSummaryLevel and up
-/// (of smaller maps: the coarsest). Each level weighs the same, since each is what some distance shows; within a level
-/// a point weighs by its truth.
-struct AccuracySummary {
-  AccuracyBrdf brdf;
-  double error;
-  // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate over the strata, which are the
-  // levels (Cochran 1977, section 6.11), with the finite population correction. Texels are the sampling units: a texel
-  // and its midpoints go together. Levels that are measured whole add nothing: 0 where all are.
-  double confidence;
-  std::int64_t sample_count;  // texels
-  int worst_level;
-  double worst_level_error;
-};
+/// The finest level of which differences are an average (host/scene/scene_difference.h).
 constexpr int kSummaryLevel = 2;
 
 /// Difference between two files over texel centres, midpoints, and half-way to the next level: sums of |a - b| and of
@@ -73,6 +70,7 @@ std::string error_text(double error, double confidence);
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;        // at least one
   std::vector<glm::dvec3> half_vectors;  // at least one
+  std::vector<int> half_vector_lights;   // [half vector]: the number of its light; of footprints alone, which need them
 };
 AccuracyDirections accuracy_directions();
 
@@ -80,8 +78,13 @@ struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
   std::vector<Highlight> highlights;                     // more of them, after those
   std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0: every texel
+  int footprints_per_octave = 256;                       // 0: none
+  int replicates = 1;  // so many independent choices of these, of seeds that follow each other
   std::uint64_t seed = 1;
-  int first_level = 0;  // finer ones are not measured
+  bool has_level_table = true;
+  int first_level = 0;  // finer ones, and smaller footprints, are not measured
+  PixelFilter filter = {};
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // of the file
   AccuracyDirections directions = accuracy_directions();
   // Normals are shortened by their BRDF's width (host/image/material_maps.h), by `mean_cosine` in the mean, and every
   // one has its own highlight: the BRDFs are "roughness" and "lambert".
@@ -109,20 +112,26 @@ class AccuracyMeter {
   /// albedo's mean.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
-  /// After run(): one for each of its BRDFs.
-  const std::vector<AccuracySummary>& summaries() const { return summaries_; }
+  /// After run(), with footprints: one for each of its BRDFs, of all replicates together.
+  const std::vector<FootprintError>& footprint_errors() const { return footprint_errors_; }
+  /// [replicate][BRDF].
+  const std::vector<std::vector<FootprintError>>& replicate_errors() const { return replicate_errors_; }
 
  protected:
-  AccuracyMeter(int map_width, int map_height, const AccuracySettings& settings);
-  /// The settings for a file with or without a BRDF's width in.
-  static AccuracySettings of_file(AccuracySettings settings, bool has_roughness, float mean_cosine);
-  const AccuracyPoints& points() const { return points_; }
+  /// Takes from `header` wrap modes and whether a BRDF's width is in.
+  AccuracyMeter(PlaneSize map, const BakedHeader& header, const AccuracySettings& settings);
+  /// That models keep.
+  const TexelSelection& texels() const { return texels_; }
   virtual AccuracyModel& model() = 0;
 
  private:
   const AccuracySettings settings_;
-  const AccuracyPoints points_;
-  std::vector<AccuracySummary> summaries_;
+  const AccuracyPoints points_;  // of the table
+  const FootprintAverages footprints_;
+  const TexelSelection texels_;                 // that either reads
+  const std::vector<std::size_t> model_slots_;  // [slot of points_.texels()]: its slot in texels_
+  std::vector<FootprintError> footprint_errors_;
+  std::vector<std::vector<FootprintError>> replicate_errors_;
 };
 
 /// Measures files of lobes.
@@ -130,9 +139,8 @@ class MovmfMeter : public AccuracyMeter {
  public:
   /// Takes from `header` the sizes of levels, the lobe count and the first level; it needs no texels.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
-      : AccuracyMeter(header.width(), header.height(),
-                      of_file(settings, header.header.has_roughness, header.header.mean_cosine)),
-        model_(header, has_colours, points().texels()) {}
+      : AccuracyMeter({header.width(), header.height()}, header.header, settings),
+        model_(header, has_colours, texels()) {}
 
   /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
   void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
@@ -146,8 +154,7 @@ class MovmfMeter : public AccuracyMeter {
 class MomentMeter : public AccuracyMeter {
  public:
   MomentMeter(const BakedHeader& header, const AccuracySettings& settings)
-      : AccuracyMeter(header.width, header.height, of_file(settings, header.has_roughness, header.mean_cosine)),
-        model_(header, points().texels()) {}
+      : AccuracyMeter({header.width, header.height}, header, settings), model_(header, texels()) {}
 
   void add_rows(int level, int first_row, const MomentLevel& rows) { model_.add_rows(level, first_row, rows); }
 
@@ -161,9 +168,7 @@ class ShMeter : public AccuracyMeter {
  public:
   /// Takes from `header` the sizes of levels, the order and the first level; it needs no texels.
   ShMeter(const ShMipmap& header, const AccuracySettings& settings)
-      : AccuracyMeter(header.header.width, header.header.height,
-                      of_file(settings, header.header.has_roughness, header.header.mean_cosine)),
-        model_(header, points().texels()) {}
+      : AccuracyMeter({header.header.width, header.header.height}, header.header, settings), model_(header, texels()) {}
 
   void add_rows(int level, int first_row, const ShLevel& rows) { model_.add_rows(level, first_row, rows); }
   std::size_t kept_bytes() const { return model_.kept_bytes(); }

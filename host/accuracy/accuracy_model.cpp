@@ -21,6 +21,8 @@ DirectionBuffers::DirectionBuffers(Device& device, const ShadingDirections& dire
       light_count_(static_cast<int>(directions.lights.size())),
       highlight_count_(static_cast<int>(directions.highlights.size())),
       value_count_(directions.half_vectors.size() * directions.highlights.size() + directions.lights.size()) {
+  for (std::size_t d = 0; d < directions.half_vector_lights.size(); ++d)
+    half_vectors_[d].w = 1.0f + static_cast<float>(directions.half_vector_lights[d]);
   for (const Highlight& highlight : directions.highlights) shaded_.push_back(highlight.shaded);
   if (shaded_.empty()) shaded_.push_back(shaded_highlight(1.0));
   for (const MultumHighlight& highlight : shaded_) exponents_.push_back(highlight.exponent);

@@ -11,10 +11,10 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/accuracy/accuracy_points.h"
 #include "host/accuracy/accuracy_truth.h"
 #include "host/accuracy/highlight.h"
 #include "host/accuracy/kept_texels.h"
+#include "host/accuracy/point_taps.h"
 #include "host/opencl/device.h"
 
 namespace multum {
@@ -25,6 +25,8 @@ struct ShadingDirections {
   std::vector<glm::dvec3> lights;
   std::vector<Highlight> highlights;
   float mean_cosine = 0.0f;  // of a roughness map that is in the lengths of normals: of lights, divided out; 0: none is
+  // Of each half vector the number of the light, in `lights`, whose cosine n . l is in its highlights; empty: in none.
+  std::vector<int> half_vector_lights = {};
 };
 
 /// Model values at some points.
@@ -33,8 +35,7 @@ class PointShading {
   virtual ~PointShading() = default;
   /// [point][highlights x half vectors, then lights] into values[0 .. points x values), by the model's shading number
   /// `shading`, multiplied by the colours in `channel` unless it is -1.
-  virtual void shade(const std::vector<SamplePoint>& points, int shading, int channel, int threads,
-                     std::vector<float>& values) = 0;
+  virtual void shade(const PointTaps& points, int shading, int channel, int threads, std::vector<float>& values) = 0;
 };
 
 /// Keeps what is stored of the texels that points read.

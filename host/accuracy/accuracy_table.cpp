@@ -87,6 +87,37 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<Accura
   return text;
 }
 
+constexpr const char* kPixels = "pixels";  // in the place of a point
+constexpr int kNoLevel = -1;
+
+nlohmann::json entry_of(const FootprintError& one) {
+  return {kNoLevel,
+          kPixels,
+          one.brdf.text(),
+          rounded(one.error),
+          millionths_up(one.confidence) / 1e6,
+          rounded(one.percentile_95),
+          one.worst_octave,
+          rounded(one.worst_octave_error),
+          one.sample_count};
+}
+
+std::optional<FootprintError> parse_footprint_error(const nlohmann::json& one) {
+  if (one.size() != 9 || !one[2].is_string() || !one[6].is_number_integer() || !one[8].is_number_integer())
+    return std::nullopt;
+  for (const std::size_t i : {3, 4, 5, 7})
+    if (!one[i].is_number() || !(one[i].get<double>() >= 0.0)) return std::nullopt;
+  const auto octave = one[6].get<std::int64_t>();
+  if (octave < 0 || octave > kLevelMax) return std::nullopt;
+  return FootprintError{parse_accuracy_brdf(one[2].get<std::string>()),
+                        one[3].get<double>(),
+                        one[4].get<double>(),
+                        one[5].get<double>(),
+                        static_cast<int>(octave),
+                        one[7].get<double>(),
+                        one[8].get<std::int64_t>()};
+}
+
 std::optional<AccuracyPoint> parse_point(const std::string& name) {
   for (const AccuracyPoint point :
        {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
@@ -95,6 +126,19 @@ std::optional<AccuracyPoint> parse_point(const std::string& name) {
 }
 
 }  // namespace
+
+std::string footprint_error_text(const std::vector<FootprintError>& errors) {
+  if (errors.empty()) return "";
+  std::size_t width = 0;
+  for (const FootprintError& one : errors) width = std::max(width, one.brdf.text().size());
+  std::string text = "error of pixels, relative L1 with its 95 % interval\n";
+  for (const FootprintError& one : errors)
+    text += fmt::format("  {:<{}}  {:.2f} +- {:.2f} %; 95 % of pixels within {:.2f} %; the worst, {:.2f} %, cover {}\n",
+                        one.brdf.text(), width, 100.0 * rounded(one.error),
+                        hundredths_of_percent_up(one.confidence) / 100.0, 100.0 * rounded(one.percentile_95),
+                        100.0 * rounded(one.worst_octave_error), octave_text(one.worst_octave));
+  return text;
+}
 
 std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
   std::vector<std::vector<AccuracyBrdf>> groups;  // of BRDFs that are shaded alike, as they come
@@ -109,8 +153,9 @@ std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
   return text;
 }
 
-std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
+std::string measured_error_json(const std::vector<AccuracyRow>& rows, const std::vector<FootprintError>& errors) {
   nlohmann::json json = nlohmann::json::array();
+  for (const FootprintError& one : errors) json.push_back(entry_of(one));
   for (const AccuracyRow& row : rows) {
     nlohmann::json one = {row.level, accuracy_point_name(row.point), row.brdf.text(), rounded(row.error)};
     if (row.confidence == 0.0) one.push_back(0);
@@ -120,11 +165,17 @@ std::string measured_error_json(const std::vector<AccuracyRow>& rows) {
   return json.dump();
 }
 
-std::optional<std::vector<AccuracyRow>> parse_measured_error(const std::string& text) {
+std::optional<StatedErrors> parse_measured_error(const std::string& text) {
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);  // discarded, not thrown, when it is none
   if (!json.is_array()) return std::nullopt;
-  std::vector<AccuracyRow> rows;
+  StatedErrors stated;
   for (const nlohmann::json& one : json) {
+    if (one.is_array() && one.size() > 1 && one[1] == kPixels) {
+      const std::optional<FootprintError> error = parse_footprint_error(one);
+      if (!error) return std::nullopt;
+      stated.footprint_errors.push_back(*error);
+      continue;
+    }
     if (!one.is_array() || one.size() < 4 || one.size() > 5 || !one[0].is_number_integer() || !one[1].is_string() ||
         !one[2].is_string() || !one[3].is_number())
       return std::nullopt;
@@ -133,10 +184,10 @@ std::optional<std::vector<AccuracyRow>> parse_measured_error(const std::string& 
     const auto level = one[0].get<std::int64_t>();
     const std::optional<AccuracyPoint> point = parse_point(one[1].get<std::string>());
     if (level < 0 || level > kLevelMax || !point) return std::nullopt;
-    rows.push_back({static_cast<int>(level), *point, parse_accuracy_brdf(one[2].get<std::string>()),
-                    one[3].get<double>(), confidence, 0});
+    stated.rows.push_back({static_cast<int>(level), *point, parse_accuracy_brdf(one[2].get<std::string>()),
+                           one[3].get<double>(), confidence, 0});
   }
-  return rows;
+  return stated;
 }
 
 }  // namespace multum

@@ -15,6 +15,11 @@ namespace multum {
 namespace {
 
 MULTUM_VECTOR_CLONES
+void scale_row(double* __restrict values, const double* __restrict factors, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) values[i] *= factors[i];
+}
+
+MULTUM_VECTOR_CLONES
 void multiply_colour(const double* __restrict values, const float* __restrict colour, std::size_t count,
                      double* __restrict product) {
   for (std::size_t i = 0; i < count; ++i) product[i] = values[i] * static_cast<double>(colour[i]);
@@ -135,6 +140,37 @@ void BrdfTruth::add_row(const FinestRow& row) {
   }
 }
 
+FootprintTruth::FootprintTruth(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
+                               bool has_colours)
+    : averages_(averages),
+      brdf_(std::move(values)),
+      cosines_(std::move(cosines)),
+      highlight_count_(brdf_ ? brdf_->count : 1),
+      value_count_(highlight_count_ * (has_colours ? 4 : 1)),
+      rows_(brdf_ ? brdf_->count : 0, AlignedRow(static_cast<std::size_t>(averages.map_width()))),
+      cosine_row_(static_cast<std::size_t>(averages.map_width())),
+      product_(averages.row_length()),
+      sums_(averages.footprints().size() * value_count_) {}
+
+void FootprintTruth::add_row(const FinestRow& row) {
+  if (!averages_.needs_row(row.y)) return;
+  const auto width = static_cast<std::size_t>(averages_.map_width());
+  std::vector<double*> rows;
+  for (AlignedRow& values : rows_) rows.push_back(values.data());
+  cosines_.evaluate(row.normals, static_cast<int>(width), {cosine_row_.data()});
+  if (brdf_) brdf_->evaluate(row.normals, static_cast<int>(width), rows);
+  for (AlignedRow& values : rows_) scale_row(values.data(), cosine_row_.data(), width);
+  if (rows.empty()) rows.push_back(cosine_row_.data());
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    std::copy_n(rows[e], width, product_.data());
+    averages_.add_row(row.y, product_.data(), sums_.data() + e, value_count_);
+    for (std::size_t channel = 0; channel < 3 && value_count_ > highlight_count_; ++channel) {
+      multiply_colour(rows[e], row.albedo[channel], width, product_.data());
+      averages_.add_row(row.y, product_.data(), sums_.data() + (channel + 1) * rows.size() + e, value_count_);
+    }
+  }
+}
+
 PlaneAverages::PlaneAverages(const TexelAverages& averages, bool has_colours)
     : TexelSums(averages, has_colours ? 6 : 3), has_colours_(has_colours), row_(averages.row_length()) {}
 
@@ -147,7 +183,7 @@ void PlaneAverages::add_row(const FinestRow& row) {
 }
 
 // While the directions take a band, one of the threads reads the next.
-void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<TexelSums*>& sums,
+void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress) {
   const int height = planes.normals.height();
   MULTUM_CHECK(planes.albedo == nullptr ||
@@ -166,7 +202,7 @@ void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, con
     });
     std::swap(current, next);
   }
-  for (TexelSums* one : sums) one->finish();
+  for (RowSums* one : sums) one->finish();
 }
 
 }  // namespace multum

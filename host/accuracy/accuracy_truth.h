@@ -8,11 +8,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 #include "host/accuracy/brdf_rows.h"
+#include "host/accuracy/footprint_averages.h"
 #include "host/accuracy/highlight.h"
 #include "host/accuracy/texel_averages.h"
 #include "host/base/progress.h"
@@ -33,14 +35,20 @@ struct FinestRow {
   std::array<const float*, 3> albedo;
 };
 
-/// Averages of something over the selected texels.
-class TexelSums {
+/// Sums over rows of the finest level.
+class RowSums {
  public:
-  virtual ~TexelSums() = default;
+  virtual ~RowSums() = default;
   /// Rows from the top, each once.
   virtual void add_row(const FinestRow& row) = 0;
   /// After the last row.
-  void finish();
+  virtual void finish() {}
+};
+
+/// Averages of something over the selected texels.
+class TexelSums : public RowSums {
+ public:
+  void finish() override;
   /// Of value `value` of a texel.
   double at(std::size_t slot, std::size_t value) const { return sums_[slot * value_count_ + value]; }
 
@@ -85,6 +93,27 @@ class BrdfTruth : public TexelSums {
   AlignedRow coloured_;           // a row
 };
 
+/// Averages over footprints of a BRDF times n . l, the pixel's own reference: value e of each highlight; with colours
+/// also times channel c, as value (1 + c) * count + e.
+class FootprintTruth : public RowSums {
+ public:
+  /// `values`: of the highlights, which `cosines` multiply; none: of Lambert, the cosines alone.
+  FootprintTruth(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
+                 bool has_colours);
+  void add_row(const FinestRow& row) override;
+  double at(std::size_t footprint, std::size_t value) const { return sums_[footprint * value_count_ + value]; }
+
+ private:
+  const FootprintAverages& averages_;
+  const std::optional<BrdfValues> brdf_;
+  const BrdfValues cosines_;
+  const std::size_t highlight_count_, value_count_;
+  std::vector<AlignedRow> rows_;  // [highlight]
+  AlignedRow cosine_row_;
+  AlignedRow product_;        // a row, with room for FootprintAverages
+  std::vector<double> sums_;  // [footprint][value]
+};
+
 /// The planes themselves: values 0 to 2 the normal, 3 to 5 the colour if there are any.
 class PlaneAverages : public TexelSums {
  public:
@@ -102,7 +131,7 @@ struct StreamSettings {
 };
 
 /// Gives every row to all of `sums` and finishes them. Progress: counts no units; cancels at bands.
-void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<TexelSums*>& sums,
+void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress);
 
 }  // namespace multum

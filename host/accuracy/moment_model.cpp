@@ -32,8 +32,7 @@ class MomentShading : public PointShading {
         directions_(device, directions),
         kernel_(device.kernel("moment_shade", "moment_shade", {1, 1, false})) {}
 
-  void shade(const std::vector<SamplePoint>& points, int shading, int channel, int threads,
-             std::vector<float>& values) override {
+  void shade(const PointTaps& points, int shading, int channel, int threads, std::vector<float>& values) override {
     const std::vector<MultumFilteredMoments> moments = model_.filtered(points, channel, threads);
     const std::size_t count = directions_.value_count(), byte_count = points.size() * count * sizeof(float);
     values.resize(points.size() * count);
@@ -98,15 +97,13 @@ void MomentModel::add_tap(std::size_t slot, double weight, int channel, double* 
   for (std::size_t i = 0; i < slopes.size(); ++i) sums[kSlopes + i] += weight * static_cast<double>(slopes[i]);
 }
 
-std::vector<MultumFilteredMoments> MomentModel::filtered(const std::vector<SamplePoint>& points, int channel,
-                                                         int threads) const {
+std::vector<MultumFilteredMoments> MomentModel::filtered(const PointTaps& points, int channel, int threads) const {
   MULTUM_CHECK(is_complete());
   std::vector<MultumFilteredMoments> filtered(points.size());
   for_each_row_band(static_cast<int>(points.size()), kMomentPointsPerBand, threads, [&](int, int begin, int end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       std::array<double, kSumCount> sums{};
-      for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
-        add_tap(points[i].slots[t], points[i].weights[t], channel, sums.data());
+      for (const WeightedSlot& tap : points.of(i)) add_tap(tap.slot, tap.weight, channel, sums.data());
       const auto colour = [&](MomentSum sum, MomentSum share) {
         return channel < 0 || sums[share] == 0.0 ? 1.0 : sums[sum] / sums[share];
       };

@@ -29,7 +29,7 @@ class MomentModel : public AccuracyModel {
   /// Moments at points as hardware filtering gives them; multiplied by the colours in `channel` unless it is -1, as a
   /// share is: shading is linear in the share, and of points between a stored level and one of the normal map's each
   /// side has its own colour.
-  std::vector<MultumFilteredMoments> filtered(const std::vector<SamplePoint>& points, int channel, int threads) const;
+  std::vector<MultumFilteredMoments> filtered(const PointTaps& points, int channel, int threads) const;
 
  private:
   void add_tap(std::size_t slot, double weight, int channel, double* sums) const;

@@ -58,8 +58,7 @@ void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec
 }
 
 // Shading is linear in (a r, a), so T(a y) / T(a) times the lobe shades to T(a y) times its shape.
-std::vector<glm::vec4> MovmfModel::filtered_lobes(const std::vector<SamplePoint>& points, int channel,
-                                                  int threads) const {
+std::vector<glm::vec4> MovmfModel::filtered_lobes(const PointTaps& points, int channel, int threads) const {
   constexpr int kPointsPerBand = 4096;
   MULTUM_CHECK(is_complete());
   const std::size_t count = lobe_count();
@@ -68,8 +67,7 @@ std::vector<glm::vec4> MovmfModel::filtered_lobes(const std::vector<SamplePoint>
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       std::array<glm::dvec4, kLobeCountMax + 1> lobes{};
       std::array<double, kLobeCountMax + 1> colours{};
-      for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
-        add_tap(points[i].slots[t], points[i].weights[t], channel, lobes.data(), colours.data());
+      for (const WeightedSlot& tap : points.of(i)) add_tap(tap.slot, tap.weight, channel, lobes.data(), colours.data());
       if (has_gaussians_ && count > lobe_count_) lobes[lobe_count_] = as_gaussian(lobes[lobe_count_]);
       for (std::size_t j = 0; j < count; ++j) {
         if (channel >= 0 && lobes[j].w > 0.0) lobes[j] *= colours[j] / lobes[j].w;
@@ -90,8 +88,7 @@ class MovmfShading : public PointShading {
         directions_(device, directions),
         kernel_(device.kernel(model.program().file, "movmf_shade", model.program().variant)) {}
 
-  void shade(const std::vector<SamplePoint>& points, int, int channel, int threads,
-             std::vector<float>& values) override {
+  void shade(const PointTaps& points, int, int channel, int threads, std::vector<float>& values) override {
     const std::vector<glm::vec4> lobes = model_.filtered_lobes(points, channel, threads);
     const std::size_t byte_count = points.size() * directions_.value_count() * sizeof(float);
     values.resize(points.size() * directions_.value_count());

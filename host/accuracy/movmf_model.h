@@ -33,7 +33,7 @@ class MovmfModel : public AccuracyModel {
   const ProgramChoice& program() const { return program_; }
 
   /// lobes[point][lobe] as hardware filtering gives them; multiplied by their colours in `channel` unless it is -1.
-  std::vector<glm::vec4> filtered_lobes(const std::vector<SamplePoint>& points, int channel, int threads) const;
+  std::vector<glm::vec4> filtered_lobes(const PointTaps& points, int channel, int threads) const;
 
  private:
   void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;

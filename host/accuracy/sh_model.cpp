@@ -39,8 +39,7 @@ class ShShading : public PointShading {
     value_buffer_ = device.make_buffer(kPointsPerLaunch * directions_.value_count() * sizeof(float), "shaded values");
   }
 
-  void shade(const std::vector<SamplePoint>& points, int, int channel, int threads,
-             std::vector<float>& values) override {
+  void shade(const PointTaps& points, int, int channel, int threads, std::vector<float>& values) override {
     const std::size_t value_count = directions_.value_count();
     values.resize(points.size() * value_count);
     for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerLaunch) {
@@ -112,20 +111,19 @@ void ShModel::add_tap(std::size_t slot, double weight, int channel, double* coef
   if (channel >= 0) colour.stored += weight * static_cast<double>(colours_[entry][channel]);
 }
 
-ShModel::Filtered ShModel::filtered(const std::vector<SamplePoint>& points, std::size_t begin, std::size_t end,
-                                    int channel, int threads) const {
+ShModel::Filtered ShModel::filtered(const PointTaps& points, std::size_t begin, std::size_t end, int channel,
+                                    int threads) const {
   MULTUM_CHECK(is_complete());
   Filtered filtered{std::vector<float>((end - begin) * count_), std::vector<MultumFilteredSh>(end - begin)};
   for_each_row_band(static_cast<int>(end - begin), kShPointsPerBand, threads, [&](int, int band_begin, int band_end) {
     std::vector<double> sums(count_);
     for (auto i = static_cast<std::size_t>(band_begin); i < static_cast<std::size_t>(band_end); ++i) {
-      const SamplePoint& point = points[begin + i];
       std::fill(sums.begin(), sums.end(), 0.0);
       std::array<double, 4> map{};
       double share = 0.0;
       Colour colour;
-      for (std::size_t t = 0; t < static_cast<std::size_t>(point.tap_count); ++t)
-        add_tap(point.slots[t], point.weights[t], channel, sums.data(), map.data(), &share, colour);
+      for (const WeightedSlot& tap : points.of(begin + i))
+        add_tap(tap.slot, tap.weight, channel, sums.data(), map.data(), &share, colour);
       const auto factor = [&](double sum, double weight) { return channel < 0 || weight == 0.0 ? 1.0 : sum / weight; };
       const double stored = factor(colour.stored, share), of_map = factor(colour.of_map, map[3]);
       for (std::size_t k = 0; k < count_; ++k)

@@ -36,8 +36,7 @@ class ShModel : public AccuracyModel {
     std::vector<float> coefficients;
     std::vector<MultumFilteredSh> points;
   };
-  Filtered filtered(const std::vector<SamplePoint>& points, std::size_t begin, std::size_t end, int channel,
-                    int threads) const;
+  Filtered filtered(const PointTaps& points, std::size_t begin, std::size_t end, int channel, int threads) const;
 
  private:
   struct Colour {

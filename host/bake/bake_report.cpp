@@ -26,30 +26,17 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
   return list;
 }
 
-Json error_json(const std::vector<AccuracySummary>& summaries) {
+Json error_json(const std::vector<FootprintError>& errors) {
   Json list = Json::array();
-  for (const AccuracySummary& one : summaries)
+  for (const FootprintError& one : errors)
     list.push_back({{"brdf", one.brdf.text()},
                     {"relative_l1", one.error},
                     {"confidence_95", one.confidence},
-                    {"samples", one.sample_count},
-                    {"all_texels", one.confidence == 0.0},
-                    {"worst_level", one.worst_level},
-                    {"worst_level_relative_l1", one.worst_level_error}});
+                    {"percentile_95", one.percentile_95},
+                    {"worst_octave", one.worst_octave},
+                    {"worst_octave_relative_l1", one.worst_octave_error},
+                    {"footprints", one.sample_count}});
   return list;
-}
-
-// "error, mean over levels 2 and up, 0.12 +- 0.01 % lambert, ...": a line.
-std::string error_line(const std::vector<AccuracySummary>& summaries, int first_level) {
-  std::string text;
-  bool is_whole = true;
-  for (const AccuracySummary& one : summaries) is_whole = is_whole && one.confidence == 0.0;
-  for (const AccuracySummary& one : summaries)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.brdf.text(),
-                        is_whole ? fmt::format("{:.2f} %", 100.0 * one.error) : error_text(one.error, one.confidence));
-  if (text.empty()) return "";
-  return fmt::format("error, mean over levels {} and up, {}: {}\n", first_level,
-                     is_whole ? "all texels" : "95 % interval", text);
 }
 
 // One line when anything was repaired, else nothing.
@@ -128,6 +115,7 @@ std::string BakeReport::to_json() const {
                     {"unrepresentable", output.unrepresentable}};
   json["unrepresentable_share"] = output.unrepresentable_share;
   json["error"] = error_json(error);
+  if (picture_error) json["picture_error"] = *picture_error;
   json["measured_error"] = accuracy_json(accuracy);
   if (!choice.empty()) json["choice"] = choice;
   add_former_names(json);
@@ -151,8 +139,7 @@ std::string BakeReport::to_text() const {
     times += fmt::format("{}{} {:.2f} s", times.empty() ? "" : ", ", stage.name, stage.seconds);
     total += stage.seconds;
   }
-  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device) +
-          error_line(error, stored_only ? std::max(first_level, kSummaryLevel) : kSummaryLevel);
+  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device) + footprint_error_text(error);
   if (fit.lobe_count_total > 0)
     text += fmt::format(
         "{} lobes: {} not finite, {} clamped at the largest kappa, {} empty (no normals fell to them), {} without a "

@@ -53,8 +53,9 @@ struct BakeReport {
   std::uint64_t device_bytes_peak = 0;            // of buffers on the device, of all that it has done
   std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
   std::vector<AccuracyRow> accuracy;
-  std::vector<AccuracySummary> error;  // one for each BRDF of `accuracy`
-  std::string choice;                  // why these settings, where they were chosen; a line each
+  std::vector<FootprintError> error;    // of pixels: one for each BRDF of `accuracy`
+  std::string choice;                   // why these settings, where they were chosen; a line each
+  std::optional<double> picture_error;  // of a picture of what was chosen, where one was drawn: relative L1
 
   /// Plan of bands and levels: the fit's, or that of the averages.
   const std::string& plan() const { return fit.plan.empty() ? average.plan : fit.plan; }

@@ -85,26 +85,39 @@ BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progre
   check.damage = find_damage(job, header.representation, file, progress);
   if (check.damage.empty()) {
     progress_stage(progress, "measure");
-    check.measured = file.meter->run(device, source.map.normals, source.colours(), progress);
+    check.measured.rows = file.meter->run(device, source.map.normals, source.colours(), progress);
+    check.measured.footprint_errors = file.meter->footprint_errors();
   }
   progress_finish(progress);
   return check;
 }
 
-std::optional<double> worst_error(const std::vector<AccuracyRow>& rows) {
+std::optional<double> worst_error(const std::vector<FootprintError>& errors) {
   std::optional<double> worst;
-  for (const AccuracyRow& row : rows) worst = std::max(worst.value_or(0.0), comparable(row.error));
+  for (const FootprintError& one : errors) worst = std::max(worst.value_or(0.0), comparable(one.error));
   return worst;
 }
 
-std::string worse_than_stated(const std::vector<AccuracyRow>& measured, const std::vector<AccuracyRow>& stated) {
+std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& stated) {
   std::string worst;
   double worst_excess = 0.0;
-  for (const AccuracyRow& row : measured) {
-    const auto same = std::find_if(stated.begin(), stated.end(), [&](const AccuracyRow& other) {
+  for (const FootprintError& one : measured.footprint_errors) {
+    if (stated.footprint_errors.empty()) break;
+    const auto same = std::find_if(stated.footprint_errors.begin(), stated.footprint_errors.end(),
+                                   [&](const FootprintError& other) { return other.brdf == one.brdf; });
+    if (same == stated.footprint_errors.end()) return fmt::format("states no error of pixels for {}", one.brdf.text());
+    const double excess = comparable(one.error) - (same->error * (1.0 + kAllowedRelative) + kAllowedAbsolute);
+    if (excess <= worst_excess) continue;
+    worst_excess = excess;
+    worst = fmt::format("is {:.4g} % off for pixels, {}, states {:.4g} %", 100.0 * one.error, one.brdf.text(),
+                        100.0 * same->error);
+  }
+  if (!worst.empty()) return worst;
+  for (const AccuracyRow& row : measured.rows) {
+    const auto same = std::find_if(stated.rows.begin(), stated.rows.end(), [&](const AccuracyRow& other) {
       return other.level == row.level && other.point == row.point && other.brdf == row.brdf;
     });
-    if (same == stated.end()) return fmt::format("states no error for {}", row_name(row));
+    if (same == stated.rows.end()) return fmt::format("states no error for {}", row_name(row));
     const double allowed = same->confidence == kIntervalUnstated ? kAllowedOfUnstated : kAllowedRelative;
     const double excess = comparable(row.error) - (same->error * (1.0 + allowed) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/accuracy/accuracy.h"
+#include "host/accuracy/accuracy_table.h"
 #include "host/bake/bake_job.h"
 #include "host/base/progress.h"
 #include "host/opencl/device.h"
@@ -16,19 +16,20 @@
 namespace multum {
 
 struct BakedCheck {
-  std::string damage;                 // the first finding; empty: the file is whole
-  std::vector<AccuracyRow> measured;  // none where it is damaged
+  std::string damage;     // the first finding; empty: the file is whole
+  StatedErrors measured;  // none where it is damaged
 };
 
 /// Checks JOB.output against JOB.input; writes nothing but scratch files. Throws Error(kInput) when the source cannot
 /// be read, Cancelled. Memory: rows of tiles of the file and bands of the source.
 BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress);
 
-/// The largest error of all; none without rows.
-std::optional<double> worst_error(const std::vector<AccuracyRow>& rows);
+/// The largest error of pixels of all BRDFs; none without any.
+std::optional<double> worst_error(const std::vector<FootprintError>& errors);
 
 /// Names the error that exceeds what `stated` says by most, beyond what rounding explains, or that is not stated at
-/// all; empty where there is none.
-std::string worse_than_stated(const std::vector<AccuracyRow>& measured, const std::vector<AccuracyRow>& stated);
+/// all; empty where there is none. Errors of pixels come before those of levels; where none are stated, as in files of
+/// earlier programs, they are not held to anything.
+std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& stated);
 
 }  // namespace multum

@@ -56,11 +56,12 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
   return settings;
 }
 
-/// Removes the rows of BakeJob::highlights; the others are what every file states.
-inline std::vector<AccuracyRow> stated_rows(const BakeJob& job, std::vector<AccuracyRow> rows) {
+/// Removes those of BakeJob::highlights; the other rows or errors of pixels are what every file states.
+template <typename Measured>
+std::vector<Measured> stated(const BakeJob& job, std::vector<Measured> all) {
   for (const Highlight& one : job.highlights)
-    std::erase_if(rows, [&id = one.id](const AccuracyRow& row) { return row.brdf.is_same_brdf(id); });
-  return rows;
+    std::erase_if(all, [&id = one.id](const Measured& measured) { return measured.brdf.is_same_brdf(id); });
+  return all;
 }
 
 /// Writer that drops its rows: for bakes that are only measured.
@@ -77,12 +78,12 @@ void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t 
   if (meter != nullptr) {
     progress_stage(progress, "measure");
     report.accuracy = meter->run(run.device, run.source.map.normals, run.source.colours(), progress);
-    report.error = meter->summaries();
+    report.error = meter->footprint_errors();
     run.clock.finish("measure");
   }
   progress_advance(progress, measure_units);
   progress_stage(progress, "write");
-  writer.commit(measured_error_json(stated_rows(run.job, report.accuracy)), progress);
+  writer.commit(measured_error_json(stated(run.job, report.accuracy), stated(run.job, report.error)), progress);
   run.clock.finish("write");
 }
 

@@ -130,7 +130,7 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
       reasons.push_back(std::move(change));
   const auto stated = parse_measured_error(there->measured_error);
   if (stated) state.stated = *stated;
-  if (job.measure && state.stated.empty()) reasons.emplace_back("its error was not measured");
+  if (job.measure && state.stated.rows.empty()) reasons.emplace_back("its error was not measured");
   if (reasons.empty()) return state;
   state.finding = OutputFinding::kStale;
   state.why = fmt::format("{}", fmt::join(reasons, "; "));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/accuracy/accuracy.h"
+#include "host/accuracy/accuracy_table.h"
 #include "host/bake/bake_job.h"
 
 namespace multum {
@@ -28,8 +29,8 @@ enum class OutputFinding {
 
 struct OutputState {
   OutputFinding finding;
-  std::string why;                  // of kUnreadable and kStale
-  std::vector<AccuracyRow> stated;  // errors by the header of a file that is there and was measured
+  std::string why;      // of kUnreadable and kStale
+  StatedErrors stated;  // by the header of a file that is there and was measured
 };
 
 /// `settings`: all_settings_json(job). Throws Error(kInput) when there is a file to compare with, and the map cannot be

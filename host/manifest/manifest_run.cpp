@@ -31,7 +31,7 @@ void check_in_place(const ManifestMap& map, const OutputState& found, Device& de
     result.why = check.damage;
     return;
   }
-  result.error = worst_error(check.measured);
+  result.error = worst_error(check.measured.footprint_errors);
   result.why = worse_than_stated(check.measured, found.stated);
   if (!result.why.empty()) result.state = MapState::kWorse;
 }
@@ -73,7 +73,7 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
                                      chosen.written ? "" : ", not written"));
     }
   }
-  if (result.report) result.error = worst_error(result.report->accuracy);
+  if (result.report) result.error = worst_error(result.report->error);
 }
 
 // As far as a bake goes before it fits anything. Throws what the bake would. A folder that the bake would make is stood
@@ -121,7 +121,7 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
   BakeJob job = map.job;
   if (map.target) job.chosen_for = target_key(map.job, *map.target);
   const OutputState found = find_output_state(job, all_settings_json(job));
-  result.stated = worst_error(found.stated);
+  result.stated = worst_error(found.stated.footprint_errors);
   const bool is_current = found.finding == OutputFinding::kInPlace && !map.job.force;
   if (settings.check) {
     note_finding(found, result);

@@ -82,8 +82,9 @@ class StartTrial {
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
+    accuracy.footprints_per_octave = 0;
     accuracy.threads = 1;  // too small to share
-    accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64)};
+    accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64), {}};
     const auto too_fine = [&](int level) {
       const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
       return size.width > kComparedSideMax || size.height > kComparedSideMax;

@@ -302,8 +302,8 @@ Rows fit_rows() {
 Rows target_rows() {
   return {{.name = "target_error",
            .kind = Kind::kNumber,
-           .help = "choose the cheapest settings whose error is at most this: relative L1 against the reference, mean "
-                   "over levels 2 and up, 0.1 for 10 %; where none reach it, write nothing and exit with code 5",
+           .help = "choose the cheapest settings whose error is at most this: relative L1 of pixels "
+                   "against their reference, 0.1 for 10 %; where none reach it, write nothing and exit with code 5",
            .high = 2,
            .low_excluded = true,
            .excludes = "budget_ms",

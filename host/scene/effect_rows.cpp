@@ -86,7 +86,7 @@ class EffectRows {
       return;
     }
     const double without = error_of(0);
-    const bool needed = without > scene_.budget.tolerance;
+    const bool needed = without > scene_.budget.estimate_margin;
     add_row("normals under texels", needed,
             fmt::format("spread of normals up to {:.2g}; one mean direction a texel is {} off", spread,
                         percent_text(without)));
@@ -109,7 +109,7 @@ class EffectRows {
     add_row("several lobes, EM", needed,
             fmt::format("{} off {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
-                            ? fmt::format("tolerance {}", percent_text(scene_.budget.tolerance))
+                            ? fmt::format("margin {}", percent_text(scene_.budget.estimate_margin))
                             : fmt::format("the default's 4 lobes {}, limit {}", parts_text(plan_.default_bake.error),
                                           parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax

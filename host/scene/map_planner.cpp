@@ -56,12 +56,12 @@ MapPlan MapPlanner::plan() {
   has_colours_ = source_->albedo.has_value() && needs_.diffuse;
   const double range = survey_.normal_range * (needs_.specular ? std::sqrt(needs_.exponent_max) : 1.0);
   plan_.is_constant =
-      range <= 0.5 * scene_.budget.tolerance && !needs_.width_in_map && !needs_.weighted && plan_.level_count > 1;
+      range <= 0.5 * scene_.budget.estimate_margin && !needs_.width_in_map && !needs_.weighted && plan_.level_count > 1;
   add_default();
-  const double target = scene_.budget.target_error.value_or(0.0), tolerance = scene_.budget.tolerance;
-  plan_.limit = scene_.budget.target_error ? PartErrors{target, target}
-                                           : PartErrors{plan_.default_bake.error.diffuse + tolerance,
-                                                        plan_.default_bake.error.specular + tolerance};
+  const double target = scene_.budget.target_error.value_or(0.0), margin = scene_.budget.estimate_margin;
+  plan_.limit = scene_.budget.target_error
+                    ? PartErrors{target, target}
+                    : PartErrors{plan_.default_bake.error.diffuse + margin, plan_.default_bake.error.specular + margin};
   if (plan_.is_constant) add_constant();
   else add_candidates();
   choose();
@@ -125,10 +125,10 @@ void MapPlanner::add_default() {
   s.exponent_count = 3;
   plan_.default_bake = finished({lobes_name(Representation::kMovmf, lobes), s, s.has_colours, {}, {}});
   if (plan_.is_constant) return;
-  // One lobe within the tolerance needs no comparison: the default bake is taken to be no worse.
+  // One lobe within the margin needs no comparison: the default bake is taken to be no worse.
   if (!scene_.budget.target_error) {
     const PartErrors one = lobes_error(1, ColourModel::kLobes);
-    plan_.default_error_is_bound = one.worst() <= scene_.budget.tolerance;
+    plan_.default_error_is_bound = one.worst() <= scene_.budget.estimate_margin;
     if (plan_.default_error_is_bound) plan_.default_bake.error = one;
   }
   if (!plan_.default_error_is_bound) plan_.default_bake.error = lobes_error(lobes, ColourModel::kLobes);
@@ -136,11 +136,14 @@ void MapPlanner::add_default() {
 
 void MapPlanner::add_constant() {
   BakeShape s = shape(Representation::kMovmf, 1);
-  const bool constant_colours = survey_.colour_range <= 0.5 * scene_.budget.tolerance;
+  const bool constant_colours = survey_.colour_range <= 0.5 * scene_.budget.estimate_margin;
   s.has_colours = has_colours_ && constant_colours;
   s.mean_colours = has_colours_ && !constant_colours;
-  plan_.candidates = {
-      finished({"vmf, 1 lobe, 1 texel", s, false, {0.5 * scene_.budget.tolerance, 0.5 * scene_.budget.tolerance}, {}})};
+  plan_.candidates = {finished({"vmf, 1 lobe, 1 texel",
+                                s,
+                                false,
+                                {0.5 * scene_.budget.estimate_margin, 0.5 * scene_.budget.estimate_margin},
+                                {}})};
 }
 
 void MapPlanner::add_lobes(int lobes) {

@@ -38,14 +38,14 @@ void add_fresnel(const SceneDescription& scene, const SceneObject& object, const
   if (!has_any) return add_row(plan, "Fresnel", false, "the BRDF has none");
   if (!scene.environment.empty()) return add_row(plan, "Fresnel", true, "an environment's light comes from everywhere");
   if (object.materials.size() > 1) return add_row(plan, "Fresnel", true, "one of several BRDFs has one");
-  const double v_h = least_half_cosine(object.tilt_max, map.z_min), tolerance = scene.budget.tolerance;
+  const double v_h = least_half_cosine(object.tilt_max, map.z_min), margin = scene.budget.estimate_margin;
   const FixedFresnel fixed = fixed_fresnel(brdf_of(object.materials.front()), v_h);
-  const bool needed = fixed.change > tolerance;
+  const bool needed = fixed.change > margin;
   const std::string bound = fmt::format(
       "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a number in "
-      "its place is at most {} off, tolerance {}",
+      "its place is at most {} off, margin {}",
       v_h, object.tilt_max, std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
-      percent_text(fixed.change), percent_text(tolerance));
+      percent_text(fixed.change), percent_text(margin));
   add_row(plan, "Fresnel", needed, bound);
   if (needed) return;
   plan.fixed_fresnel = fixed.value;

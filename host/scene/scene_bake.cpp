@@ -62,18 +62,19 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
 }
 
 // Other settings are estimates, that one bake holds to the target.
-bool misses_target(const SceneDescription& scene, const BakeJob& job, const std::vector<AccuracySummary>& errors) {
+bool misses_target(const SceneDescription& scene, const BakeJob& job, const std::vector<FootprintError>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
   return !reached_error(errors, target_brdf(job)).meets(*scene.budget.target_error);
 }
 
 // What was measured of a file that is left as it is.
-std::vector<AccuracySummary> errors_of(const nlohmann::json& row) {
-  std::vector<AccuracySummary> errors;
+std::vector<FootprintError> errors_of(const nlohmann::json& row) {
+  std::vector<FootprintError> errors;
   try {
     for (const nlohmann::json& one : row.at("bake").at("error"))
       errors.push_back({parse_accuracy_brdf(one.at("brdf")), one.at("relative_l1"), one.at("confidence_95"),
-                        one.at("samples"), one.at("worst_level"), one.at("worst_level_relative_l1")});
+                        one.at("percentile_95"), one.at("worst_octave"), one.at("worst_octave_relative_l1"),
+                        one.at("footprints")});
   } catch (const nlohmann::json::exception&) {
     errors.clear();
   }

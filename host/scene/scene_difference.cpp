@@ -107,6 +107,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
   AccuracySettings accuracy;
   accuracy.exponents = map.job.measured_exponents;
   accuracy.samples_per_level = 0;
+  accuracy.footprints_per_octave = 0;
   accuracy.directions = scene_directions(scene, number);
   BakeJob by_default = default_job(scene, map);
   by_default.fitting.search_start = false;  // a proxy map of a proxy map: a second a map, and no other start on most

@@ -283,7 +283,8 @@ SceneCamera read_camera(const std::string& path, const toml::table& toml) {
 }
 
 SceneBudget read_budget(const std::string& path, const toml::table& toml) {
-  const StrictTable table(path, toml, "budget", {"bytes", "bake_ms", "target_error", "tolerance"}, kWholeFile);
+  const StrictTable table(path, toml, "budget", {"bytes", "bake_ms", "target_error", "estimate_margin", "tolerance"},
+                          kWholeFile);
   SceneBudget budget;
   const auto optional = [&](const char* key, const NumberRange& range, std::optional<double>& value) {
     if (table.has(key)) value = table.number(key, range, 0.0);
@@ -291,8 +292,10 @@ SceneBudget read_budget(const std::string& path, const toml::table& toml) {
   optional("bytes", kAboveZero, budget.bytes);
   optional("bake_ms", kAboveZero, budget.bake_ms);
   optional("target_error", kAboveZero, budget.target_error);
-  budget.tolerance =
-      table.number("tolerance", {0.0, 0.5, true, false, "a number above 0 and at most 0.5"}, budget.tolerance);
+  // Both bound how far estimates are apart; the former name said more than that.
+  for (const char* key : {"tolerance", "estimate_margin"})
+    budget.estimate_margin =
+        table.number(key, {0.0, 0.5, true, false, "a number above 0 and at most 0.5"}, budget.estimate_margin);
   return budget;
 }
 

@@ -56,11 +56,11 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   if (plan.is_constant) job.measure = false;  // how far normals are apart is known
   plan.stated_difference = as_default && !plan.is_constant
                                ? 0.0
-                               : plan.chosen.error.worst() + plan.default_bake.error.worst() + budget.tolerance;
+                               : plan.chosen.error.worst() + plan.default_bake.error.worst() + budget.estimate_margin;
   // What trials choose reaches the target, and need not be nearer.
   if (plan.trials)
-    plan.stated_difference =
-        std::max(plan.chosen.error.worst(), *budget.target_error) + plan.default_bake.error.worst() + budget.tolerance;
+    plan.stated_difference = std::max(plan.chosen.error.worst(), *budget.target_error) +
+                             plan.default_bake.error.worst() + budget.estimate_margin;
 }
 
 // Down to the scene's budgets, each time the step that adds the least error.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes a map to a target and finds its settings: the cheapest that come within an error, or the most accurate within a
-// time. They are chosen on a mosaic of the map (host/target/setting_choice.h); then the whole map is baked and measured
-// at other texels, and where that says otherwise, the next settings are baked.
+// time. They are chosen on a mosaic of the map (host/target/setting_choice.h); then the whole map is baked and
+// measured, and where that says otherwise, the next settings are baked. Whether an error is met is said by a second
+// sample of footprints: of many settings, the one whose sample happens to be good is the one that is chosen.
 #pragma once
 
 #include <optional>
 #include <string>
 
+#include "host/target/plane_picture.h"
 #include "host/target/setting_choice.h"
 
 namespace multum {
@@ -18,12 +20,14 @@ struct BakeTarget {
   TargetBrdf brdf;
   std::optional<Representation> only;  // of these settings alone
   bool best_effort = false;            // write the best that was reached, too, where nothing reaches the target
+  PlaneViewer viewer;                  // draws a picture of what was chosen; empty: none does
 };
 
 struct ChosenBake {
-  BakeReport report;     // of the bake that was written; of the best one where none was
-  std::string options;   // what was chosen, as `multum bake` takes it
-  ReachedError reached;  // of the whole map
+  BakeReport report;    // of the bake that was written; of the best one where none was
+  std::string options;  // what was chosen, as `multum bake` takes it
+  // Of the whole map. Where the target is an error: by footprints that had no part in the choice, if the others met it.
+  ReachedError reached;
   bool met = false;
   bool written = false;
 };

@@ -158,8 +158,6 @@ std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::option
 
 std::vector<SettingCandidate> target_candidates(std::optional<Representation> only) {
   std::vector<SettingCandidate> candidates = setting_candidates(kTargetSearch, only);
-  if (!only)
-    std::erase_if(candidates, [](const SettingCandidate& one) { return one.representation() == Representation::kGmm; });
   std::stable_sort(candidates.begin(), candidates.end(), [](const SettingCandidate& a, const SettingCandidate& b) {
     return std::pair(a.texture_count, a.effort) < std::pair(b.texture_count, b.effort);
   });

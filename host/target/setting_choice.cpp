@@ -14,6 +14,12 @@
 #include "host/target/map_mosaic.h"
 
 namespace multum {
+namespace {
+
+constexpr int kFinestFitted = 1;  // level 0 has one direction a texel
+
+}  // namespace
+
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option) {
   const Brdf brdf = parse_brdf(option, text, Brdf().term_count);
   switch (brdf.kind) {
@@ -33,14 +39,14 @@ std::vector<Highlight> TargetBrdf::more_highlights() const {
   return {make_highlight(id, brdf)};
 }
 
-ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf) {
+ReachedError reached_error(const std::vector<FootprintError>& errors, const TargetBrdf& brdf) {
   const bool has_colours =
-      std::any_of(summaries.begin(), summaries.end(), [](const AccuracySummary& one) { return one.brdf.has_colours; });
+      std::any_of(errors.begin(), errors.end(), [](const FootprintError& one) { return one.brdf.has_colours; });
   std::optional<ReachedError> best;
-  for (const AccuracySummary& one : summaries) {
+  for (const FootprintError& one : errors) {
     if (one.brdf.has_colours != has_colours || !one.brdf.is_same_brdf(brdf.id)) continue;
     if (best && !(one.error < best->error)) continue;
-    best = {one.error, one.confidence, one.worst_level, one.worst_level_error, one.brdf.shading};
+    best = {one.error, one.confidence, one.percentile_95, one.worst_octave, one.worst_octave_error, one.brdf.shading};
   }
   MULTUM_CHECK(best.has_value());
   return *best;
@@ -70,18 +76,17 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
     if (trial.candidate == candidate) return trial;
   const BakeJob job = with_candidate(job_, candidates_.at(candidate));
   AccuracySettings accuracy;
-  accuracy.first_level = kSummaryLevel;  // only the levels that count are made
-  accuracy.samples_per_level = 0;
+  accuracy.has_level_table = false;
   accuracy.exponents.clear();
   accuracy.highlights = highlights_;
   BakeReport report;
   Progress quiet = cancel_only(progress);
   const std::unique_ptr<AccuracyMeter> meter = try_levels(device_, job, mosaic_, accuracy, report, &quiet);
   meter->run(device_, mosaic_.map.normals, mosaic_.colours(), &quiet);
-  const ReachedError reached = reached_error(meter->summaries(), brdf_);
+  const ReachedError reached = reached_error(meter->footprint_errors(), brdf_);
   double fixed_seconds = report.fit.start_seconds;
   for (const LevelReport& level : report.fit.levels)
-    if (level.level > std::max(job.fitting.first_level, kSummaryLevel)) fixed_seconds += level.seconds;
+    if (level.level > std::max(job.fitting.first_level, kFinestFitted)) fixed_seconds += level.seconds;
   made_.push_back({candidate, reached, report.bake_seconds(), fixed_seconds});
   log_verbose(fmt::format("trial: {:<44} {} in {:.3f} s", candidates_[candidate].options,
                           error_text(reached.error, reached.confidence), report.bake_seconds()));

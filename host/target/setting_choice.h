@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the settings that a map needs: tries candidates (host/target/setting_candidates.h) in the order of their cost
-// on a mosaic of the map (host/target/map_mosaic.h) until one is near enough to the truth. Nothing is written here; the
-// bake that follows says whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
+// on a mosaic of the map (host/target/map_mosaic.h) until one is near enough to the reference. Nothing is written here;
+// the bake that follows says whether the whole map keeps what the mosaic promised (host/target/chosen_bake.h).
 #pragma once
 
 #include <optional>
@@ -29,19 +29,19 @@ struct TargetBrdf {
 /// Parses a BRDF as parse_brdf() does; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
-/// The least error of `brdf`, in the mean over levels, among the ways to shade a file; with colours where the file has
-/// them.
+/// The least error of `brdf` among the ways to shade a file; with colours where the file has them.
 struct ReachedError {
   double error = 0.0;
   double confidence = 0.0;  // half width of the 95 % interval
-  int worst_level = 0;
-  double worst_level_error = 0.0;
+  double percentile_95 = 0.0;
+  int worst_octave = 0;
+  double worst_octave_error = 0.0;
   std::string shading;  // "lean", of moments; else empty
 
   /// Below `error`, its interval and all?
   bool meets(double target) const { return error + confidence <= target; }
 };
-ReachedError reached_error(const std::vector<AccuracySummary>& summaries, const TargetBrdf& brdf);
+ReachedError reached_error(const std::vector<FootprintError>& errors, const TargetBrdf& brdf);
 
 /// Error and time of a candidate on the mosaic.
 struct SettingTrial {
@@ -60,6 +60,8 @@ class SettingTrials {
 
   const std::vector<SettingCandidate>& candidates() const { return candidates_; }
   const TargetBrdf& brdf() const { return brdf_; }
+  /// Of the target: one, or none.
+  const std::vector<Highlight>& highlights() const { return highlights_; }
   /// Throws Cancelled.
   const SettingTrial& at(std::size_t candidate, Progress* progress);
   /// Trials that were made, in that order.

@@ -84,15 +84,14 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
   if (row.has_error)
     one.update({{"relative_l1", row.reached.error},
                 {"confidence_95", row.reached.confidence},
-                {"worst_level", row.reached.worst_level},
-                {"worst_level_relative_l1", row.reached.worst_level_error}});
+                {"percentile_95", row.reached.percentile_95},
+                {"worst_octave", row.reached.worst_octave},
+                {"worst_octave_relative_l1", row.reached.worst_octave_error}});
   if (row.is_measured)
     one.update(
-        {{"centre", row.centre},
-         {"midway", row.midway},
-         {"between_levels", row.between},
-         {"fronts",
+        {{"fronts",
           {{"bake_time", row.on_time_front}, {"gpu_bytes", row.on_size_front}, {"frame_time", row.on_frame_front}}}});
+  if (row.same_as) one["same_as"] = *row.same_as;
   if (row.rendered >= 0.0) one.update({{"rendered_relative_l1", row.rendered}, {"frame_ms", row.frame_ms}});
   return one;
 }
@@ -106,6 +105,8 @@ nlohmann::ordered_json sweep_json(const TradeoffJob& job, const TradeoffResult& 
                                  {"brdf", job.brdf.id.text()},
                                  {"device", result.device},
                                  {"renderer", result.renderer},
+                                 {"bake_time_confidence_95", result.noise.bake},
+                                 {"frame_time_confidence_95", result.noise.frame},
                                  {"seconds", result.seconds}};
   if (result.chosen) json["chosen"] = *result.chosen;
   if (job.bytes_max) json["budget"]["gpu_bytes"] = *job.bytes_max;
@@ -118,8 +119,8 @@ nlohmann::ordered_json sweep_json(const TradeoffJob& job, const TradeoffResult& 
 
 // Of rows that the page shows a picture of.
 bool is_shown(const TradeoffRow& row) {
-  const bool is_on_front = row.on_time_front || row.on_size_front || row.on_frame_front;
-  return !row.picture.empty() && (is_on_front || row.group == "moments" || row.group == "hierarchy");
+  return !row.picture.empty() &&
+         ((row.on_front() && !row.same_as) || row.group == "moments" || row.group == "hierarchy");
 }
 
 }  // namespace
@@ -151,18 +152,17 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
 
 std::string tradeoff_markdown(const TradeoffResult& result) {
   std::string text =
-      "| settings | drawn with | error | 95 % | centres | midway | between levels | rendered | bake, processor ms | "
+      "| settings | drawn with | error | 95 % | 95th percentile | worst octave | rendered | bake, processor ms | "
       "elapsed, ms | frame, ms | GPU, MiB |\n"
-      "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+      "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const TradeoffRow& row : result.rows) {
-    const auto if_measured = [&](double share) { return row.is_measured ? percent(share) : std::string("-"); };
     const auto if_known = [&](double share) { return row.has_error ? percent(share) : std::string("-"); };
-    text += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.options,
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.options,
                         row.view.empty() ? "" : "`" + row.view + "`", if_known(row.reached.error),
-                        if_known(row.reached.confidence), if_measured(row.centre), if_measured(row.midway),
-                        if_measured(row.between), percent_if(row.rendered), millis(row.bake_processor_seconds),
-                        millis(row.bake_seconds), row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms),
-                        mebi(row.gpu_bytes));
+                        if_known(row.reached.confidence), if_known(row.reached.percentile_95),
+                        if_known(row.reached.worst_octave_error), percent_if(row.rendered),
+                        millis(row.bake_processor_seconds), millis(row.bake_seconds),
+                        row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms), mebi(row.gpu_bytes));
   }
   return text;
 }
@@ -170,10 +170,14 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) {
   std::string text = "on a front of error against bake time, memory or frame time:\n";
   for (const TradeoffRow& row : result.rows) {
-    if ((!row.on_time_front && !row.on_size_front && !row.on_frame_front) || !row.fits) continue;
+    if (!row.on_front() || row.same_as || !row.fits) continue;
     text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake_seconds),
                         mebi(row.gpu_bytes), row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_ms),
                         row.options, row.view);
+    const auto number = static_cast<std::size_t>(&row - result.rows.data());
+    for (const TradeoffRow& other : result.rows)
+      if (other.same_as == number)
+        text += fmt::format("  {:>16}  cannot be told apart: {} {}\n", "", other.options, other.view);
   }
   if (job.has_budget())
     text +=
@@ -181,8 +185,9 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   if (!is_asked(job)) return text;
   if (!result.chosen) return text + "no settings meet this\n";
   const TradeoffRow& chosen = result.rows[*result.chosen];
-  text += fmt::format("chosen: {}; mean over levels 2 and up, the worst is level {} with {} %\n", chosen.options,
-                      chosen.reached.worst_level, percent(chosen.reached.worst_level_error));
+  text += fmt::format("chosen: {}; 95 % of pixels are within {} %, the worst cover {}, with {} %\n", chosen.options,
+                      percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
+                      percent(chosen.reached.worst_octave_error));
   return text;
 }
 

@@ -26,6 +26,7 @@
 namespace multum {
 namespace {
 
+constexpr std::size_t kTimeRepeats = 5;  // of the default settings, to know how much times move
 constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 
 // A way to draw a bake.
@@ -120,21 +121,6 @@ std::string read_bytes(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-// The mean over levels of one kind of point.
-double mean_error(const std::vector<AccuracyRow>& rows, const AccuracyBrdf& brdf,
-                  std::initializer_list<AccuracyPoint> points) {
-  double sum = 0.0;
-  int count = 0;
-  for (const AccuracyRow& row : rows) {
-    if (row.level < kSummaryLevel || row.brdf != brdf ||
-        std::find(points.begin(), points.end(), row.point) == points.end())
-      continue;
-    sum += row.error;
-    ++count;
-  }
-  return count > 0 ? sum / count : 0.0;
-}
-
 class Sweep {
  public:
   Sweep(const TradeoffJob& job, Device& device, Progress* progress)
@@ -154,9 +140,14 @@ class Sweep {
     std::uint64_t units = 0;
     for (const SweptBake& one : sweep) units += one.views.size() + 1 + kTimedRounds;
     progress_start(progress_, units);
-    for (const SweptBake& one : sweep) run_bake(one, source);
+    for (std::size_t i = 0; i < sweep.size(); ++i) {
+      run_bake(sweep[i], source);
+      // Among the others, so that what else the machine does shows.
+      if ((i + 1) % std::max<std::size_t>(1, sweep.size() / kTimeRepeats) == 0) repeat_default(source);
+    }
     time_bakes(sweep, source);
-    mark_fronts();
+    result_.noise = {relative_half_width(bake_times_), relative_half_width(frame_times_)};
+    mark_fronts(result_.rows, result_.noise);
     mark_budgets();
     choose();
     progress_finish(progress_);
@@ -226,6 +217,24 @@ class Sweep {
       }
   }
 
+  // Of the default settings' bake and frame, once more.
+  void repeat_default(const BakeSource& source) {
+    progress_stage(progress_, "repeat the default");
+    BakeJob bake = job_.bake;
+    bake.output = scratch_ / "repeated.ndf.exr";
+    bake.report.clear();
+    bake.measure = false;
+    bake.force = true;
+    Progress quiet = cancel_only(progress_);
+    const HeldWarnings held;
+    bake_times_.push_back(bake_file(bake, &source, device_, &quiet).bake_seconds());
+    if (job_.viewer.empty()) return;
+    const View view{"", "", "", true};
+    const double first = own_picture(run_view(bake.output, view, {})).at("frame_time_ms").get<double>();
+    const double second = own_picture(run_view(bake.output, view, {})).at("frame_time_ms").get<double>();
+    frame_times_.push_back(std::min(first, second));
+  }
+
   // The map is the page's.
   std::vector<std::string> without_name(std::vector<std::string> warnings) const {
     const std::string name = job_.bake.input + ": ";
@@ -236,15 +245,10 @@ class Sweep {
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
     // Of moments, those of this way to shade them.
-    for (const AccuracySummary& one : report.error)
+    for (const FootprintError& one : report.error)
       if (one.brdf.shading == view.shading && !one.brdf.has_colours) row.errors.push_back(one);
-    AccuracyBrdf brdf = job_.brdf.id;
-    brdf.shading = view.shading;
     row.reached = reached_error(row.errors, job_.brdf);
     row.has_error = true;
-    row.centre = mean_error(report.accuracy, brdf, {AccuracyPoint::kCentre});
-    row.midway = mean_error(report.accuracy, brdf, {AccuracyPoint::kMidX, AccuracyPoint::kMidY});
-    row.between = mean_error(report.accuracy, brdf, {AccuracyPoint::kBetween});
   }
 
   static void add_errors_of(const BakeReport& report, const Highlight& highlight, TradeoffRow& row) {
@@ -294,24 +298,6 @@ class Sweep {
     return nlohmann::json::parse(read_bytes(scratch_ / "view.json"));
   }
 
-  // On a front is what nothing is better than in both: with the same cost, the error decides.
-  void mark_front(bool TradeoffRow::*flag, const std::function<double(const TradeoffRow&)>& cost) {
-    for (TradeoffRow& row : result_.rows) {
-      if (!row.is_measured || cost(row) < 0.0) continue;
-      row.*flag = std::none_of(result_.rows.begin(), result_.rows.end(), [&](const TradeoffRow& other) {
-        return other.is_measured && cost(other) >= 0.0 && cost(other) <= cost(row) &&
-               other.ranked_error() <= row.ranked_error() &&
-               (cost(other) < cost(row) || other.ranked_error() < row.ranked_error());
-      });
-    }
-  }
-
-  void mark_fronts() {
-    mark_front(&TradeoffRow::on_time_front, [](const TradeoffRow& row) { return row.bake_seconds; });
-    mark_front(&TradeoffRow::on_frame_front, [](const TradeoffRow& row) { return row.frame_ms; });
-    mark_front(&TradeoffRow::on_size_front, [](const TradeoffRow& row) { return static_cast<double>(row.gpu_bytes); });
-  }
-
   // A frame that was not drawn keeps to no budget of time.
   void mark_budgets() {
     for (TradeoffRow& row : result_.rows)
@@ -331,7 +317,7 @@ class Sweep {
       if (!fits) continue;
       const auto rank = [&](const TradeoffRow& one) {
         return job_.error ? std::pair(static_cast<double>(one.gpu_bytes), one.bake_seconds)
-                          : std::pair(one.ranked_error(), one.bake_seconds);
+                          : std::pair(one.reached.error, one.bake_seconds);
       };
       if (!result_.chosen || rank(row) < rank(result_.rows[*result_.chosen])) result_.chosen = i;
     }
@@ -342,9 +328,71 @@ class Sweep {
   Progress* const progress_;
   const Scratch scratch_;
   TradeoffResult result_;
+  std::vector<double> bake_times_, frame_times_;  // of the default settings
 };
 
+// A cost of rows; 0: of what costs nothing to tell apart.
+struct FrontCost {
+  bool TradeoffRow::*flag;
+  std::function<double(const TradeoffRow&)> of;  // < 0: not known
+  double noise;                                  // half width of one, in parts of itself
+};
+
+// Is `a` more than `b` by more than their intervals?
+bool is_more(double a, double b, double half_width_a, double half_width_b) {
+  return a - b > std::hypot(half_width_a, half_width_b);
+}
+bool has_more_error(const TradeoffRow& a, const TradeoffRow& b) {
+  return is_more(a.reached.error, b.reached.error, a.reached.confidence, b.reached.confidence);
+}
+bool costs_more(const FrontCost& cost, const TradeoffRow& a, const TradeoffRow& b) {
+  return is_more(cost.of(a), cost.of(b), cost.noise * cost.of(a), cost.noise * cost.of(b));
+}
+
 }  // namespace
+
+double relative_half_width(const std::vector<double>& times) {
+  // Student's quantile of n - 1 degrees of freedom, two-sided, 95 %.
+  constexpr double kStudent[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262};
+  const auto n = static_cast<double>(times.size());
+  if (times.size() < 2) return 0.0;
+  double mean = 0.0, squares = 0.0;
+  for (const double time : times) mean += time / n;
+  for (const double time : times) squares += (time - mean) * (time - mean);
+  const double quantile = kStudent[std::min(times.size() - 2, std::size(kStudent) - 1)];
+  return mean > 0.0 ? quantile * std::sqrt(squares / (n - 1.0)) / mean : 0.0;
+}
+
+void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise) {
+  const FrontCost costs[] = {
+      {&TradeoffRow::on_time_front, [](const TradeoffRow& row) { return row.bake_seconds; }, noise.bake},
+      {&TradeoffRow::on_frame_front, [](const TradeoffRow& row) { return row.frame_ms; }, noise.frame},
+      {&TradeoffRow::on_size_front, [](const TradeoffRow& row) { return static_cast<double>(row.gpu_bytes); }, 0.0}};
+  for (const FrontCost& cost : costs)
+    for (TradeoffRow& row : rows) {
+      if (!row.is_measured || cost.of(row) < 0.0) continue;
+      row.*cost.flag = std::none_of(rows.begin(), rows.end(), [&](const TradeoffRow& other) {
+        if (!other.is_measured || cost.of(other) < 0.0) return false;
+        if (has_more_error(other, row) || costs_more(cost, other, row)) return false;
+        return has_more_error(row, other) || costs_more(cost, row, other);
+      });
+    }
+  // The nearest of what cannot be told apart stands for it.
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].on_front()) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rows[a].reached.error < rows[b].reached.error; });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t k = 0; k < i && !rows[order[i]].same_as; ++k) {
+      const TradeoffRow &row = rows[order[i]], &other = rows[order[k]];
+      const bool is_same = !other.same_as && !has_more_error(row, other) &&
+                           std::none_of(std::begin(costs), std::end(costs), [&](const FrontCost& cost) {
+                             return costs_more(cost, row, other) || costs_more(cost, other, row);
+                           });
+      if (is_same) rows[order[i]].same_as = order[k];
+    }
+}
 
 std::size_t TradeoffResult::setting_count() const {
   return static_cast<std::size_t>(

@@ -36,17 +36,12 @@ struct TradeoffJob {
 
 /// One bake, drawn in one way.
 struct TradeoffRow {
-  std::string group;    // "lobes", "storage", ...: what is varied
-  std::string options;  // of `multum bake`
-  std::string view;     // of `multum-view`; empty: none beside the BRDF
-  // Relative L1 of levels 2 and up, levels weighing alike: centres, the mean of x and y midway, between levels.
-  double centre = 0.0, midway = 0.0, between = 0.0;
-  ReachedError reached;                 // centres and midway together, with its interval
-  std::vector<AccuracySummary> errors;  // the same of every BRDF that bakes measure, as it is drawn here
-  double rendered = -1.0;               // of the picture, against one of the same filter's truth; < 0: not drawn
-  /// Error that rows are ranked by: `reached` does not see levels 0 and 1, and so not what --first-level leaves to the
-  /// normal map; pictures do.
-  double ranked_error() const { return rendered >= 0.0 ? rendered : reached.error; }
+  std::string group;                   // "lobes", "storage", ...: what is varied
+  std::string options;                 // of `multum bake`
+  std::string view;                    // of `multum-view`; empty: none beside the BRDF
+  ReachedError reached;                // of pixels, with its interval
+  std::vector<FootprintError> errors;  // the same of every BRDF that bakes measure, as it is drawn here
+  double rendered = -1.0;              // of the picture, against one of the same filter's truth; < 0: not drawn
   // Of fitting or averaging, and writing; reading is the same for all: elapsed, and of processors
   // (host/base/run_times.h)
   double bake_seconds = 0.0, bake_processor_seconds = 0.0;
@@ -59,8 +54,24 @@ struct TradeoffRow {
   bool has_error = false;             // is `reached` known? Of a row that is not measured: the error of its own BRDF
   bool fits = true;                   // TradeoffJob's budgets
   std::vector<std::string> warnings;  // of the bake, without the map's name
-  bool on_time_front = false, on_frame_front = false, on_size_front = false;  // nothing is better in both
+  bool on_time_front = false, on_frame_front = false, on_size_front = false;  // nothing is better (mark_fronts())
+  // On a front: the row on a front that it cannot be told apart from, neither by its error nor by what it costs.
+  std::optional<std::size_t> same_as;
+
+  bool on_front() const { return on_time_front || on_frame_front || on_size_front; }
 };
+
+/// Times are of one run, and move. Parts of themselves: 95 % half widths, from the default settings' repeated runs.
+struct TimeNoise {
+  double bake = 0.0, frame = 0.0;
+};
+/// Of some repeated times: Student's 95 % half width of one of them, over their mean; at least two.
+double relative_half_width(const std::vector<double>& times);
+
+/// Marks rows on the fronts of error against bake time, frame time and memory, and which of them are the same. A row is
+/// off a front where another is cheaper or nearer by more than their intervals, and in neither worse by more than
+/// these.
+void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise);
 
 struct TradeoffResult {
   std::vector<TradeoffRow> rows;
@@ -69,6 +80,7 @@ struct TradeoffResult {
   std::string renderer;               // that drew
   int width = 0, height = 0;          // of the map
   std::optional<std::size_t> chosen;  // the row for the job's error, time or budgets
+  TimeNoise noise;                    // of all times
   double seconds = 0.0;
 
   /// Rows whose error for the job's BRDF is measured: those that are ranked and chosen from.

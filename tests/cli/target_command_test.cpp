@@ -34,18 +34,20 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
     found = found || one["relative_l1"].get<double>() + one["confidence_95"].get<double>() <= 0.3;
   }
   EXPECT_TRUE(found) << report["error"];
-  // The target is a mean over levels: what the worst of them has is told beside it.
-  std::smatch worst;
-  ASSERT_TRUE(std::regex_search(met.out, worst,
-                                std::regex("mean over levels 2 and up; the worst is level (\\d+) with (\\S+) %")))
+  // What other footprints say than those that chose, which the report has, and what the worst of them have.
+  std::smatch judged;
+  ASSERT_TRUE(
+      std::regex_search(met.out, judged,
+                        std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*by footprints that had no part in the "
+                                   "choice; those that had: (\\S+) \\+- [^]*95 % of pixels are within \\S+ %; the "
+                                   "worst are those that cover \\d+ to \\d+ texels, with \\S+ %")))
       << met.out;
-  bool is_worst = false;
+  EXPECT_LE(std::stod(judged[1]) + std::stod(judged[2]), 30.0);
+  EXPECT_NE(judged[1], judged[3]) << "the same footprints again";
+  bool has_chosen_by = false;
   for (const nlohmann::json& one : report["error"])
-    is_worst =
-        is_worst ||
-        (one["brdf"].get<std::string>().starts_with("blinn-phong:100") && one["worst_level"] == std::stoi(worst[1]) &&
-         std::abs(100.0 * one["worst_level_relative_l1"].get<double>() - std::stod(worst[2])) < 0.01);
-  EXPECT_TRUE(is_worst) << met.out << report["error"];
+    has_chosen_by = has_chosen_by || std::abs(100.0 * one["relative_l1"].get<double>() - std::stod(judged[3])) < 0.006;
+  EXPECT_TRUE(has_chosen_by) << met.out << report["error"];
   EXPECT_TRUE(contains(report["choice"], "chosen")) << report["choice"];
   // The file states what every other does: a second bake with the settings that it names is of the same texels.
   const std::string options = std::regex_replace(met.out, std::regex("[^]*chosen: (.*?): [0-9][^]*"), "$1");
@@ -127,7 +129,7 @@ TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
   }
 }
 
-// As text, in the report and in the file's header; small maps are measured whole, without an interval.
+// As text, in the report and in the file's header; levels of small maps are measured whole, without an interval.
 TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
   for (const int size : {32, 512}) {
     make_map("map", size);
@@ -136,10 +138,15 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
     ASSERT_EQ(plain.exit_code, 0) << plain.err;
     const bool is_sampled = size > 32;
     const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";
-    const std::string line = std::string("error, mean over levels 2 and up, ") +
-                             (is_sampled ? "95 % interval" : "all texels") + ": blinn-phong:20 [0-9.]+" + interval +
-                             " %";
-    EXPECT_TRUE(std::regex_search(plain.out, std::regex(line))) << plain.out;
+    const std::regex line(
+        "error of pixels, [^\n]*\n  blinn-phong:20 +[0-9.]+ \\+- [0-9.]+ %; 95 % of pixels within [0-9.]+ %; the "
+        "worst, "
+        "[0-9.]+ %, cover \\d+ to \\d+ texels\n");
+    std::smatch said, stated_line;
+    EXPECT_TRUE(std::regex_search(plain.out, said, line)) << plain.out;
+    const std::string info = multum({"info", path("map.ndf.exr")}).out;
+    EXPECT_TRUE(std::regex_search(info, stated_line, line)) << info;
+    EXPECT_EQ(said.str(), stated_line.str());
     const std::string table = "\n      0 +" + std::string(is_sampled ? "sampled" : "all") + " +[0-9.]+" + interval +
                               " \\| [0-9.]+" + interval + " ";
     EXPECT_TRUE(std::regex_search(plain.out, std::regex(table))) << plain.out;
@@ -147,9 +154,17 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
     const nlohmann::json report = nlohmann::json::parse(read_bytes(path("map.json")));
     const std::string stated = read_baked_header(path("map.ndf.exr")).provenance.measured_error;
     const nlohmann::json header = nlohmann::json::parse(stated);
-    ASSERT_EQ(header.size(), report["measured_error"].size());
-    for (std::size_t i = 0; i < header.size(); ++i) {
-      const nlohmann::json& row = report["measured_error"][i];
+    const std::size_t pixels = report["error"].size();
+    ASSERT_EQ(pixels, 4u) << "Blinn-Phong of three exponents, and Lambert";
+    for (std::size_t i = 0; i < pixels; ++i) {
+      EXPECT_EQ(header[i][1], "pixels");
+      EXPECT_NEAR(header[i][3].get<double>(), report["error"][i]["relative_l1"].get<double>(), 1e-6);
+      EXPECT_NEAR(header[i][5].get<double>(), report["error"][i]["percentile_95"].get<double>(), 1e-6);
+      EXPECT_EQ(report["error"][i]["footprints"], 256 * static_cast<int>(std::log2(size)));
+    }
+    ASSERT_EQ(header.size(), pixels + report["measured_error"].size());
+    for (std::size_t i = pixels; i < header.size(); ++i) {
+      const nlohmann::json& row = report["measured_error"][i - pixels];
       const bool all_texels = (size >> row["level"].get<int>()) <= 64;  // 8192 texels at most
       EXPECT_EQ(row["all_texels"], all_texels) << row;
       EXPECT_EQ(row["confidence_95"] == 0.0, all_texels) << row;

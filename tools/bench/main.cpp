@@ -13,6 +13,7 @@
 #include "tools/bench/build_info.h"
 #include "tools/bench/documents/accuracy_document.h"
 #include "tools/bench/documents/benchmarks_document.h"
+#include "tools/bench/documents/coverage_document.h"
 #include "tools/bench/documents/result_file.h"
 #include "tools/bench/em_benchmark.h"
 #include "tools/bench/filter_benchmark.h"
@@ -208,6 +209,24 @@ CLI::App* add_on_gpu(CLI::App& app, OnGpuOptions& options, std::string& from) {
   return command;
 }
 
+CLI::App* add_coverage(CLI::App& app, CoverageDocumentOptions& coverage) {
+  CLI::App* command = app.add_subcommand("coverage", "make a page of how often intervals of errors hold");
+  command->add_option("-o,--output", coverage.output, "Markdown file to write")->required();
+  command->add_option("--maps", coverage.maps, "folder of normal maps")->required()->check(CLI::ExistingDirectory);
+  command->add_option("--side", coverage.side, "of larger maps a mosaic this large is baked")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  command->add_option("--replicates", coverage.replicates, "choices of footprints")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
+  command->add_option("--map-count", coverage.map_count, "of the folder's maps, the first by name; 0: all")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--commit", coverage.commit, "named in the document")->default_val(built_commit());
+  command->add_option("--threads", coverage.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  return command;
+}
+
 void add_allow_dirty(CLI::App& command, bool& allow_dirty) {
   command.add_flag("--allow-dirty", allow_dirty,
                    "make it although it was measured with sources that are not committed: the document says so");
@@ -275,6 +294,8 @@ int run(int argc, char** argv) {
     benchmark.command->add_option("--json", benchmark.json, "write the result here too, for multum-bench document");
   AccuracyDocumentOptions accuracy;
   BenchmarksDocumentOptions document;
+  CoverageDocumentOptions coverage;
+  const CLI::App* coverage_command = add_coverage(app, coverage);
   const CLI::App* accuracy_command = add_accuracy(app, accuracy);
   const CLI::App* document_command = add_document(app, document);
   std::string contexts_json;
@@ -302,6 +323,10 @@ int run(int argc, char** argv) {
     if (on_gpu_from.empty()) return run_on_gpu(on_gpu, command_line(argc, argv), make_terminal_progress(false).get());
     write_text_file(on_gpu.output + ".md", on_gpu_page(on_gpu_from));
     return 0;
+  }
+  if (coverage_command->parsed()) {
+    set_device_threads(coverage.threads);
+    return write_coverage_document(coverage);
   }
   MULTUM_CHECK(accuracy_command->parsed());
   set_device_threads(accuracy.threads);

@@ -49,6 +49,7 @@ BakeTarget target_of(const BakeOptions& o) {
   target.brdf = parse_target_brdf(o.values.text("brdf").value_or(TargetBrdf().text));
   target.only = given_representation(o.values);
   target.best_effort = o.values.flag("best_effort");
+  if (target.error) target.viewer.program = find_viewer();
   return target;
 }
 

@@ -36,9 +36,10 @@ std::string rounded_settings(const std::string& text) {
 }
 
 std::string measured_error(const std::string& text) {
-  const std::optional<std::vector<AccuracyRow>> rows = parse_measured_error(text);
-  if (rows && rows->empty()) return "measured error  not measured\n";
-  return rows ? accuracy_table(*rows) : fmt::format("measured error  {}\n", text);
+  const std::optional<StatedErrors> stated = parse_measured_error(text);
+  if (stated && stated->rows.empty()) return "measured error  not measured\n";
+  if (!stated) return fmt::format("measured error  {}\n", text);
+  return footprint_error_text(stated->footprint_errors) + accuracy_table(stated->rows);
 }
 
 std::string size_text(std::uint64_t bytes) {

@@ -76,11 +76,10 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->add_option("-o,--output", o->output, "page to write, *.html: one file, pictures and all")->required();
   command->add_option("--json", o->json, "write all figures to this file, too");
   command->add_option("--markdown", o->markdown, "write the table to this file, too");
-  CLI::Option* error =
-      command
-          ->add_option("--target-error", o->job.error,
-                       "pick the cheapest settings within this error: relative L1, mean over levels 2 and up")
-          ->check(CLI::PositiveNumber);
+  CLI::Option* error = command
+                           ->add_option("--target-error", o->job.error,
+                                        "pick the cheapest settings within this error: relative L1 of pixels")
+                           ->check(CLI::PositiveNumber);
   command->add_option("--budget-ms", o->budget_ms, "pick the most accurate settings that bake in this time")
       ->check(CLI::PositiveNumber)
       ->excludes(error);

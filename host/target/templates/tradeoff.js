@@ -14,15 +14,17 @@ const COSTS = [
   { title: "Frame time", unit: "milliseconds", front: "frame_time", of: (row) => row.frame_ms ?? -1 },
 ];
 
-// Others, drawn alone, have no points midway, and no fronts.
+// Others, drawn alone, have no fronts.
 const isMeasured = (row) => row.fronts !== undefined;
 const isOnFront = (row) => isMeasured(row) && Object.values(row.fronts).includes(true);
 const fits = (row) => row.fits !== false;
-// The measured error begins at level 2; pictures see all levels.
-const rankedError = (row) => row.rendered_relative_l1 ?? row.relative_l1;
+const rankedError = (row) => row.relative_l1;
+const code = (text) => node("code", {}, text);
 const nameOf = (row) => row.bake + (row.view ? `, drawn with ${row.view}` : "");
 const errorText = (row) => `${percent(row.relative_l1)} +- ${percent(row.confidence_95)} %` +
   (row.rendered_relative_l1 === undefined ? "" : `, ${percent(row.rendered_relative_l1)} % in its picture`);
+
+const octaveText = (octave) => `${2 ** octave} to ${2 ** (octave + 1)} texels`;
 
 function budgetText() {
   const { gpu_bytes, frame_ms, bake_seconds } = data.budget;
@@ -43,8 +45,9 @@ function choice() {
   if (data.chosen === undefined) return [node("p", {}, node("b", {}, `No settings reach ${asked}.`))];
   const row = data.rows[data.chosen];
   return [node("h2", {}, `For ${asked}`),
-    node("p", {}, `${errorText(row)} (mean over levels; the worst is level ${row.worst_level} with ` +
-      `${percent(row.worst_level_relative_l1)} %) in ${milliseconds(row.bake_seconds)} ms, ` +
+    node("p", {}, `${errorText(row)} (95 % of pixels within ${percent(row.percentile_95)} %; the worst, ` +
+      `${percent(row.worst_octave_relative_l1)} %, cover ${octaveText(row.worst_octave)}) in ` +
+      `${milliseconds(row.bake_seconds)} ms, ` +
       `${mebibytes(row.gpu_bytes)} MiB on the GPU: the ` +
       `${error !== undefined ? "cheapest" : "most accurate"} settings that meet this.`),
     node("pre", {}, row.command)];
@@ -142,6 +145,9 @@ function legend() {
     mark(shape, 14, 14 + 22 * i, classes, title), label(30, 18 + 22 * i, null, text)])));
 }
 
+/** Rows that `row` stands for, since nothing tells them apart. */
+const sameAs = (row) => data.rows.filter((other) => other.same_as === data.rows.indexOf(row));
+
 /** A row on a front, its figures, warnings and command. */
 function frontEntry(row) {
   const fronts = COSTS.filter((cost) => row.fronts[cost.front]).map((cost) => cost.title).join(", ");
@@ -149,21 +155,22 @@ function frontEntry(row) {
     (row.frame_ms === undefined ? "" : `, ${frameTime(row)} ms a frame`) + `; front of: ${fronts}` +
     (fits(row) ? "" : "; beyond the budget");
   const warnings = (row.warnings ?? []).flatMap((warning) => [node("br"), `Warning: ${warning}`]);
-  return [node("p", { class: "soft" }, node("b", {}, errorText(row)), figures, warnings), node("pre", {}, row.command)];
+  const same = sameAs(row).flatMap((other, i) => [i === 0 ? null : ", ", code(nameOf(other))].filter(Boolean));
+  if (same.length > 0) same.unshift(node("br"), "Cannot be told apart from it: ");
+  return [node("p", { class: "soft" }, node("b", {}, errorText(row)), figures, same, warnings),
+    node("pre", {}, row.command)];
 }
-
-const code = (text) => node("code", {}, text);
 
 function measuredTable() {
   const columns = [{ head: "settings", isText: true }, { head: "varied", isText: true },
-    ...["error", "\u00b1\u00a095\u00a0%", "centres", "midway", "between levels", "rendered", "bake, processor ms",
+    ...["error", "\u00b1\u00a095\u00a0%", "95th percentile", "worst octave", "rendered", "bake, processor ms",
       "bake, ms", "frame, ms",
       "file, MiB", "GPU, MiB"].map((head) => ({ head }))];
   const rows = data.rows.filter(isMeasured).map((row) => {
     const name = row.view ? [code(row.bake), " ", code(row.view)] : [code(row.bake)];
     const error = percent(row.relative_l1);
     return [fits(row) ? name : node("s", {}, name), row.group, isOnFront(row) ? { best: error } : error,
-      percent(row.confidence_95), percent(row.centre), percent(row.midway), percent(row.between_levels),
+      percent(row.confidence_95), percent(row.percentile_95), percent(row.worst_octave_relative_l1),
       percent(row.rendered_relative_l1), milliseconds(row.bake_processor_seconds), milliseconds(row.bake_seconds),
       frameTime(row), mebibytes(row.file_bytes),
       mebibytes(row.gpu_bytes)];
@@ -207,11 +214,12 @@ function makeSortable(sorted) {
   });
 }
 
-fillTemplate({ wholeSeconds: (seconds) => seconds.toFixed(0) });
+fillTemplate({ wholeSeconds: (seconds) => seconds.toFixed(0), wholePercent: (share) => (100 * share).toFixed(0) });
 if (data.budget) byId("budget").append(budgetText());
 byId("choice").append(...choice());
 byId("plots").append(...COSTS.map(plot).filter(Boolean), legend());
-byId("fronts").append(...data.rows.filter(isOnFront).sort((a, b) => rankedError(a) - rankedError(b))
+byId("fronts").append(...data.rows.filter((row) => isOnFront(row) && row.same_as === undefined)
+  .sort((a, b) => rankedError(a) - rankedError(b))
   .flatMap(frontEntry));
 byId("rows").append(measuredTable());
 if (data.has_others) byId("others").append(othersTable());

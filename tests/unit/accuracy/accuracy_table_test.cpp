@@ -44,9 +44,32 @@ TEST(AccuracyTable, TheAttributeGivesBackTheTable) {
   EXPECT_EQ(json.substr(json.size() - 39), "[1,\"centre\",\"lambert coloured\",0.05,0]]") << "all texels";
   const auto parsed = parse_measured_error(json);
   ASSERT_TRUE(parsed.has_value());
-  EXPECT_EQ(measured_error_json(*parsed), json);
-  EXPECT_EQ(accuracy_table(*parsed), accuracy_table(some_rows()));
-  EXPECT_EQ(parse_measured_error("[]")->size(), 0u);
+  EXPECT_EQ(measured_error_json(parsed->rows), json);
+  EXPECT_EQ(accuracy_table(parsed->rows), accuracy_table(some_rows()));
+  EXPECT_TRUE(parsed->footprint_errors.empty()) << "as of files of earlier programs";
+  EXPECT_TRUE(parse_measured_error("[]")->rows.empty());
+}
+
+TEST(AccuracyTable, ErrorsOfPixelsComeFirst) {
+  const std::vector<FootprintError> errors = {
+      {AccuracyBrdf::blinn_phong(100.0), 0.0912345, 0.0021001, 0.2134567, 1, 0.3012345, 2560},
+      {AccuracyBrdf::lambert(), 0.01, 0.0, 0.02, 0, 0.03, 2560}};
+  const std::string json = measured_error_json(some_rows(), errors);
+  EXPECT_TRUE(
+      json.starts_with("[[-1,\"pixels\",\"blinn-phong:100\",0.091235,0.002101,0.213457,1,0.301235,2560],"
+                       "[-1,\"pixels\",\"lambert\",0.01,0.0,0.02,0,0.03,2560],[0,\"centre\","))
+      << json;
+  const auto parsed = parse_measured_error(json);
+  ASSERT_TRUE(parsed.has_value());
+  EXPECT_EQ(parsed->rows.size(), some_rows().size());
+  EXPECT_EQ(measured_error_json(parsed->rows, parsed->footprint_errors), json);
+  EXPECT_EQ(
+      footprint_error_text(errors),
+      "error of pixels, relative L1 with its 95 % interval\n"
+      "  blinn-phong:100  9.12 +- 0.22 %; 95 % of pixels within 21.35 %; the worst, 30.12 %, cover 2 to 4 texels\n"
+      "  lambert          1.00 +- 0.00 %; 95 % of pixels within 2.00 %; the worst, 3.00 %, cover 1 to 2 texels\n");
+  EXPECT_EQ(footprint_error_text(parsed->footprint_errors), footprint_error_text(errors)) << "from bake and file";
+  EXPECT_EQ(footprint_error_text({}), "");
 }
 
 // A writer of rows leaves room for it before anything is measured: as much as the longest takes, of each
@@ -61,7 +84,10 @@ TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
           for (const std::string brdf : {"blinn-phong:20", "blinn-phong:100", "blinn-phong:500", "lambert"})
             for (const char* coloured : {"", " coloured"})
               rows.push_back({level, point, parse_accuracy_brdf(brdf + way + coloured), 0.123456, 0.012345, 1});
-    return measured_error_json(rows).size();
+    std::vector<FootprintError> errors;
+    for (std::size_t i = 0; i < rows.size() / 64; ++i)
+      errors.push_back({rows[i].brdf, 0.123456, 0.012345, 0.123456, 14, 0.123456, 123456});
+    return measured_error_json(rows, errors).size();
   };
   EXPECT_LE(longest({""}), static_cast<std::size_t>(BakedWriteOptions().measured_error_bytes));
   EXPECT_LE(longest({" toksvig", " lean", " lean-jacobian"}), static_cast<std::size_t>(kMomentErrorBytes));
@@ -87,7 +113,7 @@ TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
 TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
   const std::vector<AccuracyRow> rows = {
       {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.0001499996, 0.0, 1}};
-  EXPECT_EQ(accuracy_table(*parse_measured_error(measured_error_json(rows))), accuracy_table(rows));
+  EXPECT_EQ(accuracy_table(parse_measured_error(measured_error_json(rows))->rows), accuracy_table(rows));
 }
 
 TEST(AccuracyBrdf, HasTheTextThatItIsReadFrom) {
@@ -111,11 +137,11 @@ TEST(AccuracyBrdf, HasTheTextThatItIsReadFrom) {
 // Files of earlier programs have four fields an entry.
 TEST(AccuracyTable, IntervalsMayBeUnstated) {
   const std::string json = "[[0,\"centre\",\"lambert\",0.125]]";
-  const auto rows = parse_measured_error(json);
-  ASSERT_TRUE(rows.has_value());
-  EXPECT_EQ(rows->front().confidence, kIntervalUnstated);
-  EXPECT_EQ(measured_error_json(*rows), json);
-  EXPECT_EQ(accuracy_table(*rows),
+  const auto stated = parse_measured_error(json);
+  ASSERT_TRUE(stated.has_value());
+  EXPECT_EQ(stated->rows.front().confidence, kIntervalUnstated);
+  EXPECT_EQ(measured_error_json(stated->rows), json);
+  EXPECT_EQ(accuracy_table(stated->rows),
             "measured error, relative L1 in %, at texel centres | midway between texels (the worse of x and y)\n"
             "  level    texels             lambert\n"
             "      0  unstated           12.50 | -\n");
@@ -134,15 +160,18 @@ TEST(AccuracyTable, IntervalsAreRoundedUp) {
   const std::string table = accuracy_table(rows);
   for (const char* part : {" 0.00 +- 0.01 | -", "10.00 +- 0.12 | -", "10.00 +- 0.13 | -", " 10.00 | -"})
     EXPECT_NE(table.find(part), std::string::npos) << part << " is missing in\n" << table;
-  EXPECT_EQ(table, accuracy_table(*parse_measured_error(measured_error_json(rows))));
+  EXPECT_EQ(table, accuracy_table(parse_measured_error(measured_error_json(rows))->rows));
 }
 
 TEST(AccuracyTable, OtherTextsAreNoErrors) {
-  for (const char* text : {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]",
-                           "[[0,\"middle\",\"lambert\",0.1]]", "[[1000000000,\"centre\",\"lambert\",0.1]]",
-                           "[[-1,\"centre\",\"lambert\",0.1]]", "[[0.5,\"centre\",\"lambert\",0.1]]",
-                           "[[0,\"centre\",\"lambert\",0.1,-0.1]]", "[[0,\"centre\",\"lambert\",0.1,\"all\"]]",
-                           "[[0,\"centre\",\"lambert\",0.1,0,0]]", "[[0,\"centre\",\"lambert\",\"0.1\"]]"})
+  for (const char* text :
+       {"", "{}", "nonsense", "[1]", "[[0,\"centre\",\"lambert\"]]", "[[0,\"middle\",\"lambert\",0.1]]",
+        "[[1000000000,\"centre\",\"lambert\",0.1]]", "[[-1,\"centre\",\"lambert\",0.1]]",
+        "[[0.5,\"centre\",\"lambert\",0.1]]", "[[0,\"centre\",\"lambert\",0.1,-0.1]]",
+        "[[0,\"centre\",\"lambert\",0.1,\"all\"]]", "[[0,\"centre\",\"lambert\",0.1,0,0]]",
+        "[[0,\"centre\",\"lambert\",\"0.1\"]]", "[[-1,\"pixels\",\"lambert\",0.1]]",
+        "[[-1,\"pixels\",\"lambert\",0.1,0,0,64,0,1]]", "[[-1,\"pixels\",\"lambert\",0.1,0,-1,0,0,1]]",
+        "[[-1,\"pixels\",\"lambert\",0.1,0,0,0.5,0,1]]"})
     EXPECT_FALSE(parse_measured_error(text).has_value()) << text;
 }
 

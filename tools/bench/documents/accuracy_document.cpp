@@ -83,6 +83,7 @@ MovmfMipmap bake_stored(Device& device, const NormalMap& map, const ColourMap* a
 AccuracySettings every_texel(int threads) {
   AccuracySettings accuracy;
   accuracy.samples_per_level = 0;
+  accuracy.footprints_per_octave = 0;
   accuracy.threads = threads;
   return accuracy;
 }
@@ -417,11 +418,10 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   job.bake.reading.green = GreenAxis::kUp;
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
-      "Settings that `multum tradeoff` sweeps. One figure a BRDF: relative L1 in %, texel centres and midpoints of "
-      "levels "
-      "2 and up, each level weighing the same, with half of its 95 % interval (docs/ALGORITHMS.md, \"Measured "
-      "error\"). Times: of fitting or averaging, rounding and writing, the least of three bakes of each setting, in "
-      "turns, kernels compiled before: what processors worked, and what went by.\n" +
+      "Settings that `multum tradeoff` sweeps. One figure a BRDF: the error of pixels, relative L1 in %, with half of "
+      "its 95 % interval (docs/ALGORITHMS.md, \"Measured error\"). Times: of fitting or averaging, rounding and "
+      "writing, the least of three bakes of each setting, in turns, kernels compiled before: what processors worked, "
+      "and what went by.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   job.length = SweepLength::kQuick;

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/target/plane_picture.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/base/processes/viewer_process.h"
+
+namespace multum {
+namespace {
+
+// Two files that go away.
+class PictureFiles {
+ public:
+  explicit PictureFiles(const std::string& beside) : sheet(beside + ".sheet.png"), report(beside + ".view.json") {}
+  PictureFiles(const PictureFiles&) = delete;
+  PictureFiles& operator=(const PictureFiles&) = delete;
+  ~PictureFiles() {
+    std::error_code ignored;
+    std::filesystem::remove(sheet, ignored);
+    std::filesystem::remove(report, ignored);
+  }
+  const std::string sheet, report;
+};
+
+}  // namespace
+
+double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer& viewer, Progress* progress) {
+  const PictureFiles files(job.output);
+  std::vector<std::string> command = {
+      viewer.program, job.output, "-o",         files.sheet,    "--report",  files.report,
+      "--source",     job.input,  "--context",  viewer.context, "--decode",  viewer.decode,
+      "--compare",    "truth",    "--truth-of", "texels",       "--samples", fmt::format("{}", viewer.samples)};
+  if (job.roughness.empty()) command.insert(command.end(), {"--brdf", brdf.text});
+  else command.insert(command.end(), {job.roughness_is_gloss ? "--gloss" : "--roughness", job.roughness});
+  run_viewer(command, "drawing " + job.output, progress);
+  std::ifstream file(files.report);
+  const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
+  for (const nlohmann::json& picture :
+       report.is_object() ? report.value("pictures", nlohmann::json::array()) : nlohmann::json::array())
+    if (picture.value("name", "") == "multum" && picture.contains("relative_l1"))
+      return picture["relative_l1"].get<double>();
+  throw Error(ErrorCode::kEnvironment, "multum-view's report has no error of its own picture");
+}
+
+}  // namespace multum

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws a baked file as multum-view does, a plane that runs to the horizon, and compares it with its reference: the
+// error of a picture, beside that of pixels which the bake measures (host/accuracy/footprint_error.h).
+#pragma once
+
+#include <string>
+
+#include "host/bake/bake_job.h"
+#include "host/base/progress.h"
+#include "host/target/setting_choice.h"
+
+namespace multum {
+
+struct PlaneViewer {
+  std::string program;           // multum-view; empty: nothing is drawn
+  std::string context = "auto";  // its options
+  std::string decode = "child";
+  int samples = 64;  // a pixel of the reference
+};
+
+/// Relative L1 of the picture of JOB.output beside the reference that JOB.input gives. Throws Error(kEnvironment) where
+/// nothing can be drawn, Cancelled. Files beside JOB.output come and go.
+double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer& viewer, Progress* progress);
+
+}  // namespace multum
