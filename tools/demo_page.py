@@ -16,7 +16,7 @@ import sys
 from report_page import STYLE, chart, key, machine, percent, table, text
 
 METHODS = {
-    "truth": ("truth", "the finest map, sampled many times a pixel: slow, and what the others aim at"),
+    "truth": ("reference", "the finest map, sampled many times a pixel: slow, and what the others aim at"),
     "multum": ("multum", "the baked distribution of normals"),
     "mip": ("averages", "averaged normals: the plain mip pyramid of most engines"),
     "toksvig": ("Toksvig", "averaged normals with a wider highlight where they disagree"),
@@ -33,7 +33,7 @@ VIEWS = {
     "ring": ("A ring, seen from all angles", "Highlights that split into arcs and stars have more than one direction: "
              "one Gaussian, or one average, cannot say so."),
     "near": ("Closer, without colour, sharp highlights", "Near the viewer all filtered pictures lose something to the "
-             "smooth magnification of texels, which the truth does not do."),
+             "smooth magnification of texels, which the reference does not do."),
     "terrain": ("Measured terrain", "Rough ground without a pattern: the hardest of these maps for four lobes a "
                 "texel."),
 }
@@ -89,7 +89,7 @@ def picture(folder, name, method, caption, kind):
     label = METHODS[method][0]
     alt = f"{VIEWS.get(name, (name,))[0]}: {label}"
     if kind:
-        alt += ", difference from the truth, four times as bright"
+        alt += ", difference from the reference, four times as bright"
     return (f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(alt)}" loading="lazy"></a>'
             f"<figcaption>{caption}</figcaption></figure>")
 
@@ -121,7 +121,7 @@ def own_map():
     return """<h2 id="own">The same with your own map</h2>
 <pre>build/release/bin/multum bake bricks_normal.png -o bricks.ndf.exr
 build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
-    --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian</pre>
+    --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian</pre>
 <p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
 wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
 colours: <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
@@ -153,10 +153,10 @@ def make_page(folder, steps, bakes, views):
 multum stores how they are distributed instead. Click a picture for its full size.</p>
 {hero}
 <h2>How far off, in short</h2>
-<p>Relative L1: the sum of absolute differences from the truth, divided by the truth's sum, over the whole picture.</p>
+<p>Relative L1: the sum of absolute differences from the reference, divided by the reference's sum, over the whole picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}
 <h2>Pictures</h2>
-<p class="soft">The truth takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All
+<p class="soft">The reference takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All
 pictures of a view have the same camera, light, material and texture filter.</p>
 {"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
 <h2>Bakes</h2>

@@ -3,7 +3,7 @@
 //
 // What a bake states, promises and is chosen by is the error of pixels (host/accuracy/footprint_error.h). Reference:
 // the average, over the pixel's footprint, of the BRDF times n . l of every finest normal, in double. Model: what is
-// stored, rounded as stored, read by the runtime's filter (pixel_filter.h), filtered and shaded by the runtime's
+// stored, rounded as stored, read by the runtime's filter (host/asset/tap_filter.h), filtered and shaded by the runtime's
 // formula (accuracy_model.h). Error: relative L1 = sum |model - reference| / sum reference, over footprints and a fixed
 // set of lights and views.
 //
@@ -83,7 +83,7 @@ struct AccuracySettings {
   std::uint64_t seed = 1;
   bool has_level_table = true;
   int first_level = 0;  // finer ones, and smaller footprints, are not measured
-  PixelFilter filter = {};
+  TapFilter filter = {};
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // of the file
   AccuracyDirections directions = accuracy_directions();
   // Normals are shortened by their BRDF's width (host/image/material_maps.h), by `mean_cosine` in the mean, and every

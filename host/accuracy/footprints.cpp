@@ -99,7 +99,7 @@ void append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>
   const double lambda = std::clamp(settings.filter.level(longer, shorter), 0.0, coarsest);
   const double map_width = levels.front().width, map_height = levels.front().height;
   for (int i = 0; i < count; ++i) {
-    const glm::dvec2 place = footprint.centre + PixelFilter::place(i, count) * footprint.longer_side;
+    const glm::dvec2 place = footprint.centre + TapFilter::place(i, count) * footprint.longer_side;
     for (const bool is_coarser : {false, true}) {
       const double share = is_coarser ? lambda - std::floor(lambda) : 1.0 - (lambda - std::floor(lambda));
       if (share == 0.0) continue;

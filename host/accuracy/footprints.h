@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the footprints whose errors are measured: what pixels of pictures cover of a map, spread evenly over octaves
 // of size, over directions and elongations, anywhere on the map. Says which texels the runtime's filter reads for each
-// (host/accuracy/pixel_filter.h).
+// (host/asset/tap_filter.h).
 //
 //         ______             a footprint is a rectangle in texels of level 0: the pixel's square, as it lies on a
 //        /     /  b          plane that is looked at from anywhere. Its shorter side b, 2^u texels, says how far away
@@ -15,7 +15,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "host/accuracy/pixel_filter.h"
+#include "host/asset/tap_filter.h"
 #include "host/accuracy/point_taps.h"
 #include "host/accuracy/texel_selection.h"
 #include "host/base/wrap_mode.h"
@@ -34,7 +34,7 @@ struct FootprintSettings {
   int first_octave = 0;  // smaller footprints are not measured
   std::uint64_t seed = 1;
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // what lies beyond the map's borders
-  PixelFilter filter = {};
+  TapFilter filter = {};
 };
 
 /// Octaves of a map: from 1 texel to the longer side, at least one.

@@ -60,12 +60,14 @@ double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangl
   const double longer = glm::length(pixel.longer_side), shorter = glm::length(pixel.shorter_side);
   const int taps = std::min(static_cast<int>(std::ceil(longer / shorter)), taps_max);
   const double coarsest = static_cast<double>(levels.size()) - 1.0;
-  const double lambda = std::min(std::max(std::log2(longer / taps) + level_bias, 0.0), coarsest);
+  // Of one tap its own width; of several the shorter side, or 2^-3/4 of a tap's share of the longer.
+  const double width = taps == 1 ? longer : std::max(shorter, longer / taps * std::pow(2.0, -0.75));
+  const double lambda = std::min(std::max(std::log2(width) + level_bias, 0.0), coarsest);
   const auto fine = static_cast<std::size_t>(lambda), coarse = std::min(fine + 1, levels.size() - 1);
   const double share = lambda - static_cast<double>(fine);
   double sum = 0.0;
-  for (int i = 1; i <= taps; ++i) {
-    const glm::dvec2 place = pixel.centre + (static_cast<double>(i) / (taps + 1.0) - 0.5) * pixel.longer_side;
+  for (int i = 0; i < taps; ++i) {
+    const glm::dvec2 place = pixel.centre + ((2.0 * i + 1.0) / (2.0 * taps) - 0.5) * pixel.longer_side;
     const double s = place.x / levels[0].width, t = place.y / levels[0].height;
     sum += (1.0 - share) * bilinear(levels[fine], s, t, borders) + share * bilinear(levels[coarse], s, t, borders);
   }

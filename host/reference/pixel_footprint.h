@@ -31,9 +31,9 @@ struct BorderModes {
 /// there is no surface, and no point; beyond a black one it is 0.
 double rectangle_average(const ValuePlane& finest, const PixelRectangle& pixel, BorderModes borders, int side_points);
 
-/// N trilinear taps along the longer side (GL_EXT_texture_filter_anisotropic's example), of a pyramid whose level 0 has
-/// the size that the rectangle is measured in: lambda = log2(longer / N) + bias, N = ceil(longer / shorter), at most
-/// taps_max.
+/// N trilinear taps along the longer side, of a pyramid whose level 0 has the size that the rectangle is measured in:
+/// N = ceil(longer / shorter), at most taps_max; lambda = bias + log2(longer) of one tap, bias + max(log2(shorter),
+/// log2(longer / N) - 3/4) of several.
 double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangle& pixel, BorderModes borders,
                       int taps_max, double level_bias);
 

@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/asset/tap_filter.h"
 #include "host/brdf/brdf.h"
 #include "host/light/environment_light.h"
 #include "runtime_gl/render/camera.h"
@@ -14,9 +15,6 @@
 namespace multum::gl {
 
 constexpr int kLightCountMax = 8;  // of each kind
-constexpr int kTapCountMax = 16;
-constexpr int kTapCountDefault = 4;
-constexpr float kLevelBiasDefault = -0.25f;
 
 struct Light {
   glm::vec3 direction{0.3f, 0.8f, 0.5f};  // towards the light, any length > 0
@@ -36,8 +34,8 @@ enum class EnvironmentMode {
 
 /// How mip-mapped textures are looked up over a pixel (shaders/common/texture_filter.glsl). Defaults: docs/FILTER.md.
 struct TextureFilter {
-  int taps = kTapCountDefault;           // trilinear lookups along the longer axis at most, 1..kTapCountMax
-  float level_bias = kLevelBiasDefault;  // added to the level of detail, -4..4
+  int taps = kTapCountDefault;  // trilinear lookups along the longer axis at most, 1..kTapCountMax
+  float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
   bool shades_taps = false;              // each tap is shaded by itself; else what they return is averaged first
   bool is_drivers = false;               // the driver's own sampler instead: its anisotropy, no bias
 };

@@ -36,6 +36,7 @@ gl::RenderScene plane_scene() {
   gl::RenderScene scene;
   scene.uv_scale = kRepeats;
   scene.brdf.exponent = 100.0f;
+  scene.filter.is_drivers = true;  // whose anisotropy is what is timed
   return scene;
 }
 

@@ -55,11 +55,11 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const taps =
       app.add_option("--taps", options.filter.taps,
                      "trilinear lookups of every texture along a pixel's longer axis, at most; 1: none but one")
-          ->check(CLI::Range(1, gl::kTapCountMax))
+          ->check(CLI::Range(1, kTapCountMax))
           ->capture_default_str();
   CLI::Option* const bias =
       add_level_bias_option(app, options.level_bias, "added to the mip level that is looked up: below 0 is sharper")
-          ->default_str(fmt::format("{:g}", gl::kLevelBiasDefault));
+          ->default_str(fmt::format("{:g}", kLevelBiasDefault));
   CLI::Option* const shade =
       app.add_flag("--shade-taps", options.filter.shades_taps, "shade each of --taps by itself, then average: slower");
   app.add_option_function<float>(

@@ -94,7 +94,7 @@ nlohmann::json filter_json(const ShadingOptions& shading) {
   if (shading.filter.is_drivers) return {{"of", "driver"}, {"anisotropy", shading.anisotropy}};
   return {{"of", "multum"},
           {"taps", shading.filter.taps},
-          {"level_bias", shading.level_bias.value_or(gl::kLevelBiasDefault)},
+          {"level_bias", shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault))},
           {"shades_taps", shading.filter.shades_taps}};
 }
 

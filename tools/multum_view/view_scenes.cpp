@@ -106,7 +106,7 @@ ViewScenes make_scenes(const PictureOptions& options) {
   scenes.basis = make_basis(options.material);
   scenes.first.brdf = scenes.basis[0];
   scenes.first.filter = options.shading.filter;
-  scenes.first.filter.level_bias = options.shading.level_bias.value_or(gl::kLevelBiasDefault);
+  scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));
   if (options.material.fixed_fresnel && !options.light.environment.empty())
     throw Error(ErrorCode::kUsage, "--fixed-fresnel: is for lights alone; found --environment, expected none");
   if (options.shading.formula == gl::LobeFormula::kPaper && scenes.first.brdf.kind != BrdfKind::kBlinnPhong)

@@ -52,6 +52,7 @@ def frame_ratio(view):
 def draw_every_map(study):
     """The tables of errors and of frame times."""
     columns, errors, ratios, milliseconds, guessed = [*REPRESENTATIONS, *BASELINES], [], [], [], []
+    references = []
     for name, path, reading in maps(study):
         read = reading or reading_of(study, path)
         if read != reading:
@@ -60,11 +61,12 @@ def draw_every_map(study):
         for _, option, bake_options in REPRESENTATIONS:
             baked = f"{name}_{option}"
             study.bake(baked, path, *read, *bake_options, "--no-measure")
-            first = truth is None  # the truth and the baselines are the same for all
+            first = truth is None  # the reference and the baselines are the same for all
             compare = ("truth", *[b for _, b in BASELINES]) if first else ("toksvig",)
             view = study.view(baked, baked, "--source", path, *SCENE, compare=compare)
             if first:
                 truth, baselines = view["truth"], view
+                references += [one for one in view.report["pictures"] if one["name"] == "truth"]
             row.append(relative_l1(view["multum"], truth))
             ratio.append(frame_ratio(view))
             ms.append(view.frame_ms["multum"])
@@ -79,6 +81,9 @@ def draw_every_map(study):
     study.table(["map", *labels], [[name, *[(percent(e), "best" if e == min(row) else "") for e in row]]
                                    for name, row in errors] +
                 [["median", *[percent(e) for e in np.median([row for _, row in errors], axis=0)]]])
+    counts = [one["samples"] for one in references]
+    study.paragraph(f"References have {min(counts)} to {max(counts)} samples per pixel; their noise is at most",
+                    f"{percent(max(one['noise_relative_l1'] for one in references))} of themselves.")
     if guessed:
         study.paragraph(f"Read with --green up, which their statistics do not tell: {', '.join(guessed)}.")
     study.heading("Frame times")
@@ -129,7 +134,8 @@ def draw_every_material(study):
 
 
 def reproduce(study):
-    study.paragraph("The oblique plane under one light, Blinn-Phong of s = 100: relative L1 of each picture against",
-                    f"{study.samples} samples a pixel of the map itself.")
+    study.samples = None  # as many as the reference's noise takes
+    study.paragraph("The oblique plane under one light, Blinn-Phong of s = 100, all by multum-view's own filter: relative",
+                    "L1 of each picture against samples of the map itself.")
     draw_every_map(study)
     draw_every_material(study)

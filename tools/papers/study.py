@@ -163,7 +163,9 @@ class Study:
         """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names. `samples`: of this reference."""
         report = self.path(f"{name}.view.json")
         command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
-                   "--report", report, "--samples", samples or self.samples, *options]
+                   "--report", report, *options]
+        if samples or self.samples:
+            command += ["--samples", samples or self.samples]
         if compare:
             command += ["--compare", ",".join(compare)]
         self.run("multum-view", *command)

@@ -55,7 +55,7 @@ TEST(Footprints, AreSpreadEvenly) {
       const double longer = glm::length(one.longer_side), shorter = glm::length(one.shorter_side);
       EXPECT_NEAR(glm::dot(one.longer_side, one.shorter_side), 0.0, 1e-9 * longer * shorter);
       ++sizes.at(static_cast<std::size_t>(kCount * (std::log2(shorter) - octave)));
-      ++elongations.at(static_cast<std::size_t>(kCount * std::log(longer / shorter) / std::log(kFilterTapsMax)));
+      ++elongations.at(static_cast<std::size_t>(kCount * std::log(longer / shorter) / std::log(kTapCountDefault)));
       ASSERT_TRUE(one.centre.x >= 0.0 && one.centre.x < kWidth && one.centre.y >= 0.0 && one.centre.y < kHeight);
       ++columns.at(static_cast<std::size_t>(one.centre.x / 100.0));
       turned += one.longer_side.y / longer / kCount;
