@@ -16,8 +16,8 @@ KAPPA_POLYNOMIAL = (-0.20753, -0.12665, -1.04417, 0.90242)
 LAMBERT_V = (0.25, 0.2343, 0.15232)
 LAMBERT_G = (0.4117, 0.2857, -0.3658, 0.0080)
 
-EXPONENTS = (5, 10, 20, 50, 100, 200, 500, 1000, 2000)
-KAPPAS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1e3, 1e4, 1e5)
+EXPONENTS = (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000, 2000)
+KAPPAS = (0.5, 1, 2, 2.5, 3, 4, 5, 10, 20, 50, 100, 200, 500, 1e3, 1e4, 1e5)
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(600)
 
 
@@ -168,7 +168,8 @@ def highlights(s, facet_kappa, kappa, h, mu, light):
          np.sin(theta) * (np.cos(phi) * side[:, None, None] + np.sin(phi) * across[:, None, None]))
     angle = lambda w: np.arccos(np.clip(np.einsum("ijkc,ic->ijk", n, w), -1, 1))
     facets = vmf(facet_kappa, angle(h)) if s is None else blinn_phong(s, angle(h))
-    value = facets * vmf(kappa, angle(mu)) * (weights * reach / 2 * np.sin(theta[:, :, 0, 0]))[:, :, None] * 2 * np.pi / 64
+    cells = (weights * reach / 2 * np.sin(theta[:, :, 0, 0]))[:, :, None] * 2 * np.pi / 64
+    value = facets * vmf(kappa, angle(mu)) * cells
     return (value * np.maximum(np.einsum("ijkc,ic->ijk", n, light), 0)).sum((1, 2)), value.sum((1, 2))
 
 

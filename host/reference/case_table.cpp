@@ -28,21 +28,21 @@ double parsed_error(const nlohmann::json& json) {
 
 std::string case_table(const NumericalRun& run) {
   std::size_t width = 4;
-  bool has_naive = false;
+  bool has_naive = false;  // and mutations
   for (const NumericalVerdict& v : run.verdicts) {
     width = std::max(width, v.text.name.size());
-    has_naive = has_naive || v.without_guard.has_value();
+    has_naive = has_naive || v.without_guard || v.mutated;
   }
   const auto row = [&](const std::string& name, const std::string& worst, const std::string& bound,
-                       const std::string& naive, const std::string& verdict) {
+                       const std::string& naive, const std::string& mutated, const std::string& verdict) {
     return fmt::format("{:<{}}  {:>8}  {:>8}  {}{}\n", name, width, worst, bound,
-                       has_naive ? fmt::format("{:>8}  ", naive) : std::string(), verdict);
+                       has_naive ? fmt::format("{:>8}  {:>8}  ", naive, mutated) : std::string(), verdict);
   };
-  std::string text = row("case", "worst", "bound", "without", "verdict");
+  std::string text = row("case", "worst", "bound", "without", "mutated", "verdict");
   for (const NumericalVerdict& v : run.verdicts)
-    text += row(v.text.name, error_text(v.worst), bound_text(v.text.bound),
-                v.without_guard ? error_text(*v.without_guard) : "-",
-                v.holds() ? "ok" : fmt::format("BROKEN ({}, at {})", v.text.formula, v.worst_input));
+    text +=
+        row(v.text.name, error_text(v.worst), bound_text(v.text.bound), tried_text(v.without_guard),
+            tried_text(v.mutated), v.holds() ? "ok" : fmt::format("BROKEN ({}, at {})", v.text.formula, v.worst_input));
   return text;
 }
 
@@ -59,6 +59,7 @@ std::string case_json(const NumericalRun& run) {
                      {"worst", error_json(v.worst)},
                      {"worst_input", v.worst_input},
                      {"worst_without_guard", v.without_guard ? error_json(*v.without_guard) : nlohmann::json()},
+                     {"worst_mutated", v.mutated ? error_json(*v.mutated) : nlohmann::json()},
                      {"holds", v.holds()}});
   const nlohmann::json json = {{"kind", run.kind},         {"device", run.device}, {"platform", run.platform},
                                {"driver", run.driver},     {"holds", run.holds()}, {"software", run.software},
@@ -79,6 +80,7 @@ NumericalRun parse_case_json(const std::string& text, const std::string& path) {
                          {}};
       if (const nlohmann::json& naive = c.at("worst_without_guard"); !naive.is_null())
         v.without_guard = parsed_error(naive);
+      if (const nlohmann::json& mutated = c.at("worst_mutated"); !mutated.is_null()) v.mutated = parsed_error(mutated);
       run.verdicts.push_back(std::move(v));
     }
     return run;

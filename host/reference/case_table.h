@@ -9,7 +9,8 @@
 
 namespace multum {
 
-/// A line a case: its name, the worst error, the bound, the error without the guard where it was tried, the verdict.
+/// A line a case: its name, the worst error, the bound, the errors without the guard and with a bug where those
+/// were tried, the verdict.
 std::string case_table(const NumericalRun& run);
 
 /// Errors that are not finite are the texts "NaN" and "inf".

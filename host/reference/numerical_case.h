@@ -4,12 +4,14 @@
 //
 // The end of the project's list of hard cases (kappa at its ends, dead lobes, sums over 2^28 texels, and so on) is
 // where they come from. Each names the guard that the formula has for the case, and can be run with that guard taken
-// out.
+// out, or with a bug put in: a mutation, where no single line is the guard.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "host/base/source_edit.h"
 
 namespace multum {
 
@@ -48,9 +50,13 @@ struct NumericalVerdict {
   double worst;                         // NaN: not a number was found
   std::string worst_input;              // where
   std::optional<double> without_guard;  // the worst error with the guard taken out, or of the naive formula in float
+  std::optional<double> mutated = {};   // the worst error with a bug in
   bool holds() const { return worst <= text.bound; }
-  /// Did taking the guard out break the bound? False too when it was not tried.
-  bool guard_matters() const { return without_guard && !(*without_guard <= text.bound); }
+  /// Did what was tried, taking the guard out or a bug, break the bound? False too when nothing was.
+  bool can_fail() const {
+    return (without_guard || mutated) && !(without_guard && *without_guard <= text.bound) &&
+           !(mutated && *mutated <= text.bound);
+  }
 };
 
 /// The verdicts of one device, or of one GL.
@@ -64,11 +70,20 @@ struct NumericalRun {
   bool holds() const;
 };
 
+/// The error that says least of the guards' need: the smaller, a number before what is none.
+double least_error(double a, double b);
+
+/// What is wrong with a case's edits, or nothing: each of `without` takes one guard out by itself, so that it changes
+/// more than a number (a guard that is larger or smaller is a bug put in).
+std::string fault_of_guards(const std::vector<SourceEdit>& without);
+
 /// The kernels or shaders of a case's `formula`, without what stands in brackets behind one: "movmf_shade (planar)".
 std::vector<std::string> split_names(const std::string& formula);
 
 /// "3.1e-07", "NaN", "inf".
 std::string error_text(double error);
+/// The same, "-" of what was not tried.
+std::string tried_text(const std::optional<double>& error);
 /// The same of a bound: "0" where it is kNothingWrong.
 std::string bound_text(double bound);
 

@@ -334,14 +334,15 @@ std::vector<NumericalCase> product_cases() {
         "a sum that begins at 0; blocks of 8, padded with weight 0", 1e-6, "of the sum of magnitudes",
         "21 products in a tree"},
        empty_and_uneven_rows,
+       {},
+       {},
        {{"filter_matrix_spmv", "float4 sum = (float4)(0.0f);", "float4 sum = y[row];"}}},
       {{"constant-textures", "pyramid_residual",
         "(1 - t) a + t b of equal a and b is off by a rounding: a constant texture has a slope", "a + t (b - a)",
         kNothingWrong, "relative", "0 exactly"},
        constant_textures,
-       {{"pyramidal_regularization", "mix(", "BLEND("},
-        {"pyramidal_regularization", "typedef struct MultumGather {",
-         "#define BLEND(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
+       {{"pyramidal_regularization", "typedef struct MultumGather {",
+         "#define mix(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
       {{"odd-pyramids-of-great-contrast", "pyramid_residual, pyramid_gradient",
         "weights of a quarter hold for powers of two alone", "tables of weights a column and a row", 2e-6,
         "absolute, of values up to 1", "sums of up to 9 x 9 products"},
@@ -354,12 +355,16 @@ std::vector<NumericalCase> product_cases() {
       {{"parts-without-texels", "advance_residual", "a part of no texels leaves what was there", "sums that begin at 0",
         1e-5, "relative", "a difference of 1000 q and r, squared"},
        parts_without_texels,
+       {},
+       {},
        {{"conjugate_gradient", "float4 product = (float4)(0.0f), norm = (float4)(0.0f);",
          "float4 product = parts[part], norm = (float4)(0.0f);"}}},
       {{"steps-along-the-old-direction", "advance_direction", "the step is along the direction of the next iteration",
         "the old direction is read once, before it is written over", 2e-7, "of the sum of magnitudes",
         "two products and their sum"},
        steps_along_the_old_direction,
+       {},
+       {},
        {{"conjugate_gradient", "step[i] += alpha * direction;", ""},
         {"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
          "p[i] = inverse_diagonal[i] * r[i] + beta * direction;\n  step[i] += alpha * p[i];"}}},
@@ -370,28 +375,33 @@ std::vector<NumericalCase> product_cases() {
 
 std::vector<NumericalCase> inference_cases() {
   std::vector<NumericalCase> cases = product_cases();
-  // What is wrong in one product shows in the solution.
-  const SourceEdit no_free = {
-      "conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
-      "p[i] = r[i] / (1.0f / inverse_diagonal[i] - 1.0f / inverse_diagonal[i]) + beta * direction;"};
   const auto add = [&](const char* name, const char* without, const char* guard, double bound, const char* unit,
-                       const char* reason, void (*run)(Device&, WorstError&)) {
-    cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, {no_free}});
+                       const char* reason, void (*run)(Device&, WorstError&), const std::vector<SourceEdit>& edits,
+                       const std::vector<SourceEdit>& mutation) {
+    cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
+  // The inverses are the host's: a kernel that takes their 0 for 1 / 0 does what would happen without.
+  const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
   add("singular-systems", "texels that nothing looks at have a diagonal of 0: 1 / 0",
       "their inverse is 0 and they stay as they started", 1e-2, "absolute, of pixels",
-      "single precision and a tolerance of 1e-6 of the gradient", singular_systems);
+      "single precision and a tolerance of 1e-6 of the gradient", singular_systems, {},
+      {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
+        "p[i] = " + infinite + " * r[i] + beta * direction;"}});
   add("denormal-diagonals", "1 / a denormal diagonal is infinite, and times 0 NaN",
       "a diagonal below the least normal number counts as 0", 1e-2, "absolute, of pixels", "as above",
-      denormal_diagonals);
+      denormal_diagonals, {},
+      {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
   add("unseen-texels", "as they started, or not finite", "pyramidal regularisation fills them from the coarser level",
-      2e-3, "absolute", "the condition of the coarse levels, about 1e3", unseen_texels);
-  add("regularisation-to-0", "the weakest eigenvalues are those of the regularisation",
+      2e-3, "absolute", "the condition of the coarse levels, about 1e3", unseen_texels,
+      {{"pyramidal_regularization", "sum[texel] += weight * gathered;", ""}}, {});
+  add("regularisation-to-0", "the weakest eigenvalues are those of the regularisation: steps leave the range",
       "Newton steps end by the gradient, held at the bounds", 2e-3, "absolute",
-      "the condition of the coarse levels, about 1e3", vanishing_regularisation);
+      "the condition of the coarse levels, about 1e3", vanishing_regularisation,
+      {{"conjugate_gradient", "is_free[i] * (q[i] + diagonal[i] * p[i])", "(q[i] + diagonal[i] * p[i])"}}, {});
   add("contrast-of-1e6", "dark texels drown in the bright ones' rounding",
       "sums of parts in double; bounds hold exactly", 1e-2, "absolute, of 1",
-      "rows of weight 1e-6 see as little as that", contrast_in_pixels);
+      "rows of weight 1e-6 see as little as that", contrast_in_pixels, {},
+      {{"conjugate_gradient", "step[i] += alpha * direction;", "step[i] += rint(32.0f * alpha * direction) / 32.0f;"}});
   return cases;
 }
 

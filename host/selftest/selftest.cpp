@@ -21,6 +21,15 @@ double worst_of(const WorstError& worst) {
   return worst.count() > 0 ? worst.value() : std::numeric_limits<double>::quiet_NaN();
 }
 
+double edited_error(const NumericalCase& the_case, Device& device, const std::vector<SourceEdit>& edits) {
+  device.edit_kernels(edits);
+  const auto restore = [&device](void*) { device.edit_kernels({}); };
+  const std::unique_ptr<void, decltype(restore)> restored(&device, restore);
+  WorstError worst;
+  the_case.run(device, worst);
+  return worst_of(worst);
+}
+
 }  // namespace
 
 const std::vector<NumericalCase>& numerical_cases() {
@@ -37,18 +46,18 @@ const std::vector<NumericalCase>& numerical_cases() {
 NumericalVerdict run_case(const NumericalCase& the_case, Device& device, bool without_guard) {
   WorstError worst;
   the_case.run(device, worst);
-  NumericalVerdict verdict{the_case.text, worst_of(worst), worst.input(), {}};
+  NumericalVerdict verdict{the_case.text, worst_of(worst), worst.input(), {}, {}};
   if (!without_guard) return verdict;
-  WorstError naive;
   if (the_case.naive) {
+    WorstError naive;
     the_case.naive(naive);
-  } else {
-    device.edit_kernels(the_case.without);
-    const auto restore = [&device](void*) { device.edit_kernels({}); };
-    const std::unique_ptr<void, decltype(restore)> restored(&device, restore);
-    the_case.run(device, naive);
+    verdict.without_guard = worst_of(naive);
   }
-  verdict.without_guard = worst_of(naive);
+  for (const SourceEdit& guard : the_case.without) {
+    const double error = edited_error(the_case, device, {guard});
+    verdict.without_guard = verdict.without_guard ? least_error(*verdict.without_guard, error) : error;
+  }
+  if (!the_case.mutation.empty()) verdict.mutated = edited_error(the_case, device, the_case.mutation);
   return verdict;
 }
 

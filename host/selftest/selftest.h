@@ -17,10 +17,13 @@ struct NumericalCase {
   NumericalCaseText text;
   /// Adds an error for each input to the worst. Throws Error(kEnvironment) when the device refuses.
   std::function<void(Device& device, WorstError& worst)> run;
-  /// What takes the guard out of the kernels' text; empty where the guard is no line of a kernel: then `naive` is.
+  /// What takes the guard out of the kernels' text: each edit one guard, tried by itself. Empty where the guard is no
+  /// line of a kernel, or not one alone: then `naive` is there, or `mutation`.
   std::vector<SourceEdit> without;
   /// The naive formula in float on the host, on the same inputs; may be empty.
   std::function<void(WorstError& worst)> naive = {};
+  /// A bug put into the kernels' text, all of these edits together; may be empty.
+  std::vector<SourceEdit> mutation = {};
 };
 
 /// All of them, by the kernel that they are of. Names are unique.
@@ -28,7 +31,7 @@ const std::vector<NumericalCase>& numerical_cases();
 
 struct SelftestOptions {
   std::string filter;           // cases whose name or kernel has this text in it; empty: all
-  bool without_guards = false;  // each case once more with its guard taken out
+  bool without_guards = false;  // each case again with its guard taken out, and with its bug
 };
 
 /// Runs the cases that the filter leaves, in their order. Throws Error(kUsage) when it leaves none. Progress: one unit

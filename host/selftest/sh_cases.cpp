@@ -300,6 +300,8 @@ std::vector<NumericalCase> sh_cases() {
         "none is needed: the series has both", 2e-5, "of the peak of one tilt",
         "that of the basis, twice, in proportion to a_l"},
        opposite_tilts,
+       {},
+       {},
        {{"sh_shade", "const float rotated = fma(c, w.x, -s * w.y);", "const float rotated = c * w.x;"}}},
   };
 }

@@ -4,7 +4,10 @@
 // hard cases first, then random lobes.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -143,6 +146,31 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
   }
   EXPECT_GT(seen, 250);
   EXPECT_GT(tight, 0.95 * seen) << "bounds so wide that they say nothing";
+}
+
+// Light that the plane's edge cuts off: the integral of one normal's facets over the hemisphere, as docs/ALGORITHMS.md
+// has it. 1 would be all.
+TEST(GmmEnergy, IsLostTowardsTheRim) {
+  constexpr int kRings = 400, kSpokes = 360;
+  const double exponents[] = {5.0, 20.0, 100.0, 500.0};
+  const std::map<int, std::array<double, 4>> stated = {{0, {0.98, 1.00, 1.00, 1.00}},
+                                                       {30, {0.90, 0.99, 1.00, 1.00}},
+                                                       {45, {0.78, 0.94, 1.00, 1.00}},
+                                                       {60, {0.63, 0.77, 0.95, 1.00}},
+                                                       {75, {0.50, 0.56, 0.67, 0.85}}};
+  for (const auto& [tilt, energies] : stated)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double x = std::sin(tilt * std::numbers::pi / 180.0);
+      double sum = 0.0;
+      for (int ring = 0; ring < kRings; ++ring)  // rings of equal width on the plane: d omega = r dr dphi / h_z
+        for (int spoke = 0; spoke < kSpokes; ++spoke) {
+          const double r = (ring + 0.5) / kRings, phi = 2.0 * std::numbers::pi * (spoke + 0.5) / kSpokes;
+          const glm::dvec3 h(r * std::cos(phi), r * std::sin(phi), std::sqrt(1.0 - r * r));
+          sum += reference::gmm_density({x, 0.0, x * x, 1.0}, exponents[i], h) / h.z * r;
+        }
+      EXPECT_NEAR(sum / kRings * 2.0 * std::numbers::pi / kSpokes, energies[i], 0.006)
+          << tilt << " degrees, s " << exponents[i];
+    }
 }
 
 }  // namespace

@@ -17,10 +17,11 @@ namespace multum::gl {
 
 struct GlslCase {
   NumericalCaseText text;           // its formula: a file, or some, "a.glsl, b.glsl"
-  std::vector<SourceEdit> without;  // what takes the guard out
+  std::vector<SourceEdit> without;  // what takes the guard out: each edit one guard, tried by itself
   /// Adds errors; the shader's text is edited so.
   std::function<void(const GlFunctions& gl, const std::vector<SourceEdit>& edits, WorstError& worst)> run;
   std::vector<std::string> functions = {};  // of these files, which the case is for: broken, they break its bound
+  std::vector<SourceEdit> mutation = {};    // a bug, all of these edits together; may be empty
 };
 
 const std::vector<GlslCase>& glsl_cases();

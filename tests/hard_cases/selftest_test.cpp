@@ -81,9 +81,10 @@ TEST_P(SelftestCases, HoldWithTheirGuardsAndBreakWithout) {
                                  << verdict.worst_input << ", bound " << error_text(c.text.bound);
     // What a guard is for shows on PoCL; another device's own arithmetic may do without.
     if (!test_device().info().is_cpu) continue;
-    EXPECT_TRUE(verdict.guard_matters()) << c.text.name << ": without its guard the worst error is "
-                                         << error_text(verdict.without_guard.value_or(0.0)) << ", within the bound of "
-                                         << error_text(c.text.bound);
+    EXPECT_TRUE(verdict.can_fail()) << c.text.name << ": without its guard the worst error is "
+                                    << tried_text(verdict.without_guard) << ", with its bug "
+                                    << tried_text(verdict.mutated) << ", within the bound of "
+                                    << error_text(c.text.bound);
   }
 }
 
@@ -92,12 +93,37 @@ TEST(SelftestRegistry, CasesSayWhatTheyAre) {
   for (const NumericalCase& c : numerical_cases()) {
     EXPECT_TRUE(names.insert(c.text.name).second) << c.text.name << " is there twice";
     EXPECT_EQ(c.text.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-"), std::string::npos) << c.text.name;
-    EXPECT_NE(c.without.empty(), c.naive == nullptr) << c.text.name << " has to show what its guard is for, one way";
+    EXPECT_EQ((c.without.empty() ? 0 : 1) + (c.naive ? 1 : 0) + (c.mutation.empty() ? 0 : 1), 1)
+        << c.text.name << " has to show that it can fail, one way";
+    EXPECT_EQ(fault_of_guards(c.without), "") << c.text.name;
     for (const std::string& text :
          {c.text.formula, c.text.without_guard, c.text.guard, c.text.unit, c.text.bound_reason})
       EXPECT_FALSE(text.empty()) << c.text.name;
     EXPECT_GT(c.text.bound, 0.0) << c.text.name;
   }
+}
+
+// Cases of one kernel that share an edit would show one thing twice.
+TEST(SelftestRegistry, EditsAreOneCasesOwn) {
+  std::map<std::string, std::string> owners;  // formula and edits, case
+  for (const NumericalCase& c : numerical_cases()) {
+    const auto claim = [&](const std::vector<SourceEdit>& edits) {
+      std::string key = c.text.formula;
+      for (const SourceEdit& edit : edits) key += "\n" + edit.file + "\n" + edit.text + "\n" + edit.replacement;
+      const auto [owner, is_new] = owners.emplace(key, c.text.name);
+      EXPECT_TRUE(is_new) << c.text.name << " is shown by the edit of " << owner->second;
+    };
+    for (const SourceEdit& guard : c.without) claim({guard});
+    if (!c.mutation.empty()) claim(c.mutation);
+  }
+}
+
+TEST(SelftestRegistry, AGuardIsTakenOutAndNotChanged) {
+  EXPECT_EQ(fault_of_guards({{"f", "max(x, 1e-6f)", "x"}, {"f", "if (e > 0.1f) return", "if (true) return"}}), "");
+  EXPECT_NE(fault_of_guards({{"f", "max(x, 1e-6f)", "max(x, 1e-1f)"}}), "");
+  EXPECT_NE(fault_of_guards({{"f", "#define AMPLITUDE_MIN 1e-6f", "#define AMPLITUDE_MIN 0.0f"}}), "");
+  EXPECT_NE(fault_of_guards({{"f", "e < 1.0f", "e < -1.0f"}}), "");
+  EXPECT_NE(fault_of_guards({{"f", "a", "b"}, {"f", "a", ""}}), "");
 }
 
 TEST(SelftestRegistry, EveryKernelHasACase) {
@@ -176,19 +202,19 @@ TEST(WorstErrorTest, NotANumberIsWorst) {
   worst.add(HUGE_VAL, "inf");
   EXPECT_TRUE(std::isnan(worst.value()));
   EXPECT_EQ(worst.input(), "nan");
-  EXPECT_FALSE((NumericalVerdict{{"", "", "", "", 1.0, "", ""}, worst.value(), "", {}}).holds());
+  EXPECT_FALSE((NumericalVerdict{{"", "", "", "", 1.0, "", ""}, worst.value(), "", {}, {}}).holds());
 }
 
 TEST(CaseJson, ComesBack) {
   NumericalRun run{"OpenCL", "d", "p", "v", "s", {}};
-  run.verdicts.push_back({{"a", "f", "w", "g", 1e-6, "u", "r"}, std::nan(""), "here", HUGE_VAL});
-  run.verdicts.push_back({{"b", "f", "w", "g", 1e-6, "u", "r"}, 1e-7, "there", {}});
+  run.verdicts.push_back({{"a", "f", "w", "g", 1e-6, "u", "r"}, std::nan(""), "here", HUGE_VAL, {}});
+  run.verdicts.push_back({{"b", "f", "w", "g", 1e-6, "u", "r"}, 1e-7, "there", {}, 0.5});
   const NumericalRun back = parse_case_json(case_json(run), "x.json");
   EXPECT_EQ(case_json(back), case_json(run));
   EXPECT_EQ(stability_page({back}), stability_page({run}));
   EXPECT_EQ(cases_of_page(stability_page({run})), (std::vector<std::string>{"a", "b"}));
   EXPECT_FALSE(back.verdicts[0].holds());
-  EXPECT_TRUE(back.verdicts[0].guard_matters());
+  EXPECT_TRUE(back.verdicts[0].can_fail() && back.verdicts[1].can_fail());
   EXPECT_THROW(parse_case_json("{}", "x.json"), Error);
 }
 
