@@ -57,7 +57,18 @@ typedef struct Places {
   int beside_count[MULTUM_VECTOR_WIDTH];
 } Places;
 
+// The done neighbours of a texel that lies on no border, in the order of the loop in find_places(): a bit each, from
+// (-1, -1) to (1, 1) by rows. All lanes of a launch by colours have one of them.
+static uint done_mask(int x, int y, int order) {
+  uint mask = 0;
+  for (int i = 0; i < 9; ++i)
+    if (fitted_before(x + i % 3 - 1, y + i / 3 - 1, x, y, order)) mask |= 1u << i;
+  return mask;
+}
+
 static void find_places(__global const int* texels, const MultumMovmfFit* fit, Places* places) {
+  uint mask = 0;
+  int mask_colour = -1;
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     const int texel = max(texels[lane], 0), x = texel_column(texel, fit), y = texel_row(texel, fit);
     places->own[lane] = texel;
@@ -68,6 +79,18 @@ static void find_places(__global const int* texels, const MultumMovmfFit* fit, P
         row_in_window(min(y >> 1, fit->parent_height - 1), fit->parent_first_row, fit->parent_height);
     places->parent[lane] = parent_row * fit->parent_width + min(x >> 1, fit->parent_width - 1);
     int count = 0;
+    const int window_row = texel / fit->width;
+    if (x > 0 && x + 1 < fit->width && y > 0 && y + 1 < fit->height && window_row > 0 &&
+        window_row + 1 < fit->window_rows) {
+      if (mask_colour != ((x & 1) | ((y & 1) << 1))) {
+        mask_colour = (x & 1) | ((y & 1) << 1);
+        mask = done_mask(x, y, fit->order);
+      }
+      for (int i = 0; i < 9; ++i)
+        if ((mask >> i) & 1u) places->beside[lane][count++] = texel + (i / 3 - 1) * fit->width + i % 3 - 1;
+      places->beside_count[lane] = count;
+      continue;
+    }
     for (int dy = -1; dy <= 1; ++dy) {
       const int ny = neighbour(y + dy, fit->height, fit->periodic_y);
       const int row = row_in_window(ny, fit->first_row, fit->height);

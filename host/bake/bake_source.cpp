@@ -15,9 +15,10 @@ namespace multum {
 namespace {
 
 // A map stays in memory up to so many bytes: of what a job is held to, little. A map of 4096 x 4096 is 192 MiB: a
-// scratch file of it is a fifth of a plan's time, and nothing that shows in a bake's (docs/CHANGELOG.md).
+// scratch file of it is a fifth of a plan's time. Its file's 16-bit numbers are 96 MiB, in memory while it is read and
+// gone before a bake takes most.
 std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
-  constexpr std::int64_t kLittle = std::int64_t{16} << 20, kDefault = std::int64_t{64} << 20;
+  constexpr std::int64_t kLittle = std::int64_t{16} << 20, kDefault = std::int64_t{96} << 20;
   if (job.memory_bytes > 0) return kLittle;
   const std::int64_t much = std::max(kLittle, static_cast<std::int64_t>(machine_memory_bytes() / 32));
   return readings == MapReadings::kFew ? std::min(kDefault, much) : much;

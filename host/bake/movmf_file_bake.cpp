@@ -50,6 +50,10 @@ std::string checkpoint_key(const MovmfMipmap& header) {
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
+// The finest level that is fitted has three quarters of all rows. Of a map of up to so many texels it is fitted in some
+// seconds, of which writing them takes a fifth: they are kept of larger maps, and where the bake is to be resumed.
+constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
+
 // Rows of tiles that the writer holds: of the level that is fitted, and of level 0 beside level 1.
 std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
@@ -91,6 +95,7 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   else region.emplace(job.onto, header, *job.region, inputs.spill, output);
   inputs.region = region ? &*region : nullptr;
   inputs.checkpoint = checkpoint.get();
+  inputs.checkpoint_has_finest = job.resume || std::int64_t{width} * height > kQuickTexels;
   MovmfSink& sink = region ? static_cast<MovmfSink&>(*region) : output;
   try {
     bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);

@@ -54,14 +54,15 @@ MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation
   return lobe;
 }
 
-MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
-                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, FitReport& report) {
+MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, const std::vector<glm::vec3>& features,
+                       float kappa_cap, int threads, FitReport& report) {
   const auto width = static_cast<std::size_t>(size.width), lobe_count = static_cast<std::size_t>(size.lobe_count);
   const std::size_t texels = width * static_cast<std::size_t>(size.height);
   MovmfLevel out;
   out.width = size.width;
   out.height = size.height;
-  out.lobes.assign(lobe_count, std::vector<glm::vec4>(texels));
+  out.lobes.resize(lobe_count);
+  for (auto& lobe : out.lobes) lobe.resize(texels);
   const std::size_t weight_count = static_cast<std::size_t>(size.weight_count);
   const std::size_t colour_planes = size.has_colours ? 1 : 0;
   const std::size_t rgb_planes = colour_planes + (weight_count + 2) / 3;
@@ -104,7 +105,7 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe
     report.undirected_lobes += event.undirected;
     report.kappa_clamped += event.clamped;
   }
-  report.lobe_count_total += lobes.size();
+  report.lobe_count_total += lobe_count * texels;
   return out;
 }
 

@@ -22,8 +22,8 @@ struct LobeRowsSize {
 /// `lobes`: r and a by rows [lobe][column], of Gaussians mean, sigma^2 and a; `features` by rows
 /// [triple][lobe][column]. Returns planes of (a r, a), of Gaussians as host/asset/lobes/gmm_quantize.h has them, whose
 /// shares sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`: MovmfSettings::kappa_cap.
-MovmfLevel stored_rows(const LobeRowsSize& size, const std::vector<MultumVmfLobe>& lobes,
-                       const std::vector<glm::vec3>& features, float kappa_cap, int threads, FitReport& report);
+MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, const std::vector<glm::vec3>& features,
+                       float kappa_cap, int threads, FitReport& report);
 
 /// Converts one lobe back.
 MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation);

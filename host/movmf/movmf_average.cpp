@@ -85,7 +85,7 @@ class NormalPlanes : public AveragedPlanes {
         features.insert(features.end(), rgb_plane.begin() + static_cast<std::ptrdiff_t>(row),
                         rgb_plane.begin() + static_cast<std::ptrdiff_t>(row + width));
     sink_.add_level(rows.level, rows.first_row,
-                    stored_rows(size, lobes, features, kappa_cap_, inputs_.threads, report_));
+                    stored_rows(size, lobes.data(), features, kappa_cap_, inputs_.threads, report_));
   }
 
   const AverageInputs& inputs_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 
 #include "host/asset/lobes/gmm_quantize.h"
@@ -115,10 +116,10 @@ class MovmfFitter {
   LevelStore open_store(const LevelSchedule& level) {
     LevelStore store;
     const std::size_t feature_bytes = feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
-    if (inputs_.checkpoint != nullptr)
+    const bool is_parent = level.level > std::max(1, settings_.first_level);
+    if (inputs_.checkpoint != nullptr && (is_parent || inputs_.checkpoint_has_finest))
       store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), feature_bytes);
-    else if (level.level > std::max(1, settings_.first_level))
-      store.own.emplace(level.fit.height, row_bytes(level), plan_.spill);
+    else if (is_parent) store.own.emplace(level.fit.height, row_bytes(level), plan_.spill);
     return store;
   }
 
@@ -207,9 +208,10 @@ class MovmfFitter {
 
   void hand_over(const LevelSchedule& level, const FittedRows& rows, LevelStore& store, bool is_kept = false) {
     const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
-    std::vector<MultumVmfLobe> lobes(lobe_count() * texels);
-    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
-    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.data());
+    // Not set to 0: tens of megabytes a band.
+    auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
+    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
+    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.get());
     std::vector<glm::vec3> features(feature_planes() * texels);
     if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
     std::optional<FinestRows> finest;
@@ -221,9 +223,9 @@ class MovmfFitter {
          size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation,
                              inputs_.features.has_colours, inputs_.features.weight_count},
          lobes = std::move(lobes), features = std::move(features), finest = std::move(finest)]() mutable {
-          if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.data(), features.data());
+          if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.get(), features.data());
           sink_.add_level(number, first_row,
-                          stored_rows(size, lobes, features, settings_.kappa_cap, inputs_.threads, report_));
+                          stored_rows(size, lobes.get(), features, settings_.kappa_cap, inputs_.threads, report_));
           if (finest) hand_over_finest(std::move(*finest));
         });
     advance(rows.first_row, rows.row_count, level.fit.height);

@@ -43,6 +43,7 @@ struct MovmfBakeInputs : MapInputs {
   std::uint64_t writer_bytes = 0;              // of memory_bytes, what the sink holds while levels are fitted
   SpillPolicy spill{.memory_bytes = 4 << 20};  // of what does not fit in memory
   BakeCheckpoint* checkpoint = nullptr;        // null: nothing is kept for another process
+  bool checkpoint_has_finest = true;           // false: of the finest level that is fitted it keeps nothing
   const RegionInputs* region = nullptr;        // null: the whole map
 };
 

@@ -38,7 +38,9 @@ class ResumeTest : public CliTest {
   }
   // Kills a bake when it has done some rows of the finest level that it fits.
   void kill_a_bake(const std::vector<std::string>& more) const {
-    Program bake(command(more));
+    std::vector<std::string> options = more;
+    options.push_back("--resume");
+    Program bake(command(options));
     const std::string finest = partial() + "/level-1.lobes";
     while (bake.running() && !std::filesystem::exists(finest))
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -87,6 +89,24 @@ TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   }
   std::ofstream(partial() + "/progress", std::ios::app) << "1 0 half a li";
   ASSERT_EQ(run_program(command({"--resume"})).exit_code, 0);
+  EXPECT_EQ(content_hash(), whole);
+}
+
+// Of a map of this size the finest level takes less time than its rows.
+TEST_F(ResumeTest, WhoDoesNotAskForItKeepsAllButTheFinestLevel) {
+  make_map("map", 1024);
+  ASSERT_EQ(run_program(command({})).exit_code, 0);
+  const std::string whole = content_hash();
+  std::filesystem::remove(path("map.ndf.exr"));
+  Program bake(command({}));
+  while (bake.running() && !std::filesystem::exists(partial() + "/level-2.lobes"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  bake.send(SIGKILL);
+  ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
+  EXPECT_FALSE(std::filesystem::exists(partial() + "/level-1.lobes"));
+  const ProgramResult resumed = run_program(command({"--resume", "--report", path("report.json")}));
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_GT(rows_resumed(), 100u);
   EXPECT_EQ(content_hash(), whole);
 }
 
