@@ -15,7 +15,7 @@ struct PlaneViewer {
   std::string program;           // multum-view; empty: nothing is drawn
   std::string context = "auto";  // its options
   std::string decode = "child";
-  int samples = 64;  // a pixel of the reference
+  int samples = 256;  // a pixel of the reference, which is the pixel's own
 };
 
 /// Relative L1 of the picture of JOB.output beside the reference that JOB.input gives. Throws Error(kEnvironment) where

@@ -256,13 +256,13 @@ class Sweep {
     row.has_error = true;
   }
 
-  // The truth is drawn with it, through the same trilinear filter: what is off is what the settings left out. Then
-  // again without: the quicker of two frames is less of what else the machine did.
+  // The reference is drawn with it, the pixel's own, as the measured error has it. Then again without: the quicker of
+  // two frames is less of what else the machine did.
   void draw(const std::string& baked, const View& view, TradeoffRow& row) {
     progress_stage(progress_, "draw " + row.options);
     const nlohmann::json with_truth = run_view(baked, view,
                                                {"--pictures", scratch_ / "picture", "--compare", "truth", "--truth-of",
-                                                "texels", "--samples", fmt::format("{}", job_.samples)});
+                                                "pixel", "--samples", fmt::format("{}", job_.samples)});
     result_.renderer = with_truth.at("context").get<std::string>();
     row.rendered = own_picture(with_truth).at("relative_l1").get<double>();
     const nlohmann::json again = run_view(baked, view, {});

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
 #include "host/movmf/movmf_bake.h"
 #include "host/target/map_mosaic.h"
@@ -128,7 +129,7 @@ TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
   const BakeSource source = source_of(map.normals);
   SettingTrials trials = trials_of(source, "blinn-phong:100", Representation::kMovmf);
   int before = 0;
-  for (const double error : {0.9, 0.6, 0.2}) {
+  for (const double error : {0.9, 0.6, 0.3}) {
     const std::optional<SettingTrial> trial = cheapest_within(trials, error, 1.0, 0, nullptr);
     ASSERT_TRUE(trial.has_value()) << error;
     EXPECT_TRUE(trial->reached.meets(error));
@@ -151,8 +152,8 @@ TEST(SettingChoice, DependsOnTheBrdf) {
   const FourQuarterMap map = make_four_quarter_map(128, 7);
   const BakeSource source = source_of(map.normals);
   SettingTrials diffuse = trials_of(source, "lambert"), glossy = trials_of(source, "blinn-phong:500");
-  const std::optional<SettingTrial> a = cheapest_within(diffuse, 0.3, 1.0, 0, nullptr),
-                                    b = cheapest_within(glossy, 0.3, 1.0, 0, nullptr);
+  const std::optional<SettingTrial> a = cheapest_within(diffuse, 0.6, 1.0, 0, nullptr),
+                                    b = cheapest_within(glossy, 0.6, 1.0, 0, nullptr);
   ASSERT_TRUE(a && b);
   EXPECT_LT(a->candidate, b->candidate);
 }
@@ -250,6 +251,33 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
   // Of `all` squares of unit normals the mean is off by sqrt(2 / all); four of these.
   EXPECT_LT(squares / all, 1.0 + 4.0 * std::sqrt(2.0 / all));
   EXPECT_GT(squares / all, 0.4);
+}
+
+// Of one normal all over the map every pixel shows f(n . h) max(n . l, 0) of it, whatever it covers: what is stored,
+// filtered and shaded with the cosine is the reference, but for rounding.
+TEST(FootprintErrors, OfOneNormalAreNothing) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.4, -0.3, 0.8));
+  const BakeSource source = source_of(testing::make_map(24, 10, [&](int, int) { return normal; }));
+  for (const Representation representation : {Representation::kMovmf, Representation::kMoments}) {
+    BakeJob job = job_on_two_threads();
+    job.representation = representation;
+    job.encoding = StorageEncoding::kFloat;
+    job.fitting.lobe_count = 2;
+    AccuracySettings settings;
+    settings.exponents = {20.0, 100.0};
+    settings.footprints_per_octave = 16;
+    BakeReport report;
+    const auto meter = try_levels(test_device(), job, source, settings, report, nullptr);
+    meter->run(test_device(), source.map.normals, nullptr, nullptr);
+    bool is_any = false;
+    for (const FootprintError& one : meter->footprint_errors()) {
+      if (one.brdf.shading.starts_with("lean")) continue;  // is Gaussian: another highlight
+      is_any = true;
+      EXPECT_LT(one.error, 2e-4) << one.brdf.text();
+      EXPECT_LT(one.percentile_95, 2e-4) << one.brdf.text();
+    }
+    EXPECT_TRUE(is_any);
+  }
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ MarkdownTable held_table(const char* first) {
 class Coverage {
  public:
   explicit Coverage(const CoverageDocumentOptions& options)
-      : options_(options), device_(Device::open({})), candidates_(setting_candidates(kQuickSweep)) {
+      : options_(options), device_(Device::open(DeviceChoice{})), candidates_(setting_candidates(kQuickSweep)) {
     // Compression and encodings beside the default are no other errors to speak of.
     std::erase_if(candidates_, [](const SettingCandidate& one) { return one.axis == CandidateAxis::kStorage; });
     by_setting_.resize(candidates_.size());
