@@ -38,7 +38,7 @@ using Figures = std::map<FilterKey, std::map<std::string, std::vector<double>>>;
 Figures figures_of(const Json& result, const char* list, const std::function<double(const Json&)>& value) {
   Figures figures;
   for (const Json& map : result.at("maps"))
-    for (const Json& row : map.at(list))
+    for (const Json& row : map.value(list, Json::array()))
       figures[key_of(row)][row.at("method").get<std::string>()].push_back(value(row));
   return figures;
 }
@@ -119,7 +119,7 @@ std::string motion_table(const Json& result) {
   Figures figures;
   std::vector<std::string> motions;
   for (const Json& map : result.at("maps"))
-    for (const Json& row : map.at("motions")) {
+    for (const Json& row : map.value("motions", Json::array())) {
       if (row.at("method").get<std::string>() != "4 lobes") continue;
       const auto motion = row.at("motion").get<std::string>();
       if (std::find(motions.begin(), motions.end(), motion) == motions.end()) motions.push_back(motion);
@@ -169,7 +169,7 @@ ResultView view_filters(const Json& result) {
   tables += table_of(errors, methods, percent_text);
   tables += "\nEach method with the bias that is best for it, error in % at the bias:\n\n";
   tables += best_bias_table(errors, methods);
-  tables += "\nFlicker in %, the mean of a zoom, a pan and a turn, medians over the maps:\n\n";
+  tables += "\nFlicker in %, the mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
   tables += table_of(figures_of(result, "motions", "flicker"), moving, percent_text);
   tables += "\nFlicker of 4 lobes in %, each motion by itself:\n\n" + motion_table(result);
   tables +=
