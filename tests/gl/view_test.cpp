@@ -83,6 +83,39 @@ TEST_F(ViewTest, WritesPictureAndReport) {
   EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
 }
 
+// Untold a reference has the samples that its noise takes; how many, and by which filter pictures are drawn, is said.
+TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
+  const std::vector<std::string> common = {"-o",       path("out.png"), "--compare", "reference",     "--size",
+                                           "64x48",    "--report",      path("r.json"), "--context", "osmesa",
+                                           "--repeat", "60"};
+  const auto report_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = common;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    testing::expect_says(result.output, {"samples per pixel", "noise"});
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file);
+  };
+  const nlohmann::json plain = report_of({"--reference-noise", "0.02"});
+  EXPECT_EQ(plain["filter"], (nlohmann::json{{"of", "multum"},
+                                             {"taps", kTapCountDefault},
+                                             {"level_bias", kLevelBiasDefault},
+                                             {"shades_taps", false}}));
+  EXPECT_LE(plain["pictures"][0]["noise_relative_l1"].get<double>(), 0.02);
+  EXPECT_GE(plain["pictures"][0]["samples"].get<int>(), 128);
+  const nlohmann::json other = report_of({"--samples", "8", "--taps", "1", "--level-bias", "1", "--pixel-filter", "tent",
+                                          "--reference-texels", "interpolated"});
+  EXPECT_EQ(other["pictures"][0]["samples"], 8);
+  EXPECT_EQ(other["filter"]["level_bias"], 1.0);
+  EXPECT_EQ(other["pixel_filter"], "tent");
+  EXPECT_EQ(report_of({"--samples", "4", "--anisotropy", "1"})["filter"],
+            (nlohmann::json{{"of", "driver"}, {"anisotropy", 1.0}}));
+  // Of texels, with any number of taps: what is left is the baked texels' own error, and none of this map's.
+  const auto error = [](const nlohmann::json& report) { return report["pictures"][1]["relative_l1"].get<double>(); };
+  EXPECT_LT(error(report_of({"--samples", "1024", "--reference-of", "texels", "--taps", "8"})), 0.03);
+}
+
 // What a file of moments shows is what --compare makes of its source.
 TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
@@ -470,16 +503,20 @@ TEST_F(ViewTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--light", "1,2"}, 2, {"--light", "towards"});
   expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, {"eye x,y,z"});
   for (const char* number : {"nan", "inf", "0", "-1", "1e7", "x"})
-    for (const char* option : {"--exposure", "--repeat", "--anisotropy"})
+    for (const char* option : {"--exposure", "--repeat", "--anisotropy", "--reference-noise"})
       expect_refusal({"-o", out, option, number}, 2, {option});
   expect_refusal({"-o", out, "--up", "0,0,0"}, 2, {"--up"});
   expect_refusal({"-o", out, "--up", "0,1"}, 2, {"--up"});
   expect_refusal({"-o", out, "--camera", "0,0,0,1,1,0", "--up", "2,2,0"}, 2, {"line of sight"});
   expect_refusal({"-o", out, "--size", "640x"}, 2, {"WIDTHxHEIGHT"});
-  expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, {"truth, mip, toksvig, lean"});
+  expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, {"reference, truth, mip, toksvig, lean"});
   expect_refusal({"-o", out, "--context", "glx"}, 2, {"--context"});
   expect_refusal({"-o", out, "--albedo", "a.png"}, 2, {"--source"});
   expect_refusal({"-o", out, "--samples", "0"}, 2, {"--samples"});
+  expect_refusal({"-o", out, "--taps", "17"}, 2, {"--taps"});
+  expect_refusal({"-o", out, "--taps", "2", "--anisotropy", "2"}, 2, {"--taps", "--anisotropy"});
+  expect_refusal({"-o", out, "--samples", "2", "--reference-noise", "0.1"}, 2, {"--samples", "--reference-noise"});
+  expect_refusal({"-o", out, "--reference-of", "texels", "--anisotropy", "2"}, 2, {"--reference-of", "--anisotropy"});
 }
 
 TEST_F(ViewTest, UnusableFilesAreInputErrors) {

@@ -148,7 +148,21 @@ def check_accuracy(text):
     assert "nan" not in text and "inf" not in text
 
 
+def check_filters(text):
+    result = parse_result(text, "filters")
+    (study,) = result["maps"]
+    assert study["noise"] <= result["noise_max"] and study["samples"] >= 128, study
+    errors = {(row["method"], row["taps"], row["bias"], row["shades_taps"]): row["error"] for row in study["pictures"]}
+    assert {key[0] for key in errors} == {"4 lobes", "6 lobes", "LEAN", "Toksvig", "averaged normals"}, errors.keys()
+    for method in ("4 lobes", "LEAN", "Toksvig"):
+        assert errors[method, 4, 0.0, False] < errors[method, 1, 0.0, False], errors
+    motions = {(row["method"], row["motion"]) for row in study["motions"]}
+    assert motions == {(m, k) for m in ("4 lobes", "LEAN", "Toksvig", "averaged normals") for k in
+                       ("zoom", "pan", "turn")}, motions
+    assert all(row["flicker"] > 0 for row in study["motions"])
+
+
 if __name__ == "__main__":
     checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "load": check_load,
-              "infer": check_infer, "document": check_document, "accuracy": check_accuracy}
+              "infer": check_infer, "filters": check_filters, "document": check_document, "accuracy": check_accuracy}
     checks[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())
