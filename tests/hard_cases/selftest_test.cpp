@@ -212,6 +212,9 @@ TEST(CaseJson, ComesBack) {
   const NumericalRun back = parse_case_json(case_json(run), "x.json");
   EXPECT_EQ(case_json(back), case_json(run));
   EXPECT_EQ(stability_page({back}), stability_page({run}));
+  const std::string page = stability_page({run});
+  EXPECT_NE(page.find("| bound | worst | without | mutated |"), std::string::npos) << page;
+  EXPECT_NE(page.find("| 1.0e-07 | - | 5.0e-01 |"), std::string::npos) << page;
   EXPECT_EQ(cases_of_page(stability_page({run})), (std::vector<std::string>{"a", "b"}));
   EXPECT_FALSE(back.verdicts[0].holds());
   EXPECT_TRUE(back.verdicts[0].can_fail() && back.verdicts[1].can_fail());
