@@ -3,6 +3,7 @@
 // filtering it against brute force.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -14,6 +15,7 @@
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/environment_background.h"
+#include "runtime_gl/render/environment_shading.h"
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
 #include "tests/gl/test_context.h"
@@ -101,6 +103,19 @@ glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, c
       sum += texel_solid_angle(map.width, map.height, y) * l.z * reflected * glm::dvec3(map.texels[i]);
     }
   return sum;
+}
+
+// Seen from above, what lies ahead over the plane, +Y, comes to lie to the left, -X.
+TEST(EnvironmentAxes, TurnCounterclockwise) {
+  RenderScene scene;
+  const std::array<glm::vec3, 3> before = environment_axes(scene);
+  EXPECT_LT(glm::distance(-before[2], glm::vec3(0.0f, 1.0f, 0.0f)), 1e-6f);
+  EXPECT_LT(glm::distance(before[0], glm::vec3(1.0f, 0.0f, 0.0f)), 1e-6f);
+  scene.environment_turn = 90.0f;
+  const std::array<glm::vec3, 3> turned = environment_axes(scene);
+  EXPECT_LT(glm::distance(-turned[2], glm::vec3(-1.0f, 0.0f, 0.0f)), 1e-6f);
+  EXPECT_LT(glm::distance(turned[0], glm::vec3(0.0f, 1.0f, 0.0f)), 1e-6f);
+  EXPECT_EQ(turned[1], before[1]);
 }
 
 // Behind what is drawn lies the sky that lights it, whichever way the camera looks.
