@@ -33,6 +33,7 @@ void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
   fit.refit_iterations = values.integer("refit_iterations").value_or(fit.refit_iterations);
   fit.order = values.choice("order", kFitOrders).value_or(fit.order);
   fit.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(fit.coarse_normals);
+  if (values.flag("refine")) fit.refine = true;
   if (values.flag("no_start_search")) fit.search_start = false;
   if (const auto weight = values.number("align")) fit.alignment = static_cast<float>(*weight);
   if (const auto cap = values.number("kappa_cap")) fit.kappa_cap = static_cast<float>(*cap);

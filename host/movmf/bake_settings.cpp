@@ -69,6 +69,11 @@ void validate(const MovmfSettings& settings) {
                                     expected_text(row)));
         },
         field.member);
+  if (settings.refine && settings.representation != Representation::kMovmf)
+    throw Error(ErrorCode::kUsage, "--refine is given with --ndf gmm, expected --ndf vmf: it knows no Gaussians");
+  if (settings.refine && settings.coarse_normals == CoarseNormals::kAll)
+    throw Error(ErrorCode::kUsage,
+                "--refine is given with --coarse-normals all (which --reference sets), expected binned normals");
 }
 
 std::string settings_json(const MovmfSettings& s) {
@@ -81,6 +86,7 @@ std::string settings_json(const MovmfSettings& s) {
   json["rehearse_start"] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json["aligned_start"] = s.aligned_start;
+  if (s.refine) json["refined"] = true;  // absent otherwise: files from before it keep their hash
   return json.dump();
 }
 

@@ -38,6 +38,9 @@ struct MovmfSettings {
   // this share of its width; 0: never. Coarse texels run all their iterations.
   float convergence_tolerance = 0.01f;  // 0..0.1
   CoarseNormals coarse_normals = CoarseNormals::kBinned;
+  // After EM each texel's lobes are refined towards the highlights that they give (movmf_refine.cl). Of kMovmf and
+  // binned normals alone.
+  bool refine = false;
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none
   bool search_start = true;  // try the coarsest level's candidates on a small proxy map of the map

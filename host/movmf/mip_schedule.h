@@ -54,6 +54,10 @@ constexpr int kFewNormals = 4;
 constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
 constexpr float kAlignmentFactorFewNormals = 1.2f;
+/// Texels that cover fewer normals are not refined (movmf_refine.cl): their lobes follow their normals as it is, and
+/// what refining gains at texel centres is lost between them (four-quarter map of 256, s = 100, level 1: 11.4 % midway
+/// for 10.8, level 2: 12.6 for 12.5). Level 3 covers 64, and about as many where sides are no powers of two.
+constexpr float kRefinedNormalsMin = 32.0f;
 /// Samples that a chunk of EM sums, about.
 constexpr int kSamplesPerChunk = 4096;
 

@@ -119,6 +119,7 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
   // Levels that do not grow from the coarsest cannot tell starts apart.
   if (settings.search_start && settings.aligned_start && candidates.size() > 1) {
     MovmfSettings whole = settings;
+    whole.refine = false;   // the pyramid of EM is what a start decides
     whole.first_level = 0;  // of the proxy map, which has fewer levels than the map
     const NormalMap proxy = sample_proxy_map(normals, kProxySide, search.seed);
     // Where the finest levels are not asked for, their kernels are not either.
@@ -158,6 +159,8 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
                 FitReport& report, Progress* progress) {
   const PlaneStore& normals = *inputs.normals;
   validate(settings, normals.width(), normals.height());
+  if (settings.refine && normals.is_shortened())
+    throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it knows unit normals alone");
   const FeaturePlanes& features = inputs.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   if (averages_suffice(inputs, settings)) {

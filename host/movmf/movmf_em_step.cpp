@@ -75,6 +75,10 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
   // Of a map whose sides are no powers of two it is the first one again, which is prepared once.
   if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
+  if (settings_.refine) {
+    if (uses_texels) programs.push_back({"movmf_refine", fast_});
+    if (uses_binned) programs.push_back({"movmf_refine", binned_});
+  }
   if (schedule.uses(FitMethod::kChunks)) {
     programs.push_back({"movmf_em_chunks", fast_});
     programs.push_back({"movmf_em_mstep", scalar_});
@@ -92,12 +96,10 @@ Kernel& MovmfEmStep::lazy_kernel(Kernel& kernel, const char* file, const char* n
 void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows,
                       Progress* progress) {
   if (texels.empty()) return;
-  const std::size_t texel_count = texels.size(), slots = group_count(texel_count) * MULTUM_GROUP;
-  texels.resize(slots, -1);
-  fit.slot_count = static_cast<int>(slots);
-  ensure(device_, list_, slots * sizeof(int), "texel list");
+  const std::size_t texel_count = texels.size();
+  upload_texels(fit, std::move(texels));
+  const auto slots = static_cast<std::size_t>(fit.slot_count);
   ensure(device_, start_, slots * lobe_count() * MULTUM_START_PLANES * sizeof(float), "EM parameters");
-  device_.write(list_, texels.data(), slots * sizeof(int));
   const DeviceBuffer& parent = fit.parent_width > 0 ? windows.parent.buffer() : windows.lobes.buffer();
   lazy_kernel(start_kernel_, "movmf_start", "movmf_start", starting_)
       .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, parent, windows.lobes.buffer(),
@@ -105,17 +107,45 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
   switch (method) {
     case FitMethod::kChunks: run_chunks(fit, texel_count, windows, progress); break;
     case FitMethod::kTexels:
-      pack_texels(fit, windows);
+      pack(method, fit, windows);
       fit_packed(fit, fast_, em_texels_kernel_, em_team_kernel_, windows);
       break;
     case FitMethod::kBinned:
-      pack_binned(fit, windows);
+      pack(method, fit, windows);
       fit_packed(fit, binned_, em_binned_kernel_, em_binned_team_kernel_, windows);
       break;
   }
   if (windows.wants_features) fit_features(method, fit, texel_count, windows);
   device_.finish();
   progress_advance(progress, 0);
+}
+
+void MovmfEmStep::refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows,
+                         Progress* progress) {
+  MULTUM_CHECK(method != FitMethod::kChunks);
+  if (texels.empty()) return;
+  upload_texels(fit, std::move(texels));
+  pack(method, fit, windows);
+  const KernelVariant& variant = method == FitMethod::kBinned ? binned_ : fast_;
+  lazy_kernel(method == FitMethod::kBinned ? refine_binned_kernel_ : refine_kernel_, "movmf_refine", "movmf_refine",
+              variant)
+      .launch({static_cast<std::size_t>(fit.slot_count) / static_cast<std::size_t>(variant.vector_width)}, samples_,
+              sample_counts_, list_, windows.lobes.buffer(), fit);
+  device_.finish();
+  progress_advance(progress, 0);
+}
+
+void MovmfEmStep::upload_texels(MultumMovmfFit& fit, std::vector<int> texels) {
+  const std::size_t slots = group_count(texels.size()) * MULTUM_GROUP;
+  texels.resize(slots, -1);
+  fit.slot_count = static_cast<int>(slots);
+  ensure(device_, list_, slots * sizeof(int), "texel list");
+  device_.write(list_, texels.data(), slots * sizeof(int));
+}
+
+void MovmfEmStep::pack(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows) {
+  if (method == FitMethod::kBinned) pack_binned(fit, windows);
+  else pack_texels(fit, windows);
 }
 
 void MovmfEmStep::pack_texels(const MultumMovmfFit& fit, const StepWindows& windows) {

@@ -35,10 +35,15 @@ class MovmfEmStep {
   /// Fits the texels (places in the window, as step_texels() gives them). kChunks passes over the map once an
   /// iteration, in bands of what `normals` holds at most. Throws Cancelled.
   void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
+  /// Refines the lobes of texels that are fitted (movmf_refine.cl); what they tell their neighbours stays, so that it
+  /// does not matter which of them are. kTexels and kBinned. Throws Cancelled.
+  void refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
 
  private:
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   Kernel& lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
+  void upload_texels(MultumMovmfFit& fit, std::vector<int> texels);
+  void pack(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows);
   void pack_texels(const MultumMovmfFit& fit, const StepWindows& windows);
   void pack_binned(const MultumMovmfFit& fit, const StepWindows& windows);
   // EM of packed samples: by a work-item a texel, or by a team.
@@ -54,6 +59,7 @@ class MovmfEmStep {
   KernelVariant scalar_, fast_, binned_;
   KernelVariant starting_, packing_;  // no more than these kernels depend on: fewer programs
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
+  Kernel refine_kernel_, refine_binned_kernel_;
   Kernel binned_pack_kernel_, em_binned_kernel_, em_binned_team_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
   Kernel feature_partial_kernel_, feature_sum_kernel_, feature_binned_kernel_;

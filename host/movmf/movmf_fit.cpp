@@ -117,7 +117,9 @@ class MovmfFitter {
     LevelStore store;
     const std::size_t feature_bytes = feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
     const bool is_parent = level.level > std::max(1, settings_.first_level);
-    if (inputs_.checkpoint != nullptr && (is_parent || inputs_.checkpoint_has_finest))
+    // A checkpoint keeps one set of lobes: what a refined file stores, or what finer levels grow from.
+    const bool has_checkpoint = inputs_.checkpoint != nullptr && !settings_.refine;
+    if (has_checkpoint && (is_parent || inputs_.checkpoint_has_finest))
       store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), feature_bytes);
     else if (is_parent) store.own.emplace(level.fit.height, row_bytes(level), plan_.spill);
     return store;
@@ -161,7 +163,8 @@ class MovmfFitter {
       const int count = std::min(band, done - row);
       lobes.move_to(row, count, fill_planes(store.kept->lobes));
       if (has_features()) features.move_to(row, count, fill_planes(*store.kept->features));
-      FittedRows rows{row, count, &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr, fit};
+      FittedRows rows{row, count,  &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr,
+                      fit, nullptr};
       rows.fit.first_row = row;
       rows.fit.window_rows = band;
       if (normals) normals->move_to(2 * row, finest_end(fit, row + count) - 2 * row);
@@ -211,7 +214,9 @@ class MovmfFitter {
     // Not set to 0: tens of megabytes a band.
     auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
     rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
-    if (store.own) store.own->write(rows.first_row, rows.row_count, lobes.get());
+    if (store.own)
+      store.own->write(rows.first_row, rows.row_count,
+                       rows.unrefined != nullptr ? rows.unrefined->data() : lobes.get());
     std::vector<glm::vec3> features(feature_planes() * texels);
     if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
     std::optional<FinestRows> finest;

@@ -70,6 +70,7 @@ LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& le
       inputs_(inputs),
       lobe_count_(settings.lobe_count),
       gaussians_(settings.representation == Representation::kGmm),
+      refines_(settings.refine && 1.0f / level.fit.total_weight_inverse > kRefinedNormalsMin),
       whole_(is_whole(level, settings, plan)),
       band_rows_(whole_ ? level.fit.height : plan.band_rows),
       steps_(total_steps(level, settings)),
@@ -119,10 +120,19 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
     }
     const int lag = whole_ ? 0 : steps_ - 1;
     const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
-    for (int row = done.begin; row < done.end; row += handed_rows_)
-      finished({row, std::min(handed_rows_, done.end - row), &windows_.lobes,
-                has_features() ? &windows_.features : nullptr,
-                level_.method == FitMethod::kTexels ? &windows_.map->normals : nullptr, fit_});
+    std::vector<MultumVmfLobe> unrefined;
+    for (int row = done.begin; row < done.end; row += handed_rows_) {
+      const int count = std::min(handed_rows_, done.end - row);
+      if (refines_) {
+        unrefined.resize(static_cast<std::size_t>(lobe_count_) * static_cast<std::size_t>(fit_.width) *
+                         static_cast<std::size_t>(count));
+        windows_.lobes.copy_rows(row, count, unrefined.data());
+        refine({row, row + count});
+      }
+      finished({row, count, &windows_.lobes, has_features() ? &windows_.features : nullptr,
+                level_.method == FitMethod::kTexels ? &windows_.map->normals : nullptr, fit_,
+                refines_ ? &unrefined : nullptr});
+    }
     if (whole_) break;
   }
 }
@@ -201,14 +211,25 @@ void LevelFit::run_step(int step, RowRange rows) {
     fit.iteration_count = level_.refit_iterations;
   }
   windows_.wants_features = has_features() && step >= steps_ - level_.step_count;
-  std::vector<int> texels =
-      step_texels(level_, step % level_.step_count, rows.begin, rows.end, windows_.lobes.first_row());
+  em_step_.run(level_.method, fit, texels_of_step(step % level_.step_count, rows), windows_, progress_);
+}
+
+std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {
+  std::vector<int> texels = step_texels(level_, step, rows.begin, rows.end, windows_.lobes.first_row());
   if (inputs_.range != nullptr)
     std::erase_if(texels, [&](int texel) {
-      const int x = texel % fit.width;
+      const int x = texel % fit_.width;
       return x < inputs_.range->x0 || x >= inputs_.range->x1;
     });
-  em_step_.run(level_.method, fit, std::move(texels), windows_, progress_);
+  return texels;
+}
+
+// Rows whose last step is done: nobody reads their lobes any more but who takes them over. By the steps of the fit,
+// so that no launch holds more texels than one of EM.
+void LevelFit::refine(RowRange rows) {
+  if (rows.begin >= rows.end) return;
+  for (int step = 0; step < level_.step_count; ++step)
+    em_step_.refine(level_.method, fit_, texels_of_step(step, rows), windows_, progress_);
 }
 
 std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,

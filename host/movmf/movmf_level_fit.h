@@ -16,11 +16,13 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "host/movmf/fit_report.h"
 #include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_em_step.h"
 #include "host/movmf/movmf_inputs.h"
+#include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
 
@@ -46,6 +48,8 @@ struct FittedRows {
   const RowWindow* features;  // [triple][lobe]; null: none
   const MapWindow* normals;   // what they cover, of levels that are fitted to all normals; null otherwise
   MultumMovmfFit fit;         // as the windows are now
+  // What EM left of these rows where `lobes` are refined, [lobe][texel]: finer levels grow from it. Null: `lobes`.
+  const std::vector<MultumVmfLobe>* unrefined;
 };
 
 struct BandPlan {
@@ -76,7 +80,9 @@ class LevelFit {
   void move_windows(RowRange rows);
   int last_map_row(int row) const;
   RowWindow::Fill fill_alignment_vectors(const RowWindow::Fill& fill_lobes);
+  std::vector<int> texels_of_step(int step, RowRange rows) const;
   void run_step(int step, RowRange rows);
+  void refine(RowRange rows);
 
   MovmfEmStep& em_step_;
   const LevelSchedule& level_;
@@ -84,6 +90,7 @@ class LevelFit {
   const LevelInputs inputs_;
   const int lobe_count_;
   const bool gaussians_;
+  const bool refines_;
   const bool whole_;
   const int band_rows_;
   const int steps_;

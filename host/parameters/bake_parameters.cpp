@@ -210,6 +210,13 @@ Rows fit_rows() {
        .hashed_as = "iterations_again",
        .chosen_by_target = true,
        .surfaces = kJob},
+      {.name = "refine",
+       .help =
+           "after EM, refine the lobes of each texel towards the highlights that they give: nearer, slower; for vmf "
+           "and binned normals",
+       .hashed_as = "refined",
+       .chosen_by_target = true,
+       .surfaces = kJob},
       {.name = "order",
        .kind = Kind::kChoice,
        .help = "order of fitting texels: colour (in parallel) or scanline (the paper's)",
