@@ -73,18 +73,18 @@ def methods(study):
 def harmonics(study):
     source = study.path("quarters_normal.png")
     study.heading("Figure 3: spherical harmonics and anisotropic filtering, Lambert")
-    study.paragraph("Nine coefficients a texel. They are plain averages, so that the hardware's anisotropic filter is",
+    study.paragraph("Nine coefficients a texel. They are plain averages, so that a filter of several taps is",
                     "right for them; averaged normals lose their darkness, for max(n . l, 0) is not linear.")
     study.bake("sh2", source, "--green", "up", "--ndf", "sh", "--sh-order", "2")
     matt = ("--source", source, "--green", "up", "--brdf", "lambert", "--diffuse", "0.9", "--light", "0.9,0.3,0.3",
             *FRAME)
     plain = study.view("sh_plain", "sh2", *matt, compare=(REFERENCE, "mip"))
     wide = study.view("sh_wide", "sh2", *matt, *ELONGATED_FILTER)
-    study.figures([(plain[REFERENCE], "reference"), (wide["multum"], "SH, 8 times anisotropic"),
+    study.figures([(plain[REFERENCE], "reference"), (wide["multum"], "SH, 8 taps"),
                    (plain["multum"], "SH, trilinear"), (plain["mip"], "averaged normals")], name="sh")
     study.table(["method", "relative L1"],
                 [[label, percent(relative_l1(shown, plain[REFERENCE]))]
-                 for label, shown in (("SH, 8 times anisotropic", wide["multum"]), ("SH, trilinear", plain["multum"]),
+                 for label, shown in (("SH, 8 taps", wide["multum"]), ("SH, trilinear", plain["multum"]),
                                       ("averaged normals", plain["mip"]))])
 
 

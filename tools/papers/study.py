@@ -20,7 +20,7 @@ from report_page import STYLE, machine, table, text  # noqa: E402
 # multum-view's name of the picture that others are held to: many samples of the finest normals a pixel.
 REFERENCE = "truth"
 # A filter of elongated footprints, of every method that can have one.
-ELONGATED_FILTER = ("--anisotropy", "8")
+ELONGATED_FILTER = ("--taps", "8")
 
 
 class StepFailed(Exception):
