@@ -7,7 +7,7 @@ import numpy as np
 import OpenImageIO as oiio
 from ndf import density_error, density_of_lobes, density_of_normals, disk, picture, read_lobes, read_normals
 from report_page import percent
-from study import ELONGATED_FILTER, REFERENCE, box_reduced, read_picture, relative_l1, write_picture, write_sky
+from study import ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_picture, relative_l1, write_picture, write_sky
 
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
@@ -78,7 +78,7 @@ def harmonics(study):
     study.bake("sh2", source, "--green", "up", "--ndf", "sh", "--sh-order", "2")
     matt = ("--source", source, "--green", "up", "--brdf", "lambert", "--diffuse", "0.9", "--light", "0.9,0.3,0.3",
             *FRAME)
-    plain = study.view("sh_plain", "sh2", *matt, compare=(REFERENCE, "mip"))
+    plain = study.view("sh_plain", "sh2", *matt, *ROUND_FILTER, compare=(REFERENCE, "mip"))
     wide = study.view("sh_wide", "sh2", *matt, *ELONGATED_FILTER)
     study.figures([(plain[REFERENCE], "reference"), (wide["multum"], "SH, 8 taps"),
                    (plain["multum"], "SH, trilinear"), (plain["mip"], "averaged normals")], name="sh")

@@ -21,6 +21,7 @@ from report_page import STYLE, machine, table, text  # noqa: E402
 REFERENCE = "truth"
 # A filter of elongated footprints, of every method that can have one.
 ELONGATED_FILTER = ("--taps", "8")
+ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear
 
 
 class StepFailed(Exception):

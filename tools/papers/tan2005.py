@@ -10,7 +10,7 @@ print it without shadowing and masking; here both are in, in the reference as in
 """
 import numpy as np
 from report_page import percent
-from study import ELONGATED_FILTER, REFERENCE, box_reduced, colour_distance, flicker, relative_l1
+from study import ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, colour_distance, flicker, relative_l1
 
 TITLE = "Tan et al. 2005: multiresolution reflectance filtering"
 WIDTH, HEIGHT = 400, 300
@@ -108,9 +108,9 @@ def fournier(study):
     finer = ("--size", f"{FINER * WIDTH}x{FINER * HEIGHT}")
     wide = study.view("oblique_gmm", "disk_gmm", *where, *frame, *ELONGATED_FILTER, compare=(REFERENCE,))
     lobes = study.view("oblique", "disk", *where, *frame, *ELONGATED_FILTER)
-    round_filter = study.view("oblique_round", "disk_gmm", *where, *frame)
-    many = study.view("oblique_finer", "disk_gmm", *where, *finer)
-    theirs = study.view("oblique_fournier", "disk_unaligned", *where, *frame, "--shade-first")
+    round_filter = study.view("oblique_round", "disk_gmm", *where, *frame, *ROUND_FILTER)
+    many = study.view("oblique_finer", "disk_gmm", *where, *finer, *ROUND_FILTER)
+    theirs = study.view("oblique_fournier", "disk_unaligned", *where, *frame, *ROUND_FILTER, "--shade-first")
     reference, fitting = wide[REFERENCE], box_reduced(many["multum"], FINER)
     study.heading("Figure 7: Fournier's Phong peaks")
     study.paragraph("A disk at a grazing angle. Fournier fits Phong peaks to every texel by itself; they cannot be",
