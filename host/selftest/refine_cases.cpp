@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Refinement of lobes (kernels/movmf_refine.cl) on texels that break what is not guarded.
+#include <cmath>
+#include <numeric>
+
+#include <glm/geometric.hpp>
+
+#include "host/reference/movmf_refine.h"
+#include "host/selftest/case_lists.h"
+#include "host/selftest/em_launch.h"
+#include "kernels/shared/movmf_refine.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+namespace {
+
+std::vector<MultumVmfLobe> refine_texel(Device& device, const std::vector<reference::Sample>& samples,
+                                        const std::vector<reference::MeanLobe>& lobes, int vector_width) {
+  const std::vector<float> packed = packed_samples({EmTexel{samples, {}}});
+  const std::vector<int> counts = {static_cast<int>(samples.size())};
+  std::vector<int> list(kGroup);
+  std::iota(list.begin(), list.end(), 0);
+  std::vector<MultumVmfLobe> level;
+  for (const reference::MeanLobe& lobe : lobes)
+    level.insert(level.end(), kGroup,
+                 {static_cast<float>(lobe.r.x), static_cast<float>(lobe.r.y), static_cast<float>(lobe.r.z),
+                  static_cast<float>(lobe.amplitude)});
+  MultumMovmfFit fit = {};
+  fit.map_width = fit.width = fit.slot_count = MULTUM_GROUP;
+  fit.map_height = fit.height = fit.window_rows = fit.map_window_rows = 1;
+  fit.sample_capacity = counts[0];
+  double total = 0.0;
+  for (const reference::Sample& sample : samples) total += sample.weight;
+  fit.total_weight_inverse = static_cast<float>(1.0 / total);
+  const std::size_t level_bytes = level.size() * sizeof(MultumVmfLobe);
+  const DeviceBuffer sample_buffer = device.wrap_buffer(packed.data(), packed.size() * sizeof(float), "samples");
+  const DeviceBuffer count_buffer = device.wrap_buffer(counts.data(), sizeof(int), "sample counts");
+  const DeviceBuffer list_buffer = device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels");
+  DeviceBuffer level_buffer = device.make_buffer(level_bytes, "lobes");
+  device.write(level_buffer, level.data(), level_bytes);
+  device.kernel("movmf_refine", "movmf_refine", {static_cast<int>(lobes.size()), vector_width, true})
+      .launch({kGroup / static_cast<std::size_t>(vector_width)}, sample_buffer, count_buffer, list_buffer, level_buffer,
+              fit);
+  device.read(level_buffer, level.data(), level_bytes);
+  std::vector<MultumVmfLobe> first;
+  for (std::size_t j = 0; j < lobes.size(); ++j) first.push_back(level[j * kGroup]);
+  return first;
+}
+
+// Opposite normals: r = 0, neither direction nor sharpness.
+void lobes_without_direction(Device& device, WorstError& worst) {
+  const std::vector<reference::Sample> samples = repeated({{1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}}, 64);
+  const std::vector<reference::MeanLobe> lobes = {{glm::dvec3(0.0), 0.5}, {glm::dvec3(0.0), 0.5}};
+  const std::vector<reference::MeanLobe> expected = reference::refine(samples, lobes, MULTUM_REFINE_STEPS);
+  for (const int width : device.kernels_are_edited() ? std::vector<int>{1} : std::vector<int>{1, 16}) {
+    const std::vector<MultumVmfLobe> found = refine_texel(device, samples, lobes, width);
+    for (std::size_t j = 0; j < found.size(); ++j) {
+      const glm::dvec3 r(found[j].mean_x, found[j].mean_y, found[j].mean_z);
+      const double a = static_cast<double>(found[j].amplitude);
+      worst.add(a, expected[j].amplitude, 1.0, "amplitude");
+      worst.add(glm::length(a * r - expected[j].amplitude * expected[j].r), "a r");
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<NumericalCase> refine_cases() {
+  return {{{"refined-lobes-without-direction", "movmf_refine", "kappa 0: its peak is 0/0", "kappa is at least 0.05",
+            2e-3, "absolute, of a and a r", "kappa's polynomial, 3e-5, over six damped steps"},
+           lobes_without_direction,
+           {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",
+             "kappa_of_mean_length(mean, spread)"}}}};
+}
+
+}  // namespace multum
