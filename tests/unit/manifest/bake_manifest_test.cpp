@@ -98,7 +98,7 @@ TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
       "\"half\"\n"
       "compression = \"zips:4\"\nwrap = \"clamp\"\nswrap = \"mirror\"\ngreen = \"down\"\ntwo_channel = true\n"
       "signed = true\nbumpformat = \"height\"\nheight_scale = -2.5\nfixnan = \"none\"\nchecknan = true\n"
-      "repair_max = 0.125\nno_start_search = true\ncoarse_normals = \"binned\"\n";
+      "repair_max = 0.125\nno_start_search = true\ncoarse_normals = \"binned\"\nrefine = true\n";
   const BakeJob job = read(whole)[0].job;
   BakeJob expected;
   expected.fitting.convergence_tolerance = 0.0f;  // of --reference
@@ -106,6 +106,7 @@ TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
   expected.fitting.iteration_count = expected.fitting.iteration_count_coarse = 9;
   expected.fitting.pass_count = 3;
   expected.fitting.refit_iterations = 8;
+  expected.fitting.refine = true;
   expected.fitting.order = FitOrder::kScanline;
   expected.fitting.alignment = 0.3f;
   expected.fitting.kappa_cap = 250.0f;
