@@ -51,6 +51,17 @@ def check_documents(folder):
            ["document", "-o", str(output), "--json", str(bad)])
     expect(3, ["none.json"], ["document", "-o", str(output), "--json", str(folder / "none.json")])
     expect(2, [str(bad)], ["document", "-o", str(bad), "--json", str(bad)])
+    # Of sources that are not committed, unless that is allowed; then the document says it.
+    dirty = folder / "dirty.json"
+    for commit in ("0123abc-dirty", "unknown"):
+        dirty.write_text(json.dumps({**json.loads(pathlib.Path(RESULT).read_text()), "commit": commit}))
+        expect(2, [str(dirty), commit, "--allow-dirty"], ["document", "-o", str(output), "--json", str(dirty)])
+        assert not output.exists(), "a document was written although it was refused"
+        expect(0, [], ["document", "-o", str(output), "--allow-dirty", "--json", str(dirty)])
+        assert f"commit {commit} (--allow-dirty: " in output.read_text()
+        output.unlink()
+    expect(2, ["unknown", "--allow-dirty"],
+           ["accuracy", "-o", str(output), "--commit", "unknown", "--size", "16", "--section", "quarters"])
     assert not output.exists(), "a document was written although it was refused"
 
 

@@ -42,10 +42,11 @@ std::string introduction(const BenchmarksDocumentOptions& options) {
 int write_benchmarks_document(const BenchmarksDocumentOptions& options) {
   check_paths_differ(options.results, {options.output});
   std::vector<Json> results;
-  for (const std::string& path : options.results) {
-    results.push_back(read_result(path));
-    const std::string stated = stated_commit(path, results.back().at("commit").get<std::string>(), options.allow_dirty);
-    results.back()["commit"] = stated.substr(stated.find(' ') + 1);  // conditions_text() has the word before it
+  for (const std::string& path : options.results) results.push_back(read_result(path));
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    Json& commit = results[i]["commit"];
+    const std::string stated = stated_commit(options.results[i], commit.get<std::string>(), options.allow_dirty);
+    commit = stated.substr(stated.find(' ') + 1);  // conditions_text() has the word before it
   }
   const bool same = same_conditions(results);
   std::string text = introduction(options);
