@@ -15,7 +15,7 @@
 #define SHADE_HIGHLIGHT(shape, lobe, h) gmm_density(shape, h)
 #define SHADE_LAMBERT(lobe, light) gmm_lambert(lobe, (light).xyz)
 #else
-#include "device/vmf_shading.clh"
+#include "device/vmf_lit.clh"
 #define SHAPE BlinnPhongLobe
 #define SHAPE_OF(lobe, exponent) blinn_phong_lobe(lobe, exponent)
 #define SHADE_HIGHLIGHT(shape, lobe, h) shade_blinn_phong(shape, one_minus_cosine(lobe, h))
@@ -24,12 +24,15 @@
 
 #define HAS_TERMS (!MULTUM_PLANAR)
 
-// Of half vector h the cosine that its highlight of the lobe is multiplied by: the mean of n . l over the lobe, as the
-// runtime has it; 1 where none is asked for.
-static inline float cosine_of_half(float4 lobe, float4 h, __global const float4* lights) {
-  if (h.w == 0.0f) return 1.0f;
-  return SHADE_LAMBERT(lobe, lights[(int)h.w - 1]) / max(lobe.w, 1e-6f);
+#if MULTUM_PLANAR
+#define FACET_KAPPA(exponent) 0.0f
+// The cosine of a highlight over a lobe, as the runtime has it: Gaussians take that of their mean.
+static inline float lit_cosine(float4 lobe, float3 h, float4 light, float facet_kappa) {
+  return gmm_lambert(lobe, light.xyz) / max(lobe.w, GMM_AMPLITUDE_MIN);
 }
+#else
+#define FACET_KAPPA(exponent) blinn_phong_kappa(exponent)
+#endif
 
 #if MULTUM_VECTOR_WIDTH != 1
 #error "movmf_shade has only a scalar variant"
@@ -60,9 +63,11 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
       for (int d = 0; d < half_count; ++d) out[d] = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) {
         const float4 lobe = lobes[(size_t)sample * MULTUM_LOBES + j];
-        for (int d = 0; d < half_count; ++d)
-          out[d] += shade_terms(lobe, highlights + e, one_minus_cosine(lobe, half_vectors[d].xyz)) *
-                    cosine_of_half(lobe, half_vectors[d], lights);
+        for (int d = 0; d < half_count; ++d) {
+          const float4 h = half_vectors[d];
+          out[d] += h.w == 0.0f ? shade_terms(lobe, highlights + e, one_minus_cosine(lobe, h.xyz))
+                                : lit_terms(lobe, highlights + e, h.xyz, lights[(int)h.w - 1]);
+        }
       }
       out += half_count;
       continue;
@@ -75,7 +80,10 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
       float sum = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) {
         const float4 lobe = lobes[(size_t)sample * MULTUM_LOBES + j];
-        sum += SHADE_HIGHLIGHT(shapes[j], lobe, half_vectors[d].xyz) * cosine_of_half(lobe, half_vectors[d], lights);
+        const float4 h = half_vectors[d];
+        const float cosine =
+            h.w == 0.0f ? 1.0f : lit_cosine(lobe, h.xyz, lights[(int)h.w - 1], FACET_KAPPA(highlights[e].exponent));
+        sum += SHADE_HIGHLIGHT(shapes[j], lobe, h.xyz) * cosine;
       }
       *out++ = sum * highlights[e].total;
     }

@@ -4,7 +4,7 @@
 // the cosine n . l of its light.
 
 #include "device/spherical_harmonics.clh"
-#include "device/vmf_shading.clh"
+#include "device/vmf_lit.clh"
 #include "shared/filtered_sh.h"
 #include "shared/highlight.h"
 
@@ -19,10 +19,12 @@ static float weighted_bands(const float* bands, __global const float* zonal) {
   return max(sum, 0.0f);
 }
 
-static float shade_map(float4 lobe, __global const MultumHighlight* f, float3 h) {
-  const float e = one_minus_cosine(lobe, h);
-  if (f->term_count == 0) return shade_blinn_phong(blinn_phong_lobe(lobe, f->exponent), e);
-  return shade_terms(lobe, f, e);
+static float shade_map(float4 lobe, __global const MultumHighlight* f, float4 h, __global const float4* lights) {
+  const float e = one_minus_cosine(lobe, h.xyz);
+  const int is_lit = h.w != 0.0f;
+  if (f->term_count > 0) return is_lit ? lit_terms(lobe, f, h.xyz, lights[(int)h.w - 1]) : shade_terms(lobe, f, e);
+  const float cosine = is_lit ? lit_cosine(lobe, h.xyz, lights[(int)h.w - 1], blinn_phong_kappa(f->exponent)) : 1.0f;
+  return shade_blinn_phong(blinn_phong_lobe(lobe, f->exponent), e) * cosine;
 }
 
 #define SH_LINEAR_CONSTANT 0.488602512f  // of Y_1m
@@ -34,12 +36,6 @@ static float cosine_of_half(__global const float* g, float share, float4 h, __gl
   const float4 light = lights[(int)h.w - 1];
   const float sum = g[2] * light.x + g[0] * light.y + g[1] * light.z;
   return max(sum / (SH_LINEAR_CONSTANT * max(share, AMPLITUDE_SHADED_MIN)), 0.0f);
-}
-
-static float map_cosine(float4 lobe, float4 h, __global const float4* lights) {
-  if (h.w == 0.0f) return 1.0f;
-  const float4 light = lights[(int)h.w - 1];
-  return shade_lambert(without_roughness(lobe, light.w), light.xyz) / max(lobe.w, AMPLITUDE_SHADED_MIN);
 }
 
 // One work-item = one sample point; global size sample_count.
@@ -67,11 +63,10 @@ __kernel void sh_shade(__global const float* coefficients, __global const Multum
   for (int d = 0; d < half_count; ++d) {
     const float3 h = half_vectors[d].xyz;
     sh_bands(g, point.share, h, steps, bands);
-    const float cosine = cosine_of_half(g, point.share, half_vectors[d], lights),
-                cosine_of_map = map_cosine(map_lobe, half_vectors[d], lights);
+    const float cosine = cosine_of_half(g, point.share, half_vectors[d], lights);
     for (int e = 0; e < highlight_count; ++e)
       out[e * half_count + d] = weighted_bands(bands, zonal + e * (MULTUM_SH_ORDER + 1)) * cosine +
-                                shade_map(map_lobe, highlights + e, h) * cosine_of_map;
+                                shade_map(map_lobe, highlights + e, half_vectors[d], lights);
   }
   out += highlight_count * half_count;
   for (int d = 0; d < light_count; ++d) {
