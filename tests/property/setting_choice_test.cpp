@@ -254,7 +254,7 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
 }
 
 // Of one normal all over the map every pixel shows f(n . h) max(n . l, 0) of it, whatever it covers: what is stored,
-// filtered and shaded with the cosine is the reference, but for rounding.
+// filtered and shaded with the cosine is the reference, but for the rounding of halfs and of 16 bits.
 TEST(FootprintErrors, OfOneNormalAreNothing) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.4, -0.3, 0.8));
   const NormalMap map = testing::make_map(24, 10, [&](int, int) { return normal; });  // the source refers to it
@@ -262,6 +262,7 @@ TEST(FootprintErrors, OfOneNormalAreNothing) {
   for (const Representation representation : {Representation::kMovmf, Representation::kMoments}) {
     BakeJob job = job_on_two_threads();
     job.representation = representation;
+    if (representation == Representation::kMoments) job.encoding = StorageEncoding::kHalf;
     job.fitting.lobe_count = 1;
     AccuracySettings settings;
     settings.exponents = {20.0, 100.0};
@@ -273,8 +274,8 @@ TEST(FootprintErrors, OfOneNormalAreNothing) {
     for (const FootprintError& one : meter->footprint_errors()) {
       if (one.brdf.shading.starts_with("lean")) continue;  // is Gaussian: another highlight
       is_any = true;
-      EXPECT_LT(one.error, 2e-3) << one.brdf.text();
-      EXPECT_LT(one.percentile_95, 2e-3) << one.brdf.text();
+      EXPECT_LT(one.error, 1e-2) << one.brdf.text();
+      EXPECT_LT(one.percentile_95, 1e-2) << one.brdf.text();
     }
     EXPECT_TRUE(is_any);
   }
