@@ -3,9 +3,9 @@
 //
 // What a bake states, promises and is chosen by is the error of pixels (host/accuracy/footprint_error.h). Reference:
 // the average, over the pixel's footprint, of the BRDF times n . l of every finest normal, in double. Model: what is
-// stored, rounded as stored, read by the runtime's filter (host/asset/tap_filter.h), filtered and shaded by the runtime's
-// formula (accuracy_model.h). Error: relative L1 = sum |model - reference| / sum reference, over footprints and a fixed
-// set of lights and views.
+// stored, rounded as stored, read by the runtime's filter (host/asset/tap_filter.h), filtered and shaded by the
+// runtime's formula (accuracy_model.h). Error: relative L1 = sum |model - reference| / sum reference, over footprints
+// and a fixed set of lights and views.
 //
 // The table of levels says where a fit is good: at texel centres, midway between texels and between levels, against
 // averages over the normals that the texels cover, filtered alike, of the BRDF's convolution alone, f without n . l.

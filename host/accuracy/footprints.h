@@ -15,9 +15,9 @@
 
 #include <glm/vec2.hpp>
 
-#include "host/asset/tap_filter.h"
 #include "host/accuracy/point_taps.h"
 #include "host/accuracy/texel_selection.h"
+#include "host/asset/tap_filter.h"
 #include "host/base/wrap_mode.h"
 
 namespace multum {

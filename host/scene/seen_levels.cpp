@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/asset/tap_filter.h"
+
 namespace multum {
 
 SeenLevels seen_levels(const SceneCamera& camera, const SceneObject& object, int map_width, int level_count) {
@@ -15,11 +17,13 @@ SeenLevels seen_levels(const SceneCamera& camera, const SceneObject& object, int
   const double pixel = 2.0 * half_height / camera.height;  // metres a metre away, along the axis
   // A point in the picture's corner is nearer along the axis than by the line of sight.
   const double finest = texels_per_metre * pixel * object.distance_min / std::hypot(1.0, half_diagonal);
-  const double coarsest = texels_per_metre * pixel * object.distance_max / std::cos(object.tilt_max * kRadians);
-  const auto level = [&](double texels) {
-    return static_cast<int>(std::clamp(texels, 0.0, static_cast<double>(level_count - 1)));
+  const double facing = texels_per_metre * pixel * object.distance_max;
+  const double coarsest = facing / std::cos(object.tilt_max * kRadians);
+  const auto clamped = [&](double level) {
+    return static_cast<int>(std::clamp(level, 0.0, static_cast<double>(level_count - 1)));
   };
-  return {level(std::floor(std::log2(finest))), level(std::ceil(std::log2(coarsest)))};
+  const TapFilter filter;
+  return {clamped(std::floor(filter.level(finest, finest))), clamped(std::ceil(filter.level(coarsest, facing)))};
 }
 
 }  // namespace multum

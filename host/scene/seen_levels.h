@@ -6,9 +6,9 @@
 
 namespace multum {
 
-/// The finest and the coarsest level that trilinear filtering reads, from 0 to level_count - 1. A pixel in a corner of
-/// the picture, nearest to the surface and facing it, covers the fewest texels; one in the middle, farthest from a
-/// surface that is seen at object.tilt_max, the most.
+/// The finest and the coarsest level that the default filter reads (host/asset/tap_filter.h), from 0 to level_count
+/// - 1. A pixel in a corner of the picture, nearest to the surface and facing it, covers the fewest texels; one in the
+/// middle, farthest from a surface that is seen at object.tilt_max, the most.
 struct SeenLevels {
   int first, last;
 };

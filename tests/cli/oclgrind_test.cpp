@@ -105,6 +105,8 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
         "--no-measure"});
   bake({path("even_of_few.png"), "--reference", "--iterations", "2", "--passes", "1", "--lobes", "2",
         "--no-start-search", "--no-measure"});
+  bake({path("even_of_few.png"), "--refine", "--iterations", "1", "--passes", "1", "--lobes", "2", "--no-start-search",
+        "--no-measure"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "2"});
   bake({path("tiny.png"), "--order", "scanline", "--iterations", "1", "--lobes", "8", "--albedo",
         path("tiny_albedo.png"), "--scalar", "--no-start-search"});
@@ -121,11 +123,13 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
 
   // The kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");
-  for (const auto& [program, filter] :
-       {std::pair("/kernel_test", "NumericsTest.*:SharedStructTest.*"),
-        std::pair("/inference_test", "*EndsWhereNothingLeadsDown/4:*FindsWhatEigenFinds/3")}) {
-    const ProgramResult tests =
-        simulate({std::string(MULTUM_BIN_DIR) + program, std::string("--gtest_filter=") + filter}, {"--inst-counts"});
+  const std::string programs = MULTUM_BIN_DIR;
+  for (const std::vector<std::string>& command :
+       {std::vector{programs + "/kernel_test", std::string("--gtest_filter=NumericsTest.*:SharedStructTest.*")},
+        std::vector{programs + "/inference_test",
+                    std::string("--gtest_filter=*EndsWhereNothingLeadsDown/4:*FindsWhatEigenFinds/3")},
+        multum_command({"selftest", "--filter", "highlight-cosines-of-every-width"})}) {
+    const ProgramResult tests = simulate(command, {"--inst-counts"});
     for (std::sregex_iterator i(tests.out.begin(), tests.out.end(), counted), end; i != end; ++i)
       launched_.insert((*i)[1]);
   }

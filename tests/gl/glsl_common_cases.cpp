@@ -432,7 +432,8 @@ void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstErr
         program.set_vec2("u_place", &st.x);
       };
       for (const glm::vec4& found : evaluate_glsl(
-               gl, edits, "vec4(vec2(multum_footprint_texel(map, u_place, MultumFootprint(vec2(0.0), 1, 0.0))), 0.0, 0.0)",
+               gl, edits,
+               "vec4(vec2(multum_footprint_texel(map, u_place, MultumFootprint(vec2(0.0), 1, 0.0))), 0.0, 0.0)",
                GlslInputs(64), variant)) {
         bool is_one = false;
         for (int corner = 0; corner < 4; ++corner) {

@@ -212,7 +212,7 @@ void densities_at_their_ends(const GlFunctions& gl, const Edits& edits, WorstErr
   GlslComparison c{
       "vec4(multum_half_density(a.x, a.y, a.z) * 4.0 * max(a.z, 1e-6) * MULTUM_PI * a.x, "
       "multum_cosine_density(a.y), multum_light_density(vec3(a.w)), "
-      "float(multum_hash(uint(b.x)) >> 8u) / 16777216.0)",
+      "float(multum_light_hash(uint(b.x)) >> 8u) / 16777216.0)",
       {},
       {}};
   for (const float alpha : {2e-5f, 1e-3f, 0.1f, 1.0f})
@@ -330,7 +330,7 @@ std::vector<GlslCase> sample_cases() {
         "of the peak; absolute", "1 - n.h^2 of float beside the width of s = 1e5"},
        {glsl_edit("(4.0 * max(v_h, 1e-6))", "(4.0 * v_h)")},
        densities_at_their_ends,
-       {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_hash"}},
+       {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_light_hash"}},
       {{"glsl-directions-at-the-pole", file, "the sine to a cosine that rounding left above 1: the root of less than 0",
         "a square of at least 0", 1e-5, "absolute", "the GL's sine and cosine"},
        {glsl_edit("sqrt(max(1.0 - cosine * cosine, 0.0))", "sqrt(1.0 - cosine * cosine)")},

@@ -26,13 +26,13 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
       "void main() {\n  ivec2 p = ivec2(gl_FragCoord.xy);\n  vec4 a = texelFetch(u_a, p, 0);\n"
       "  vec4 b = texelFetch(u_b, p, 0);\n  o = " +
       input.expression + ";\n}\n";
-  const std::string formulas = edited_source(
-      std::string(shader_common_movmf_shading_glsl) + shader_common_texture_filter_glsl +
-          shader_common_reflection_glsl + shader_brdf_blinn_phong_glsl +
-          shader_brdf_torrance_sparrow_glsl + shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl +
-          shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl + shader_common_gmm_shading_glsl +
-          shader_common_moment_shading_glsl + input.formulas,
-      kGlslFormulas, input.edits);
+  const std::string formulas =
+      edited_source(std::string(shader_common_movmf_shading_glsl) + shader_common_texture_filter_glsl +
+                        shader_common_reflection_glsl + shader_brdf_blinn_phong_glsl +
+                        shader_brdf_torrance_sparrow_glsl + shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl +
+                        shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl + shader_common_gmm_shading_glsl +
+                        shader_common_moment_shading_glsl + input.formulas,
+                    kGlslFormulas, input.edits);
   const ShaderProgram program(gl, {"harness", input.flags, {shader_full_screen_vert}, {inputs, formulas, main}});
   program.set("u_a", 0);
   program.set("u_b", 1);

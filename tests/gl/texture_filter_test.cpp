@@ -81,8 +81,8 @@ glm::dvec4 bilinear(const std::vector<float>& texels, int size, glm::dvec2 st) {
     const int x = wrapped(low.x + k % 2), y = wrapped(low.y + k / 2);
     const double weight = (k % 2 == 0 ? 1.0 - share.x : share.x) * (k / 2 == 0 ? 1.0 - share.y : share.y);
     for (int c = 0; c < 4; ++c)
-      sum[c] += weight * static_cast<double>(texels[4 * static_cast<std::size_t>(y * size + x) +
-                                                    static_cast<std::size_t>(c)]);
+      sum[c] += weight *
+                static_cast<double>(texels[4 * static_cast<std::size_t>(y * size + x) + static_cast<std::size_t>(c)]);
   }
   return sum;
 }
@@ -165,8 +165,8 @@ TEST_P(TextureFilterTest, AFlatMapIsTheSameByEveryFilter) {
   scene.brdf.exponent = 20.0f;
   for (const auto& material : materials) {
     const FloatImage driver = drawn(*material, scene, kDriver);
-    for (const TextureFilter& filter : {kPlain, TextureFilter{4, -0.5f, false, false}, TextureFilter{4, -0.5f, true, false},
-                                        TextureFilter{16, 1.0f, false, false}})
+    for (const TextureFilter& filter : {kPlain, TextureFilter{4, -0.5f, false, false},
+                                        TextureFilter{4, -0.5f, true, false}, TextureFilter{16, 1.0f, false, false}})
       EXPECT_LT(error_of(drawn(*material, scene, filter), driver), 1e-4) << material->name();
   }
 }
@@ -233,9 +233,9 @@ TEST(ReferenceSampling, OffsetsHaveTheirFiltersVariance) {
   // Of a Gaussian of 1/2 cut off at three standard deviations: 1/4 (1 - 6 phi(3) / (2 Phi(3) - 1)).
   const double phi = std::exp(-4.5) / std::sqrt(2.0 * M_PI);
   const double cut = 0.25 * (1.0 - 6.0 * phi / std::erf(3.0 / std::sqrt(2.0)));
-  for (const auto& [filter, variance, width] : {std::tuple{PixelFilter::kBox, 1.0 / 12.0, 0.5},
-                                                std::tuple{PixelFilter::kTent, 1.0 / 6.0, 1.0},
-                                                std::tuple{PixelFilter::kGaussian, cut, 1.5}}) {
+  for (const auto& [filter, variance, width] :
+       {std::tuple{PixelFilter::kBox, 1.0 / 12.0, 0.5}, std::tuple{PixelFilter::kTent, 1.0 / 6.0, 1.0},
+        std::tuple{PixelFilter::kGaussian, cut, 1.5}}) {
     constexpr int kCount = 4096;
     glm::dvec2 sum(0.0), squares(0.0);
     for (int i = 0; i < kCount; ++i) {

@@ -21,14 +21,14 @@ struct FilterBenchmarkOptions {
   int maps_max = 1000;
   // Of reference pictures, relative L1; blended ones have twice as much, those of flicker three times.
   double noise_max = 0.005;
-  std::string device;        // that bakes
+  std::string device;  // that bakes
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   std::string folder;  // where bakes go for the time being; empty: the system's folder for temporary files
 };
 
 /// Of each map and setting: relative L1 of the picture against the reference (finest texels as facets, and blended),
-/// of every fourth map flicker over a zoom, a pan and a turn, of the first ones processor milliseconds of a frame, which a software GL
-/// spends on all of its threads.
+/// of every fourth map flicker over a zoom, a pan and a turn, of the first ones processor milliseconds of a frame,
+/// which a software GL spends on all of its threads.
 nlohmann::ordered_json run_filter_benchmark(const FilterBenchmarkOptions& options, Progress* progress);
 
 ResultView view_filters(const nlohmann::ordered_json& result);  // documents/filter_view.cpp

@@ -15,7 +15,7 @@ vec3 multum_environment_radiance(vec3 l) {
 
 float multum_light_density(vec3 radiance) { return dot(radiance, vec3(1.0 / 3.0)) / u_light_total; }
 
-uint multum_hash(uint x) {  // Wellons' lowbias32
+uint multum_light_hash(uint x) {  // Wellons' lowbias32
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;
   return x ^ (x >> 16);
@@ -76,8 +76,8 @@ void multum_add_direction(int kind, vec3 l, vec3 n, vec3 v, float alpha, inout M
 MultumReflection multum_environment_normal(vec3 n, vec3 v) {
   MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));
   uvec2 pixel = uvec2(gl_FragCoord.xy);
-  uint seed = multum_hash(pixel.x + multum_hash(pixel.y));
-  uvec2 shift = uvec2(seed, multum_hash(seed + 1u));
+  uint seed = multum_light_hash(pixel.x + multum_light_hash(pixel.y));
+  uvec2 shift = uvec2(seed, multum_light_hash(seed + 1u));
   vec3 side = normalize(abs(n.z) < 0.9 ? cross(n, vec3(0.0, 0.0, 1.0)) : cross(n, vec3(1.0, 0.0, 0.0)));
   mat3 frame = mat3(side, cross(n, side), n);
   float alpha = 2.0 / (u_exponent + 2.0);
