@@ -153,7 +153,8 @@ def make_page(folder, steps, bakes, views):
 multum stores how they are distributed instead. Click a picture for its full size.</p>
 {hero}
 <h2>How far off, in short</h2>
-<p>Relative L1: the sum of absolute differences from the reference, divided by the reference's sum, over the whole picture.</p>
+<p>Relative L1: the sum of absolute differences from the reference, divided by the reference's sum, over the whole
+picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}
 <h2>Pictures</h2>
 <p class="soft">The reference takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All

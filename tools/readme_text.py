@@ -67,7 +67,9 @@ def picture(figures, _root):
 narrow and bright; Toksvig, whose far highlight is wide and dull]({made_of["image"]})
 
 *Relative L1 error (sum of absolute differences from the reference, over the sum of the reference): {views}.
-Same material (Blinn-Phong, s = 100), light and filter ({filter_of(made_of["scene"])}) for all; reference: {samples_of(made_of)}. Normal map: {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
+Same material (Blinn-Phong, s = 100), light and filter ({filter_of(made_of["scene"])}) for all;
+reference: {samples_of(made_of)}.
+Normal map: {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
 
 

@@ -96,7 +96,9 @@ void append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>
   const double longer = glm::length(footprint.longer_side), shorter = glm::length(footprint.shorter_side);
   const int count = settings.filter.tap_count(longer, shorter);
   const auto coarsest = static_cast<double>(levels.size() - 1);
-  const double lambda = std::clamp(settings.filter.level(longer, shorter), 0.0, coarsest);
+  // What is finer than the first level is not there, as for a renderer that draws what is stored alone.
+  const double finest = std::min(static_cast<double>(settings.first_octave), coarsest);
+  const double lambda = std::clamp(settings.filter.level(longer, shorter), finest, coarsest);
   const double map_width = levels.front().width, map_height = levels.front().height;
   for (int i = 0; i < count; ++i) {
     const glm::dvec2 place = footprint.centre + TapFilter::place(i, count) * footprint.longer_side;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the samples of a reference picture lie within their pixel, and how noisy their mean is.
+// Places the samples of a reference picture within their pixel, and measures how noisy their mean is.
 #pragma once
 
 #include <array>

@@ -2,6 +2,7 @@
 // A sweep of settings: its page, its figures, its fronts, and that nothing stays behind.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -26,6 +27,19 @@ class TradeoffCommandTest : public CliTest {
   }
 };
 
+bool has_more_error(const nlohmann::json& a, const nlohmann::json& b) {
+  return a.at("relative_l1").get<double>() - b.at("relative_l1").get<double>() >
+         std::hypot(a.at("confidence_95").get<double>(), b.at("confidence_95").get<double>());
+}
+
+// Off a front: another row is no worse in bytes and, beyond both intervals, in error, and better in one of the two.
+bool is_beaten(const nlohmann::json& one, const nlohmann::json& rows) {
+  return std::any_of(rows.begin(), rows.end(), [&](const nlohmann::json& other) {
+    return other.at("gpu_bytes") <= one.at("gpu_bytes") && !has_more_error(other, one) &&
+           (other.at("gpu_bytes") < one.at("gpu_bytes") || has_more_error(one, other));
+  });
+}
+
 TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   const ProgramResult swept = multum(command({"--json", path("costs.json"), "--markdown", path("costs.md"),
                                               "--target-error", "0.3", "--brdf", "blinn-phong:50"}));
@@ -35,19 +49,10 @@ TEST_F(TradeoffCommandTest, WritesAPageWithItsFronts) {
   const nlohmann::json json = nlohmann::json::parse(read_bytes(path("costs.json")));
   const nlohmann::json& rows = json.at("rows");
   ASSERT_GE(rows.size(), 10u);
-  // On a front: no other is better in both. Off it: another is at least as good in both.
   for (const nlohmann::json& one : rows) {
     EXPECT_GT(one.at("relative_l1").get<double>(), 0.0);
     EXPECT_GT(one.at("gpu_bytes").get<double>(), 0.0);
-    bool is_beaten = false;
-    for (const nlohmann::json& other : rows) {
-      const bool no_worse =
-          other.at("gpu_bytes") <= one.at("gpu_bytes") && other.at("relative_l1") <= one.at("relative_l1");
-      const bool better =
-          other.at("gpu_bytes") < one.at("gpu_bytes") || other.at("relative_l1") < one.at("relative_l1");
-      is_beaten = is_beaten || (no_worse && better);
-    }
-    EXPECT_NE(one.at("fronts").at("gpu_bytes").get<bool>(), is_beaten) << one;
+    EXPECT_NE(one.at("fronts").at("gpu_bytes").get<bool>(), is_beaten(one, rows)) << one;
   }
   const nlohmann::json& chosen = rows.at(json.at("chosen").get<std::size_t>());
   EXPECT_LE(chosen.at("relative_l1").get<double>() + chosen.at("confidence_95").get<double>(), 0.3);
@@ -164,17 +169,9 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
   const nlohmann::json& rows = json["rows"];
   EXPECT_EQ(json["brdf"], "roughness");
   EXPECT_TRUE(contains(rows[0]["command"], " --gloss map_gloss.png")) << rows[0]["command"];
-  const auto has_more_error = [](const nlohmann::json& a, const nlohmann::json& b) {
-    return a["relative_l1"].get<double>() - b["relative_l1"].get<double>() >
-           std::hypot(a["confidence_95"].get<double>(), b["confidence_95"].get<double>());
-  };
   double best = 1e9;
   for (const nlohmann::json& one : rows) {
-    bool is_beaten = false;
-    for (const nlohmann::json& other : rows)
-      is_beaten = is_beaten || (other["gpu_bytes"] <= one["gpu_bytes"] && !has_more_error(other, one) &&
-                                (other["gpu_bytes"] < one["gpu_bytes"] || has_more_error(one, other)));
-    EXPECT_NE(one["fronts"]["gpu_bytes"].get<bool>(), is_beaten) << one;
+    EXPECT_NE(one["fronts"]["gpu_bytes"].get<bool>(), is_beaten(one, rows)) << one;
     EXPECT_GT(one["rendered_relative_l1"].get<double>(), 0.0) << one;
     best = std::min(best, one["relative_l1"].get<double>());
   }

@@ -124,9 +124,9 @@ TEST(GlslCases, EveryFormulaHasOne) {
 // Returns at once, something that no formula has.
 SourceEdit broken(const Formula& f) {
   const std::map<std::string, std::string> values = {
-      {"void", ""},           {"MultumReflection", "MultumReflection(vec3(-7e8), vec3(-7e8))"},
-      {"uint", "7u"},         {"mat3", "mat3(-7e8)"},
-      {"ivec2", "ivec2(-7)"}, {"int", "-7"}};
+      {"void", ""},           {"MultumReflection", "MultumReflection(vec3(-7e8), vec3(-7e8))"}, {"uint", "7u"},
+      {"mat3", "mat3(-7e8)"}, {"MultumFootprint", "MultumFootprint(vec2(-7e8), -7, -7e8)"},     {"ivec2", "ivec2(-7)"},
+      {"int", "-7"}};
   const auto value = values.find(f.type);
   return glsl_edit(f.head, f.head + " return " + (value != values.end() ? value->second : f.type + "(-7e8)") + ";\n");
 }

@@ -7,7 +7,8 @@ import numpy as np
 import OpenImageIO as oiio
 from ndf import density_error, density_of_lobes, density_of_normals, disk, picture, read_lobes, read_normals
 from report_page import percent
-from study import ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_picture, relative_l1, write_picture, write_sky
+from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_picture, relative_l1, write_picture,
+                   write_sky)
 
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")

@@ -135,7 +135,7 @@ def draw_every_material(study):
 
 def reproduce(study):
     study.samples = None  # as many as the reference's noise takes
-    study.paragraph("The oblique plane under one light, Blinn-Phong of s = 100, all by multum-view's own filter: relative",
-                    "L1 of each picture against samples of the map itself.")
+    study.paragraph("The oblique plane under one light, Blinn-Phong of s = 100, all by multum-view's own filter:",
+                    "relative L1 of each picture against samples of the map itself.")
     draw_every_map(study)
     draw_every_material(study)

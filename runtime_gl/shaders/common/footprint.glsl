@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One finest texel of those that the texture's filter averages at a place, drawn with the weight that it has there: tap
-// evenly among those of the footprint, level by the fraction of the level of detail, texel of that level by the bilinear weights, finest texel evenly among
-// those that it covers. The mean of many is what a filter of exact distributions would give: a truth whose only
-// difference from a baked map is what the map's texels cannot say.
+// evenly among those of the footprint, level by the fraction of the level of detail, texel of that level by the
+// bilinear weights, finest texel evenly among those that it covers. The mean of many is what a filter of exact
+// distributions would give: a reference whose only difference from a baked map is what the map's texels cannot say.
 uniform int u_wrap_s, u_wrap_t;  // 0 black, 1 clamp, 2 periodic, 3 mirror
 const ivec2 MULTUM_NO_TEXEL = ivec2(-1);
 
@@ -15,7 +15,8 @@ uint multum_hash(uint v) {  // Jarzynski and Olano 2020, "pcg"
 // The n-th of six coordinates of Roberts' sequence, g^7 = g + 1, shifted by the pixel's own hash. The products are
 // taken modulo 2^32 in whole numbers: in floats they would lose their fractions.
 float multum_random(int n) {
-  const uint steps[6] = uint[6](3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u);  // 2^32 / g^(n+1)
+  // 2^32 / g^(n+1)
+  const uint steps[6] = uint[6](3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u);
   uint pixel = multum_hash(uint(gl_FragCoord.x) + multum_hash(uint(gl_FragCoord.y) + multum_hash(uint(n))));
   return float((pixel + uint(u_sample) * steps[n]) >> 8u) / 16777216.0;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the parts of a scene's fragment shader say to each other. Texts are put together in this order:
 //
-//   common/movmf_shading.glsl, common/texture_filter.glsl, this file, one of brdf/, light/environment*.glsl if there is an environment, one of
-//   surface/, light/lights.glsl, scene.frag
+//   common/movmf_shading.glsl, common/texture_filter.glsl, this file, one of brdf/, light/environment*.glsl if there is
+//   an environment, one of surface/, light/lights.glsl, scene.frag
 //
 // A BRDF times the cosine is k_d / pi albedo (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0). A file of brdf/ has
 //

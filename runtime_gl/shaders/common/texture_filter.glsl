@@ -9,9 +9,9 @@
 //   tap i of 0..N-1   at ((i + 1/2) / N - 1/2) times the longer derivative from the middle
 //   level             u_level_bias + log2(longer) of one tap, max(log2(shorter), log2(longer / N) - 0.75) of several
 //
-// With one tap this is the trilinear filter of OpenGL 4.5, section 8.14. Where the extension's example differs: it takes
-// the level of longer / N, which for ratios just above a whole number is up to an octave finer than the shorter length
-// and sparkles across; and its taps lie 1 / (N + 1) apart. Neighbouring taps overlap, since a trilinear lookup reaches
+// With one tap this is the trilinear filter of OpenGL 4.5, section 8.14. The extension's example differs: it takes the
+// level of longer / N, which for ratios just above a whole number is up to an octave finer than the shorter length and
+// sparkles across; and its taps lie 1 / (N + 1) apart. Neighbouring taps overlap, since a trilinear lookup reaches
 // twice as far as its level's texel is wide, so along the axis a finer level serves: of 0, 0.5, 0.75 and 1 octave 0.75
 // came nearest to references of six real maps (2 taps, bias -0.25: 8.5 % where the example has 9.9 %).
 // u_level_bias < 0 sharpens: at -0.79 one tap on a square footprint has the variance of the pixel's own box

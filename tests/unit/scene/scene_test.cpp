@@ -115,7 +115,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"fov = 60", "fow = 60", 2, {"camera.fow", "unknown key", "camera.fov"}},
       {"fov = 60", "fov = 200", 2, {"camera.fov", "200", "1 to 170"}},
       {"resolution = [320, 240]", "resolution = [320]", 3, {"camera.resolution", "[1920, 1080]"}},
-      {"tolerance = 0.05", "tolerance = 0", 5, {"budget.estimate_margin", "0"}},
+      {"tolerance = 0.05", "estimate_margin = 0", 5, {"budget.estimate_margin", "0"}},
       {"tolerance = 0.05", "target_error = -1", 5, {"budget.target_error", "-1", "above 0"}},
       {"name = \"wall\"", "name = \"../wall\"", 7, {"map.name", "\"../wall\"", "letters"}},
       {"normal = \"wall.exr\"\n", "", 6, {"map", "no normal"}},
