@@ -395,10 +395,10 @@ TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
 }
 
 // One lobe is estimated to do, and was baked before there was a target: what was measured of it decides. Estimates stop
-// at s = 200: of s = 1000 they say less than a bake measures.
+// at s = 200: of s = 3000 they say less than a bake measures.
 TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   SceneCase scene{.name = "one"};
-  const std::string sharp = "brdf = \"blinn-phong\"\nexponent = 1000\n", material = sharp + "[budget]\n";
+  const std::string sharp = "brdf = \"blinn-phong\"\nexponent = 3000\n", material = sharp + "[budget]\n";
   const auto lobes_and_error = [&](const std::string& budget) {
     scene.material = material + budget;
     const ProgramResult baked = multum({"bake", write_scene(scene), "-o", path("one")});
@@ -406,7 +406,7 @@ TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
     const Json row = json("one/report.json")["maps"][0];
     double error = 0.0;
     for (const Json& one : row["bake"]["error"])
-      if (one["brdf"] == "blinn-phong:1000")
+      if (one["brdf"] == "blinn-phong:3000")
         error = one["relative_l1"].get<double>() + one["confidence_95"].get<double>();
     return std::pair(json("one/plan.json")["maps"][0]["chosen"]["lobes"].get<int>(), error);
   };
