@@ -18,7 +18,7 @@ constexpr int kLevelMax = 63;  // of any file: sides fit into 32 bits
 double rounded(double error) { return std::round(error * 1e6) / 1e6; }
 
 // Half widths are rounded up: no interval is stated narrower than it is. In millionths, less the noise of the product.
-double millionths_up(double half_width) { return std::ceil(half_width * 1e6 - 1e-6); }
+double millionths_up(double half_width) { return std::max(0.0, std::ceil(half_width * 1e6 - 1e-6)); }
 double hundredths_of_percent_up(double half_width) { return std::ceil(millionths_up(half_width) / 100.0); }
 
 const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, AccuracyPoint point,

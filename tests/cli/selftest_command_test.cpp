@@ -17,13 +17,13 @@ class SelftestCommandTest : public CliTest {};
 TEST_F(SelftestCommandTest, NamesTheDeviceAndEveryCase) {
   const ProgramResult result = multum({"selftest", "--filter", "movmf_level_zero", "--json", path("verdicts.json")});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  for (const char* part :
-       {"device  ", "driver", "a-dead-lobe-takes-nothing", "any-normal-gets-a-lobe", "ok", "2 cases, 0 broken"})
+  for (const char* part : {"device  ", "driver", "a-dead-lobe-takes-nothing", "any-normal-gets-a-lobe",
+                           "a-lobe-of-no-direction", "ok", "4 cases, 0 broken"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
   EXPECT_EQ(result.out.find("without"), std::string::npos) << "a column of what was not run";
   const nlohmann::json json = nlohmann::json::parse(read_bytes(path("verdicts.json")));
   EXPECT_TRUE(json.at("holds").get<bool>());
-  EXPECT_EQ(json.at("cases").size(), 2u);
+  EXPECT_EQ(json.at("cases").size(), 4u);
   EXPECT_FALSE(json.at("device").get<std::string>().empty());
   EXPECT_TRUE(json.at("cases")[0].at("worst_without_guard").is_null());
 }
