@@ -175,7 +175,7 @@ TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
     for (MovmfLevel& level : header.levels) level.lobes = {{}};
     AccuracySettings settings;
     settings.samples_per_level = 6;
-    settings.footprints_per_octave = 4;  // few, so that there are rows that none needs
+    settings.footprints_per_octave = first_level > 0 ? 4 : 0;  // they need every row of a map as small as this
     settings.threads = 1;
     const std::vector<AccuracyRow> expected = measure_accuracy(test_device(), mipmap, map, &albedo, settings, nullptr);
     int unneeded_count = 0;
