@@ -151,6 +151,12 @@ std::string worst_noise(const Json& result, const char* field) {
   return fmt::format("{:.2f} %", 100.0 * worst);
 }
 
+std::string map_names(const Json& result) {
+  std::string names;
+  for (const Json& map : result.at("maps")) names += (names.empty() ? "" : ", ") + map.at("map").get<std::string>();
+  return names;
+}
+
 std::string sample_range(const Json& result) {
   int low = 1 << 30, high = 0;
   for (const Json& map : result.at("maps")) {
@@ -183,13 +189,14 @@ ResultView view_filters(const Json& result) {
   return {
       "Texture filters",
       fmt::format(
-          "The oblique plane of `tools/reproduce maps`, {} x {} pixels, Blinn-Phong with s = 100, {} maps; flicker on "
+          "The oblique plane of `tools/reproduce maps`, {} x {} pixels, Blinn-Phong with s = 100, {} maps ({}); "
+          "flicker on "
           "pictures of half the size. Every method is drawn with the same filter (`multum-view --taps --level-bias`). "
           "Reference: {} samples per pixel of the finest map, box filter, noise at most {} of itself (blended: {}). "
           "Flicker: sum |(f' - f) - (t' - t)| / sum t of neighbouring frames f, f' and their references t, t'. LEAN is "
           "with the Jacobian.",
-          result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), sample_range(result),
-          worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
+          result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
+          sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
       tables};
 }
 
