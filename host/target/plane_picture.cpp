@@ -5,7 +5,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "host/base/error.h"
@@ -30,6 +29,13 @@ class PictureFiles {
 
 }  // namespace
 
+const nlohmann::json& own_picture(const nlohmann::json& report) {
+  if (report.is_object() && report.contains("pictures"))
+    for (const nlohmann::json& picture : report.at("pictures"))
+      if (picture.at("name") == "multum") return picture;
+  throw Error(ErrorCode::kEnvironment, "multum-view's report has no picture of its own");
+}
+
 double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer& viewer, Progress* progress) {
   const PictureFiles files(job.output);
   std::vector<std::string> command = {
@@ -41,11 +47,7 @@ double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer&
   run_viewer(command, "drawing " + job.output, progress);
   std::ifstream file(files.report);
   const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
-  for (const nlohmann::json& picture :
-       report.is_object() ? report.value("pictures", nlohmann::json::array()) : nlohmann::json::array())
-    if (picture.value("name", "") == "multum" && picture.contains("relative_l1"))
-      return picture["relative_l1"].get<double>();
-  throw Error(ErrorCode::kEnvironment, "multum-view's report has no error of its own picture");
+  return own_picture(report).at("relative_l1").get<double>();
 }
 
 }  // namespace multum

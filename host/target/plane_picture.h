@@ -3,6 +3,7 @@
 // error of a picture, beside that of pixels which the bake measures (host/accuracy/footprint_error.h).
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "host/bake/bake_job.h"
@@ -17,6 +18,9 @@ struct PlaneViewer {
   std::string decode = "child";
   int samples = 256;  // a pixel of the reference, which is the pixel's own
 };
+
+/// The baked map's own row of what multum-view --report wrote. Throws Error(kEnvironment) where there is none.
+const nlohmann::json& own_picture(const nlohmann::json& report);
 
 /// Relative L1 of the picture of JOB.output beside the reference that JOB.input gives. Throws Error(kEnvironment) where
 /// nothing can be drawn, Cancelled. Files beside JOB.output come and go.

@@ -22,6 +22,7 @@
 #include "host/base/stopwatch.h"
 #include "host/brdf/brdf_text.h"
 #include "host/brdf/facet_distribution.h"
+#include "host/target/plane_picture.h"
 
 namespace multum {
 namespace {
@@ -192,6 +193,16 @@ class Sweep {
     }
   }
 
+  // Once more, for its time: what it says of the map has been said.
+  BakeReport bake_unmeasured(BakeJob bake, const BakeSource& source) {
+    bake.report.clear();
+    bake.force = true;
+    bake.measure = false;
+    Progress quiet = cancel_only(progress_);
+    const HeldWarnings held;
+    return bake_file(bake, &source, device_, &quiet);
+  }
+
   // Bakes again, in turns, measuring nothing: the first time kernels were compiled, and files came to the cache.
   void time_bakes(const std::vector<SweptBake>& sweep, const BakeSource& source) {
     progress_stage(progress_, "time bakes");
@@ -201,12 +212,7 @@ class Sweep {
         BakeJob bake = job_.bake;
         apply(one.values, bake);
         bake.output = scratch_ / "timed.ndf.exr";
-        bake.report.clear();
-        bake.force = true;
-        bake.measure = false;
-        Progress quiet = cancel_only(progress_);
-        const HeldWarnings held;
-        bake_file(bake, &source, device_, &quiet);
+        bake_unmeasured(bake, source);
       });
     const std::vector<RunTime> times = time_in_turns(runs, kTimedRounds, progress_);
     for (std::size_t i = 0; i < sweep.size(); ++i)
@@ -222,12 +228,7 @@ class Sweep {
     progress_stage(progress_, "repeat the default");
     BakeJob bake = job_.bake;
     bake.output = scratch_ / "repeated.ndf.exr";
-    bake.report.clear();
-    bake.measure = false;
-    bake.force = true;
-    Progress quiet = cancel_only(progress_);
-    const HeldWarnings held;
-    bake_times_.push_back(bake_file(bake, &source, device_, &quiet).bake_seconds());
+    bake_times_.push_back(bake_unmeasured(bake, source).bake_seconds());
     if (job_.viewer.empty()) return;
     const View view{"", "", "", true};
     const double first = own_picture(run_view(bake.output, view, {})).at("frame_time_ms").get<double>();
@@ -270,12 +271,6 @@ class Sweep {
                             own_picture(again).at("frame_time_ms").get<double>());
     row.picture = read_bytes(scratch_ / "picture_multum.png");
     if (result_.truth.empty()) result_.truth = read_bytes(scratch_ / "picture_truth.png");
-  }
-
-  static const nlohmann::json& own_picture(const nlohmann::json& report) {
-    for (const nlohmann::json& picture : report.at("pictures"))
-      if (picture.at("name") == "multum") return picture;
-    throw Error(ErrorCode::kEnvironment, "multum-view's report has no picture of its own");
   }
 
   // What it reports.

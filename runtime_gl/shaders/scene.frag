@@ -21,7 +21,7 @@ void main() {
   MultumFootprint footprint = multum_surface_footprint(v_st);
 #ifdef MULTUM_SHADE_TAPS
   MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
-  vec2 place = v_st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
+  vec2 place = multum_first_tap(v_st, footprint);
   vec3 sum = vec3(0.0);
   for (int i = 0; i < footprint.tap_count; ++i)
     sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, v_position, v);

@@ -88,6 +88,7 @@ bool is_of(const GlslCase& c, const Formula& f) {
 // What takes pictures to see.
 const std::map<std::string, std::string> kByPictures = {
     {"texture_filter.glsl multum_footprint", "TextureFilterTest, TapsAreTheirsInDouble"},
+    {"texture_filter.glsl multum_first_tap", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_filtered", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"lobes.glsl multum_surface_footprint", "TextureFilterTest, AFlatMapIsTheSameByEveryFilter"},
     {"lobes.glsl multum_mean_colour", "TextureFilterTest, ColoursOfAnotherSizeHaveTheirOwnLevel"},

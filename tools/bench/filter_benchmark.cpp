@@ -23,6 +23,7 @@
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
 #include "tools/bench/measuring/bake_programs.h"
+#include "tools/bench/measuring/horizon_plane.h"
 #include "tools/bench/measuring/measured_program.h"
 #include "tools/bench/measuring/scratch_folder.h"
 
@@ -49,21 +50,6 @@ gl::RenderScene plane_view() {
   scene.brdf.diffuse = glm::vec3(0.4f);
   scene.brdf.specular = glm::vec3(0.15f);
   return scene;
-}
-
-gl::MeshData wide_plane() {
-  gl::MeshData mesh;
-  for (const float v : {0.0f, 1.0f})
-    for (const float u : {0.0f, 1.0f}) {
-      gl::MeshVertex vertex{};
-      vertex.position = {kPlaneSide * (u - 0.5f), kPlaneSide * v, 0.0f};
-      vertex.normal = {0.0f, 0.0f, 1.0f};
-      vertex.uv = {u, v};
-      vertex.tangent = {1.0f, 0.0f, 0.0f, 1.0f};
-      mesh.vertices.push_back(vertex);
-    }
-  mesh.indices = {0, 1, 2, 2, 1, 3};
-  return mesh;
 }
 
 struct FilterSetting {
@@ -284,7 +270,7 @@ class MapStudy {
 Json run_filter_benchmark(const FilterBenchmarkOptions& options, Progress* progress) {
   const auto context = gl::make_headless_context(options.context);
   const ScratchFolder folder(options.folder);
-  const gl::Mesh mesh(context->functions(), wide_plane());
+  const gl::Mesh mesh(context->functions(), horizon_plane(kPlaneSide));
   gl::Renderer large(context->functions(), options.width, options.height);
   gl::Renderer small(context->functions(), std::max(options.width / 2, 1), std::max(options.height / 2, 1));
   MapStudy study(options, context->functions(), mesh, large, small, progress);

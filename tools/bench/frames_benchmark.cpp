@@ -17,6 +17,7 @@
 #include "runtime_gl/render/renderer.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/measuring/bake_programs.h"
+#include "tools/bench/measuring/horizon_plane.h"
 #include "tools/bench/measuring/measured_program.h"
 #include "tools/bench/measuring/scratch_folder.h"
 #include "tools/bench/measuring/statistics.h"
@@ -38,21 +39,6 @@ gl::RenderScene plane_scene() {
   scene.brdf.exponent = 100.0f;
   scene.filter.is_drivers = true;  // whose anisotropy is what is timed
   return scene;
-}
-
-gl::MeshData plane() {
-  gl::MeshData mesh;
-  for (const float v : {0.0f, 1.0f})
-    for (const float u : {0.0f, 1.0f}) {
-      gl::MeshVertex vertex{};
-      vertex.position = {kRepeats * (u - 0.5f), kRepeats * v, 0.0f};
-      vertex.normal = {0.0f, 0.0f, 1.0f};
-      vertex.uv = {u, v};
-      vertex.tangent = {1.0f, 0.0f, 0.0f, 1.0f};
-      mesh.vertices.push_back(vertex);
-    }
-  mesh.indices = {0, 1, 2, 2, 1, 3};
-  return mesh;
 }
 
 struct Baked {
@@ -130,7 +116,7 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
 // All of one anisotropy, in turns; the first is what the others are compared with.
 void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOptions& options,
                           std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
-  const gl::Mesh mesh(functions, plane());
+  const gl::Mesh mesh(functions, horizon_plane(kRepeats));
   gl::Renderer renderer(functions, options.width, options.height);
   const gl::RenderScene scene = plane_scene();
   for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first compiles, and does not count

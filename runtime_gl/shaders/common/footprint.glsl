@@ -37,8 +37,8 @@ ivec2 multum_footprint_texel(sampler2D map, vec2 st, MultumFootprint footprint) 
   float lod = clamp(footprint.level, 0.0, level_max);
   int level = int(lod) + (multum_random(0) < fract(lod) ? 1 : 0);
   ivec2 level_size = max(size >> level, ivec2(1));
-  float tap = floor(multum_random(5) * float(footprint.tap_count)) - 0.5 * float(footprint.tap_count - 1);
-  vec2 place = (st + tap * footprint.tap_step) * vec2(level_size) - 0.5;
+  float tap = floor(multum_random(5) * float(footprint.tap_count));
+  vec2 place = (multum_first_tap(st, footprint) + tap * footprint.tap_step) * vec2(level_size) - 0.5;
   ivec2 texel = ivec2(floor(place)) + ivec2(lessThan(vec2(multum_random(1), multum_random(2)), fract(place)));
   texel = ivec2(multum_wrapped(texel.x, level_size.x, u_wrap_s), multum_wrapped(texel.y, level_size.y, u_wrap_t));
   if (min(texel.x, texel.y) < 0) return MULTUM_NO_TEXEL;

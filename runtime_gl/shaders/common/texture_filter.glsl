@@ -32,6 +32,11 @@ const float MULTUM_TAP_OVERLAP = 0.594603558;  // 2^-0.75
 
 uniform float u_level_bias;
 
+// Where the first tap lies; the others follow by tap_step.
+vec2 multum_first_tap(vec2 st, MultumFootprint footprint) {
+  return st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
+}
+
 // `along_x`, `along_y`: derivatives of st along a row and a column of pixels, in texels of level 0; `size`: level 0's.
 MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
   float length_x = length(along_x), length_y = length(along_y);
@@ -77,7 +82,7 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 }
 #else
 vec4 multum_filtered(sampler2D map, vec2 st, MultumFootprint footprint) {
-  vec2 place = st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
+  vec2 place = multum_first_tap(st, footprint);
   vec4 sum = vec4(0.0);
   for (int i = 0; i < footprint.tap_count; ++i)
     sum += textureLod(map, place + float(i) * footprint.tap_step, footprint.level);
@@ -85,7 +90,7 @@ vec4 multum_filtered(sampler2D map, vec2 st, MultumFootprint footprint) {
 }
 
 vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint footprint) {
-  vec2 place = st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
+  vec2 place = multum_first_tap(st, footprint);
   vec4 sum = vec4(0.0);
   for (int i = 0; i < footprint.tap_count; ++i)
     sum += textureLod(map, vec3(place + float(i) * footprint.tap_step, layer), footprint.level);
