@@ -14,7 +14,7 @@ MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTAL
 # A number with a unit that only a measurement gives.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
 LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mip": "averaged normals"}
-FILTERS = {"taps": "4 taps, the default filter", "trilinear": "trilinear filter",
+FILTERS = {"taps": "2 taps, each shaded: the default filter", "trilinear": "trilinear filter",
            "anisotropic": "16 x anisotropic filter"}
 
 
@@ -48,7 +48,7 @@ def best_rival(row):
 
 def filter_of(scene):
     """What multum-view was told, in words; untold it is the default."""
-    return "16 x anisotropic, the driver's" if "--anisotropy" in scene else "4 taps, docs/FILTER.md"
+    return "16 x anisotropic, the driver's" if "--anisotropy" in scene else "2 taps, each shaded; docs/FILTER.md"
 
 
 def samples_of(made_of):

@@ -257,12 +257,18 @@ class Comparison {
     const std::vector<Footprint>& footprints = places_.footprints.footprints();
     const FootprintSettings settings = footprint_settings(settings_);
     PointTaps points;
+    std::vector<std::size_t> point_begin = {0};  // [footprint]; one more ends the last
     std::vector<FilterTap> taps;
     for (const Footprint& footprint : footprints) {
       taps.clear();
-      append_filter_taps(footprint, places_.model_texels.sizes(), settings, taps);
-      for (const FilterTap& tap : taps) points.add(places_.model_texels.slot(tap.level, tap.texel), tap.weight);
-      points.finish_point();
+      const int point_count = append_filter_taps(footprint, places_.model_texels.sizes(), settings, taps);
+      auto tap = taps.begin();  // those of a point lie together
+      for (int p = 0; p < point_count; ++p) {
+        for (; tap != taps.end() && tap->point == p; ++tap)
+          points.add(places_.model_texels.slot(tap->level, tap->texel), tap->weight);
+        points.finish_point();
+      }
+      point_begin.push_back(points.size());
     }
     const std::unique_ptr<PointShading> shading = model.make_shading(
         device, {half_count() > 0 ? settings_.directions.half_vectors : std::vector<glm::dvec3>{},
@@ -274,13 +280,14 @@ class Comparison {
       for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
         shading->shade(points, static_cast<int>(way), channel, settings_.threads, values);
         const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
-        add_footprints(truths, values, channel, first_brdf);
+        add_footprints(truths, point_begin, values, channel, first_brdf);
       }
   }
 
   // Of one channel, or plain for -1.
-  void add_footprints(const std::vector<std::unique_ptr<FootprintTruth>>& truths, const std::vector<float>& values,
-                      int channel, std::size_t first_brdf) {
+  void add_footprints(const std::vector<std::unique_ptr<FootprintTruth>>& truths,
+                      const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
+                      std::size_t first_brdf) {
     const std::size_t highlight_count = highlights_.size();
     const std::size_t value_count = half_count() * highlight_count + settings_.directions.lights.size();
     for (std::size_t d = 0; d < truths.size(); ++d) {
@@ -292,7 +299,10 @@ class Comparison {
         for (std::size_t i = 0; i < sums.size(); ++i) {
           const double truth =
               truths[d]->at(i, static_cast<std::size_t>(1 + channel) * own_count + e) * value_scale(is_light, e);
-          const auto shaded = static_cast<double>(values[i * value_count + value]);
+          double shaded = 0.0;
+          for (std::size_t p = point_begin[i]; p < point_begin[i + 1]; ++p)
+            shaded += static_cast<double>(values[p * value_count + value]);
+          shaded /= static_cast<double>(point_begin[i + 1] - point_begin[i]);
           sums[i] += {std::abs(shaded - truth), truth, 1.0};
         }
       }

@@ -71,7 +71,7 @@ int footprint_octave_count(int map_width, int map_height) {
 }
 
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings) {
-  MULTUM_CHECK(settings.per_octave >= 0 && settings.first_octave >= 0 && settings.filter.taps_max >= 1);
+  MULTUM_CHECK(settings.per_octave >= 0 && settings.first_octave >= 0 && settings.elongation_max >= 1.0);
   std::vector<Footprint> footprints;
   if (settings.per_octave == 0) return footprints;
   SplitMix64 random(settings.seed);
@@ -82,7 +82,7 @@ std::vector<Footprint> choose_footprints(int map_width, int map_height, const Fo
                               elongations = stratified(settings.per_octave, random);
     for (std::size_t i = 0; i < centres.size(); ++i) {
       const double shorter = std::exp2(octave + sizes[i]);
-      const double longer = shorter * std::pow(static_cast<double>(settings.filter.taps_max), elongations[i]);
+      const double longer = shorter * std::pow(settings.elongation_max, elongations[i]);
       const double angle = std::numbers::pi * random.uniform();
       const glm::dvec2 along(std::cos(angle), std::sin(angle));
       footprints.push_back({octave, centres[i], longer * along, shorter * glm::dvec2(-along.y, along.x)});
@@ -91,10 +91,11 @@ std::vector<Footprint> choose_footprints(int map_width, int map_height, const Fo
   return footprints;
 }
 
-void append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>& levels,
-                        const FootprintSettings& settings, std::vector<FilterTap>& taps) {
+int append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>& levels,
+                       const FootprintSettings& settings, std::vector<FilterTap>& taps) {
   const double longer = glm::length(footprint.longer_side), shorter = glm::length(footprint.shorter_side);
   const int count = settings.filter.tap_count(longer, shorter);
+  const int point_count = settings.filter.shades_taps ? count : 1;
   const auto coarsest = static_cast<double>(levels.size() - 1);
   // What is finer than the first level is not there, as for a renderer that draws what is stored alone.
   const double finest = std::min(static_cast<double>(settings.first_octave), coarsest);
@@ -111,7 +112,7 @@ void append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>
       const BilinearPair y = bilinear_pair(place.y / map_height * size.height, size.height, settings.wrap_t);
       const auto add = [&](int column, int row, double weight) {
         if (column >= 0 && row >= 0 && weight > 0.0)
-          taps.push_back({level, row * size.width + column, weight * share / count});
+          taps.push_back({i % point_count, level, row * size.width + column, weight * share * point_count / count});
       };
       add(x.first, y.first, (1.0 - x.second_weight) * (1.0 - y.second_weight));
       add(x.second, y.first, x.second_weight * (1.0 - y.second_weight));
@@ -119,6 +120,7 @@ void append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>
       add(x.second, y.second, x.second_weight * y.second_weight);
     }
   }
+  return point_count;
 }
 
 }  // namespace multum

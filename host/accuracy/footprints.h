@@ -35,6 +35,7 @@ struct FootprintSettings {
   std::uint64_t seed = 1;
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // what lies beyond the map's borders
   TapFilter filter = {};
+  double elongation_max = 4.0;  // the longest footprint's longer side over its shorter
 };
 
 /// Octaves of a map: from 1 texel to the longer side, at least one.
@@ -42,17 +43,19 @@ int footprint_octave_count(int map_width, int map_height);
 
 /// settings.per_octave of each octave, one octave after the other. Their centres are one at random in each of as many
 /// cells of equal area, about square; u and log2 e are one at random in each of as many equal intervals, in random
-/// order; e is from 1 to the filter's taps.
+/// order; e is from 1 to settings.elongation_max.
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings);
 
 /// A texel that a filter reads.
 struct FilterTap {
+  int point;  // what is shaded by itself: 0 to the footprint's point count - 1
   int level, texel;
   double weight;
 };
-/// What the filter reads for a footprint. Weights sum to 1, less where a black border lies under it.
-void append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>& levels,
-                        const FootprintSettings& settings, std::vector<FilterTap>& taps);
+/// What the filter reads for a footprint, appended, and how many points it shades there; a footprint's value is their
+/// mean. The weights of a point sum to 1, less where a black border lies under it.
+int append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>& levels,
+                       const FootprintSettings& settings, std::vector<FilterTap>& taps);
 
 /// Index i, of any value, of `count` texels; -1: beyond a black border.
 int wrapped_index(std::int64_t i, int count, WrapMode mode);

@@ -10,13 +10,15 @@
 namespace multum {
 
 constexpr int kTapCountMax = 16;
-constexpr int kTapCountDefault = 4;
+constexpr int kTapCountDefault = 2;
 constexpr double kLevelBiasDefault = -0.25;  // levels
-constexpr double kTapOverlap = 0.75;         // levels: neighbouring taps overlap
+constexpr bool kShadesTapsDefault = true;
+constexpr double kTapOverlap = 0.75;  // levels: neighbouring taps overlap
 
 struct TapFilter {
   int taps_max = kTapCountDefault;        // 1 to kTapCountMax
   double level_bias = kLevelBiasDefault;  // levels
+  bool shades_taps = kShadesTapsDefault;  // each tap by itself; else what they return is averaged first
 
   /// N of a footprint of these sides, in texels of level 0.
   int tap_count(double longer, double shorter) const {

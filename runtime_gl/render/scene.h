@@ -36,8 +36,8 @@ enum class EnvironmentMode {
 struct TextureFilter {
   int taps = kTapCountDefault;  // trilinear lookups along the longer axis at most, 1..kTapCountMax
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
-  bool shades_taps = false;  // each tap is shaded by itself; else what they return is averaged first
-  bool is_drivers = false;   // the driver's own sampler instead: its anisotropy, no bias
+  bool shades_taps = kShadesTapsDefault;  // each tap is shaded by itself; else what they return is averaged first
+  bool is_drivers = false;                // the driver's own sampler instead: its anisotropy, no bias
 };
 
 struct RenderScene {

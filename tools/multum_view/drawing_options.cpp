@@ -61,7 +61,9 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
       add_level_bias_option(app, options.level_bias, "added to the mip level that is looked up: below 0 is sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
   CLI::Option* const shade =
-      app.add_flag("--shade-taps", options.filter.shades_taps, "shade each of --taps by itself, then average: slower");
+      app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
+                   "shade each of --taps by itself, then average (default); --no-shade-taps: average what they "
+                   "return, then shade once");
   app.add_option_function<float>(
          "--anisotropy",
          [&options](const float& anisotropy) {

@@ -55,7 +55,8 @@ TEST(Footprints, AreSpreadEvenly) {
       const double longer = glm::length(one.longer_side), shorter = glm::length(one.shorter_side);
       EXPECT_NEAR(glm::dot(one.longer_side, one.shorter_side), 0.0, 1e-9 * longer * shorter);
       ++sizes.at(static_cast<std::size_t>(kCount * (std::log2(shorter) - octave)));
-      ++elongations.at(static_cast<std::size_t>(kCount * std::log(longer / shorter) / std::log(kTapCountDefault)));
+      ++elongations.at(
+          static_cast<std::size_t>(kCount * std::log(longer / shorter) / std::log(FootprintSettings{}.elongation_max)));
       ASSERT_TRUE(one.centre.x >= 0.0 && one.centre.x < kWidth && one.centre.y >= 0.0 && one.centre.y < kHeight);
       ++columns.at(static_cast<std::size_t>(one.centre.x / 100.0));
       turned += one.longer_side.y / longer / kCount;
@@ -69,16 +70,34 @@ TEST(Footprints, AreSpreadEvenly) {
   EXPECT_TRUE(choose_footprints(16, 16, {0}).empty());
 }
 
+// Shaded one by one, taps read the same texels, those of a point together, and their mean weighs them alike.
+void expect_same_tap_by_tap(const std::vector<FilterTap>& averaged, const Footprint& footprint,
+                            const std::vector<PlaneSize>& sizes, const FootprintSettings& settings) {
+  const double longer = glm::length(footprint.longer_side), shorter = glm::length(footprint.shorter_side);
+  std::vector<FilterTap> taps;
+  const int count = append_filter_taps(footprint, sizes, settings, taps);
+  EXPECT_EQ(count, settings.filter.tap_count(longer, shorter));
+  ASSERT_EQ(taps.size(), averaged.size());
+  for (std::size_t i = 0; i < taps.size(); ++i) {
+    EXPECT_EQ(taps[i].level, averaged[i].level);
+    EXPECT_EQ(taps[i].texel, averaged[i].texel);
+    EXPECT_NEAR(taps[i].weight, count * averaged[i].weight, 1e-12);
+    EXPECT_TRUE(taps[i].point >= (i > 0 ? taps[i - 1].point : 0) && taps[i].point < count);
+  }
+}
+
 TEST(Footprints, AreFilteredAsTheGlDoes) {
   for (const PlaneSize size : {PlaneSize{64, 64}, PlaneSize{37, 11}}) {
     const std::vector<PlaneSize> sizes = pyramid_sizes(size.width, size.height);
     std::vector<reference::ValuePlane> levels;
     for (std::size_t l = 0; l < sizes.size(); ++l) levels.push_back(random_plane(sizes[l], 100 + l));
     for (const WrapMode mode : kWrapModes) {
-      const FootprintSettings settings{20, 0, 3, mode, mode, {3, 0.25}};
+      const FootprintSettings settings{20, 0, 3, mode, mode, {3, 0.25, false}};
+      FootprintSettings shaded = settings;
+      shaded.filter.shades_taps = true;
       for (const Footprint& footprint : choose_footprints(size.width, size.height, settings)) {
         std::vector<FilterTap> taps;
-        append_filter_taps(footprint, sizes, settings, taps);
+        EXPECT_EQ(append_filter_taps(footprint, sizes, settings, taps), 1);
         double sum = 0.0, weights = 0.0;
         for (const FilterTap& tap : taps) {
           sum +=
@@ -88,6 +107,7 @@ TEST(Footprints, AreFilteredAsTheGlDoes) {
         EXPECT_NEAR(sum, filtered_value(levels, rectangle_of(footprint), {mode, mode}, 3, 0.25), 1e-12);
         if (mode == WrapMode::kBlack) EXPECT_LE(weights, 1.0 + 1e-12);
         else EXPECT_NEAR(weights, 1.0, 1e-12);
+        expect_same_tap_by_tap(taps, footprint, sizes, shaded);
       }
     }
   }
