@@ -35,6 +35,7 @@ void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
   fit.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(fit.coarse_normals);
   if (values.flag("refine")) fit.refine = true;
   if (values.flag("no_start_search")) fit.search_start = false;
+  if (values.flag("farthest_start")) fit.farthest_start = true;
   if (const auto weight = values.number("align")) fit.alignment = static_cast<float>(*weight);
   if (const auto cap = values.number("kappa_cap")) fit.kappa_cap = static_cast<float>(*cap);
   fit.first_level = values.integer("first_level").value_or(fit.first_level);

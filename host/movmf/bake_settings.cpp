@@ -86,7 +86,9 @@ std::string settings_json(const MovmfSettings& s) {
   json["rehearse_start"] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json["aligned_start"] = s.aligned_start;
-  if (s.refine) json["refined"] = true;  // absent otherwise: files from before it keep their hash
+  // Absent otherwise: files from before them keep their hash.
+  if (s.refine) json["refined"] = true;
+  if (s.farthest_start) json["farthest_start"] = true;
   return json.dump();
 }
 

@@ -44,6 +44,8 @@ struct MovmfSettings {
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none
   bool search_start = true;  // try the coarsest level's candidates on a small proxy map of the map
+  // The coarsest level starts from normals that lie farthest apart, and from nothing else: for comparison.
+  bool farthest_start = false;
   // The map repeats: texels are held to those beyond the border as well. bake_file() sets them by its wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;

@@ -110,11 +110,16 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
   constexpr int kProxySide = 64;
   const Stopwatch stopwatch;
   const std::uint64_t launches_before = device.launch_total();
+  report.starts_tried = 0;
+  if (settings.farthest_start) {
+    const TexelRectangle whole_map = {0, 0, normals.width(), normals.height()};
+    return start_lobes(farthest_first_lobes(normals, whole_map, settings.lobe_count), settings.representation,
+                       normals.is_shortened());
+  }
   const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
   std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
   for (std::vector<MultumVmfLobe>& lobes : candidates)
     lobes = start_lobes(std::move(lobes), settings.representation, normals.is_shortened());
-  report.starts_tried = 0;
   std::size_t best = 0;
   // Levels that do not grow from the coarsest cannot tell starts apart.
   if (settings.search_start && settings.aligned_start && candidates.size() > 1) {

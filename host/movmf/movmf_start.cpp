@@ -146,35 +146,86 @@ std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Represe
   return lobes;
 }
 
-std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search) {
+namespace {
+
+// EM fits to a sample of a map's normals from many starts, the best of them.
+class StartTrials {
+ public:
+  StartTrials(const Normals& normals, const StartSearch& search, bool is_shortened)
+      : normals_(normals), search_(search), is_shortened_(is_shortened), error_(normals) {}
+
+  std::vector<Fit> best_fits() const {
+    const bool grows = search_.grows_starts && search_.lobe_count >= kGrownLobesMin;
+    return grows ? best_fits(search_.lobe_count, best_fits(search_.lobe_count - kLobesAdded, {}))
+                 : best_fits(search_.lobe_count, {});
+  }
+
+ private:
   // Many short trials, the best of them longer: 0.2 s on one core, whatever the map's size. About one random trial in
-  // 30 finds the basin of the best optimum of the four-quarter map.
-  constexpr std::uint64_t kTrials = 128;
-  constexpr int kShortIterations = 12, kLongIterations = 30;
+  // 30 finds the basin of the best optimum of the four-quarter map with 4 lobes. The more lobes, the fewer do.
+  static constexpr int kTrials = 128, kShortIterations = 12, kLongIterations = 30;
+  // With more lobes, some trials start from the best fits of two fewer, which are found more surely, and add two: so
+  // that more lobes are no further off. From 5 lobes on; with fewer, random trials suffice.
+  static constexpr int kGrownTrials = 48, kGrownLobesMin = 5, kLobesAdded = 2;
+  static constexpr std::size_t kGrownFrom = 6;
+
+  // Of trials at random, and of some that grow from `smaller`; least error first.
+  std::vector<Fit> best_fits(int lobe_count, const std::vector<Fit>& smaller) const {
+    std::vector<Fit> fits(static_cast<std::size_t>(kTrials + (smaller.empty() ? 0 : kGrownTrials)));
+    for_each_item(static_cast<int>(fits.size()), search_.threads, [&](int trial) {
+      Fit& fit = fits[static_cast<std::size_t>(trial)];
+      fit = trial < kTrials ? start_mixture(normals_, choose_normals(trial, lobe_count), is_shortened_)
+                            : grown_start(smaller, trial, lobe_count);
+      iterate(fit, kShortIterations);
+    });
+    fits = finalists(std::move(fits), error_, search_.threads);
+    for_each_item(static_cast<int>(fits.size()), search_.threads,
+                  [&](int i) { iterate(fits[static_cast<std::size_t>(i)], kLongIterations); });
+    rate(fits, error_, search_.threads);
+    std::stable_sort(fits.begin(), fits.end(), less_error);
+    fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());
+    return fits;
+  }
+
+  std::size_t random_normal(int trial, int lobe) const {
+    const auto draw = static_cast<std::uint64_t>(trial) * kLobeCountMax + static_cast<std::uint64_t>(lobe);
+    return split_mix(search_.seed * 0x100000001b3u + draw) % normals_.size();
+  }
+  std::vector<std::size_t> choose_normals(int trial, int lobe_count) const {
+    if (trial == 0) return farthest_first_normals(normals_, lobe_count);
+    std::vector<std::size_t> numbers;
+    for (int j = 0; j < lobe_count; ++j) numbers.push_back(random_normal(trial, j));
+    return numbers;
+  }
+  Fit grown_start(const std::vector<Fit>& smaller, int trial, int lobe_count) const {
+    Fit fit = smaller[static_cast<std::size_t>(trial) % std::min(smaller.size(), kGrownFrom)];
+    std::vector<std::size_t> added;
+    for (int j = static_cast<int>(fit.lobes.size()); j < lobe_count; ++j) added.push_back(random_normal(trial, j));
+    for (Lobe& lobe : fit.lobes) lobe.amplitude *= 1.0 - static_cast<double>(added.size()) / lobe_count;
+    for (Lobe lobe : start_mixture(normals_, added, is_shortened_).lobes) {
+      lobe.amplitude = 1.0 / lobe_count;
+      fit.lobes.push_back(lobe);
+    }
+    return fit;
+  }
+  void iterate(Fit& fit, int iterations) const {
+    const double copies = is_shortened_ ? static_cast<double>(kCopiesShortened) : 1.0;
+    iterate_mixture(fit, normals_, iterations, static_cast<double>(search_.kappa_max), copies);
+  }
+
+  const Normals& normals_;
+  const StartSearch search_;
+  const bool is_shortened_;
+  const HighlightError error_;
+};
+
+}  // namespace
+
+std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search) {
   const Normals normals = sample_normals(map, {0, 0, map.width(), map.height()}, 1024.0);
-  const HighlightError error(normals);
-  const auto cap = static_cast<double>(search.kappa_max);
-  const double copies = map.is_shortened() ? static_cast<double>(kCopiesShortened) : 1.0;
-  const auto lobe_count = static_cast<std::size_t>(search.lobe_count);
-  std::vector<Fit> fits(kTrials);
-  for_each_item(kTrials, search.threads, [&](int row) {
-    const auto trial = static_cast<std::size_t>(row);
-    std::vector<std::size_t> chosen;
-    if (trial == 0) chosen = farthest_first_normals(normals, search.lobe_count);
-    for (std::size_t j = chosen.size(); j < lobe_count; ++j)
-      chosen.push_back(split_mix(search.seed * 0x100000001b3u + trial * 8 + j) % normals.size());
-    fits[trial] = start_mixture(normals, chosen, map.is_shortened());
-    iterate_mixture(fits[trial], normals, kShortIterations, cap, copies);
-  });
-  fits = finalists(std::move(fits), error, search.threads);
-  for_each_item(static_cast<int>(fits.size()), search.threads, [&](int i) {
-    iterate_mixture(fits[static_cast<std::size_t>(i)], normals, kLongIterations, cap, copies);
-  });
-  rate(fits, error, search.threads);
-  std::stable_sort(fits.begin(), fits.end(), less_error);
-  fits.erase(std::unique(fits.begin(), fits.end(), same_optimum), fits.end());
+  const StartTrials trials(normals, search, map.is_shortened());
   std::vector<std::vector<MultumVmfLobe>> candidates;
-  for (const Fit& fit : fits) {
+  for (const Fit& fit : trials.best_fits()) {
     std::vector<MultumVmfLobe>& lobes = candidates.emplace_back();
     for (const Lobe& lobe : fit.lobes) {
       const glm::vec3 r(lobe.mu * std::min(lobe.mean_length, 1.0));

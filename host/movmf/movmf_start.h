@@ -35,6 +35,7 @@ struct StartSearch {
   float kappa_max = 1000.0f;  // cap inside EM
   std::uint64_t seed = 1;
   int threads = 1;
+  bool grows_starts = true;  // some trials of 5 lobes and more grow from the best of two fewer
 };
 
 /// Starts for the coarsest level, least error first, 1 to 24: the best of many EM fits, in double,

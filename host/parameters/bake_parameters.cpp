@@ -238,6 +238,11 @@ Rows fit_rows() {
        .hashed_as = "rehearse_start",
        .chosen_by_target = true,
        .surfaces = kJob},
+      {.name = "farthest_start",
+       .help = "start from normals that lie farthest apart (Hochbaum and Shmoys), as Han et al. 2007 do, for "
+               "comparison: mostly a worse fit",
+       .hashed_as = "farthest_start",
+       .surfaces = kJob},
       {.name = "unaligned",
        .help = "fit every texel by itself, for comparison: filtering then mixes unlike lobes",
        .hashed_as = "aligned_start",

@@ -228,6 +228,31 @@ def shininess(study, material):
     study.table(["s", "six lobes", "Toksvig"], rows)
 
 
+def starts(study):
+    """Section 7.2's choice of lobes to start from, Hochbaum and Shmoys', beside the search."""
+    source = study.path("quarters_normal.png")
+    study.heading("Section 7.2: where EM starts")
+    study.paragraph("The paper starts a texel's lobes from those of its children that lie farthest apart (Hochbaum and",
+                    "Shmoys). Here texels start from their parent, so that the choice is that of the coarsest texel:",
+                    "normals that lie farthest apart, beside the search of the default (docs/ALGORITHMS.md). One point more",
+                    "or less at the rim decides which normals are farthest, and EM does not leave where that leads.")
+    shown, rows = [], []
+    for count in (4, 6):
+        views = {}
+        for words, name, options in (("farthest apart", "farthest", ("--farthest-start",)),
+                                     ("searched", "searched", ())):
+            bake = study.bake(f"start_{name}{count}", source, "--green", "up", "--lobes", str(count), *options)
+            view = views[words] = study.view(f"start_{name}{count}", f"start_{name}{count}", "--source", source,
+                                             "--green", "up", "--brdf", "blinn-phong:100", "--diffuse", "0.4",
+                                             "--specular", "0.15", *FRAME, compare=(REFERENCE,))
+            rows.append([f"{count} lobes, {words}", percent(relative_l1(view["multum"], view[REFERENCE])),
+                         *[percent(measured(bake, level, "blinn-phong:100")) for level in (3, 5, 7)]])
+        shown += [(views["searched"][REFERENCE], "reference")] if not shown else []
+        shown += [(view["multum"], f"{count} lobes, {words}") for words, view in views.items()]
+    study.figures(shown, name="starts")
+    study.table(["start", "picture, s = 100", "level 3", "level 5", "level 7"], rows)
+
+
 def lobe_counts(study):
     source = study.testmap("scales", "--quarter", "armour", size=256)
     normals = read_normals(source)
@@ -265,5 +290,6 @@ def reproduce(study):
     draped_cloth(study)
     shininess(study, material)
     lobe_counts(study)
+    starts(study)
     environment_light(study)
     changing_light(study)

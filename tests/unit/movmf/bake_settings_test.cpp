@@ -66,6 +66,7 @@ TEST(BakeSettingsTest, TheTextChangesWithEachSettingThatChangesPixels) {
                                        [](auto& s) { s.alignment = 0.5f; },
                                        [](auto& s) { s.aligned_start = false; },
                                        [](auto& s) { s.search_start = false; },
+                                       [](auto& s) { s.farthest_start = true; },
                                        [](auto& s) { s.periodic_x = true; },
                                        [](auto& s) { s.periodic_y = true; },
                                        [](auto& s) { s.first_level = 1; },

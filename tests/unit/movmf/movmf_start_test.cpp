@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <random>
 #include <set>
 
+#include "host/base/mean_cosine.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {
@@ -62,6 +65,64 @@ TEST(MovmfStartTest, CandidatesDifferAndAreFewAndFiniteAndTheSameForAnyThreads) 
         EXPECT_EQ(one[c][j].amplitude, three[c][j].amplitude);
       }
     }
+  }
+}
+
+// How far the highlights of the best candidate are from those of the map's normals, relative L1, s = 100.
+double highlight_error(const NormalMap& map, const std::vector<MultumVmfLobe>& lobes) {
+  constexpr double kSharpness = 100.0;
+  const auto density = [](double kappa, double cosine) {
+    return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (cosine - 1.0));
+  };
+  const auto count = static_cast<double>(map.x.size());
+  double difference = 0.0, total = 0.0;
+  for (const glm::dvec3& h : spread_half_vectors(256)) {
+    double exact = 0.0, model = 0.0;
+    for (std::size_t i = 0; i < map.x.size(); ++i)
+      exact += density(kSharpness, glm::dot(h, glm::dvec3(glm::vec3(map.x[i], map.y[i], map.z[i])))) / count;
+    for (const MultumVmfLobe& lobe : lobes) {
+      const glm::dvec3 r(lobe.mean_x, lobe.mean_y, lobe.mean_z);
+      const double kappa = kappa_of_mean_cosine(glm::length(r) * (1.0 - 1.0 / kSharpness), 1e6);
+      model += static_cast<double>(lobe.amplitude) * density(kappa, glm::dot(h, glm::normalize(r)));
+    }
+    difference += std::abs(model - exact);
+    total += exact;
+  }
+  return difference / total;
+}
+
+// Normals of `count` clusters, few of them broad or of a large share.
+NormalMap clustered_map(int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<glm::dvec3> centres;
+  std::vector<double> widths, ends;
+  double end = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double turn = 2.0 * M_PI * testing::uniform24(random), radius = 0.7 * testing::uniform24(random);
+    centres.emplace_back(radius * std::cos(turn), radius * std::sin(turn), 1.0);
+    widths.push_back(0.2 * std::pow(testing::uniform24(random), 5.0));
+    ends.push_back(end += std::pow(testing::uniform24(random), 8.0));
+  }
+  std::normal_distribution<double> normal;
+  return make_map(48, 48, [&](int, int) {
+    const double place = end * testing::uniform24(random);
+    const auto i = static_cast<std::size_t>(std::lower_bound(ends.begin(), ends.end(), place) - ends.begin());
+    return glm::normalize(centres[i] + widths[i] * glm::dvec3(normal(random), normal(random), 0.0));
+  });
+}
+
+// Of sharp and broad clusters with very unequal shares, few random trials of 6 lobes find the best optimum; those that
+// grow from 4 do.
+TEST(MovmfStartTest, StartsThatGrowFromFewerLobesAreNearer) {
+  for (const unsigned seed : {16u, 110u, 111u, 129u}) {
+    const NormalMap map = clustered_map(20, seed);
+    StartSearch search{6, 500.0f, 1, 2};
+    const double grown = highlight_error(map, start_candidates(planes_of(map), search).front());
+    search.grows_starts = false;
+    const double at_random = highlight_error(map, start_candidates(planes_of(map), search).front());
+    EXPECT_LT(grown, 0.85 * at_random) << "seed " << seed;
+    search.lobe_count = 4;
+    EXPECT_LT(grown, highlight_error(map, start_candidates(planes_of(map), search).front())) << "4 lobes, " << seed;
   }
 }
 

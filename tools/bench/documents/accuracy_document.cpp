@@ -156,6 +156,9 @@ std::vector<Variant> compared_variants() {
   Variant unsearched{"4 lobes, no start search", with_lobes(4)};
   unsearched.settings.search_start = false;
   variants.push_back(unsearched);
+  Variant farthest{"4 lobes, started from farthest normals (the paper's)", with_lobes(4)};
+  farthest.settings.farthest_start = true;
+  variants.push_back(farthest);
   Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
   scanline.settings.order = FitOrder::kScanline;
   variants.push_back(scanline);
