@@ -116,8 +116,8 @@ def first_value(path, key):
     return found.split("=" if "=" in found else ":", 1)[1].strip().strip('"')
 
 
-def machine(devices, contexts, versions):
-    """A table of what the page's figures were measured on."""
+def machine_rows(devices, contexts, versions):
+    """What a page's figures were measured on: (what, its name)."""
     commit = f"commit {committed_tree.commit_of()}"  # behind which -dirty stands where sources are not committed
     rows = [["processor", first_value("/proc/cpuinfo", "model name") or platform.machine()],
             ["logical cores", len(os.sched_getaffinity(0))],
@@ -126,4 +126,12 @@ def machine(devices, contexts, versions):
             ["GL", ", ".join(sorted(contexts))],
             ["multum", ", ".join(sorted(versions)) +
              (f", {commit}" if commit else "")]]
-    return table(["", ""], [r for r in rows if r[1]])
+    return [r for r in rows if r[1]]
+
+
+def machine(devices, contexts, versions):
+    return table(["", ""], machine_rows(devices, contexts, versions))
+
+
+def machine_words(devices, contexts, versions):
+    return "; ".join(f"{what}: {name}" for what, name in machine_rows(devices, contexts, versions)) + "."

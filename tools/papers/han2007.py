@@ -7,8 +7,8 @@ import numpy as np
 import OpenImageIO as oiio
 from ndf import density_error, density_of_lobes, density_of_normals, disk, picture, read_lobes, read_normals
 from report_page import percent
-from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_picture, relative_l1, write_picture,
-                   write_sky)
+from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_picture, relative_l1, srgb,
+                   write_picture, write_sky)
 
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
@@ -205,7 +205,7 @@ def changing_light(study):
         costs.append([words, [frame[0]["environment_processor_ms"]
                               for frame in json.loads(report.read_text())["pictures"]]])
     study.strip("changing_light", [(box_reduced(read_picture(folder / f"frame_{k:04}.png")[:, :, :3], 2),
-                                    f"frame {k + 1}") for k in range(frames)])
+                                    f"frame {k + 1}") for k in range(frames)], kind="jpg")
     study.table(["relative L1", "first frame", "in the middle", "last"], errors)
     study.table(["processor time a frame, ms", "a new environment, 512 x 256", "the mixture of two", "into the shader"],
                 [[words, f"{spent[0]['made']:.0f}", f"{np.median([s['made'] for s in spent[1:-1]]):.1f}",
@@ -234,8 +234,8 @@ def starts(study):
     study.heading("Section 7.2: where EM starts")
     study.paragraph("The paper starts a texel's lobes from those of its children that lie farthest apart (Hochbaum and",
                     "Shmoys). Here texels start from their parent, so that the choice is that of the coarsest texel:",
-                    "normals that lie farthest apart, beside the search of the default (docs/ALGORITHMS.md). One point more",
-                    "or less at the rim decides which normals are farthest, and EM does not leave where that leads.")
+                    "normals that lie farthest apart, beside the search of the default (docs/ALGORITHMS.md). One point",
+                    "more or less at the rim decides which are farthest, and EM does not leave where that leads.")
     shown, rows = [], []
     for count in (4, 6):
         views = {}
@@ -249,7 +249,7 @@ def starts(study):
                          *[percent(measured(bake, level, "blinn-phong:100")) for level in (3, 5, 7)]])
         shown += [(views["searched"][REFERENCE], "reference")] if not shown else []
         shown += [(view["multum"], f"{count} lobes, {words}") for words, view in views.items()]
-    study.figures(shown, name="starts")
+    study.strip("starts", [(srgb(picture), caption) for picture, caption in shown], kind="jpg")
     study.table(["start", "picture, s = 100", "level 3", "level 5", "level 7"], rows)
 
 

@@ -133,9 +133,31 @@ def draw_every_material(study):
     study.table(["", *[label for label, _, _ in kinds]], rows)
 
 
+def draw_same_filter(study):
+    """What is left where the reference averages over the texels that the filter takes."""
+    normal = study.testmap("same_filter")
+    study.bake("same_filter", normal, "--green", "up", "--no-measure")
+    methods = (("4 vMF lobes", "multum"), ("Toksvig", "toksvig"), ("LEAN as published", "lean"),
+               ("LEAN with the Jacobian", "lean-jacobian"))
+    columns = []
+    for exponent in (20, 100, 500):
+        for of in ("texels", "pixel"):
+            view = study.view(f"same_filter_{exponent}_{of}", "same_filter", "--source", normal, "--size", "320x240",
+                              "--brdf", f"blinn-phong:{exponent}", "--diffuse", "0", "--repeat", "60", *LIGHT,
+                              "--reference-of", of, compare=("truth", *[name for _, name in methods[1:]]))
+            columns.append((f"s = {exponent}, {'same filter' if of == 'texels' else 'pixel'}",
+                            {name: relative_l1(view[name], view["truth"]) for _, name in methods}))
+    study.heading("What the picture's filter costs")
+    study.paragraph("Highlights alone on the four-quarter map, against a reference that averages over the texels that",
+                    "the filter takes, and against one that averages over the pixel: the difference is the filter's.")
+    study.table(["", *[words for words, _ in columns]],
+                [[label, *[percent(errors[name]) for _, errors in columns]] for label, name in methods])
+
+
 def reproduce(study):
     study.samples = None  # as many as the reference's noise takes
     study.paragraph("The oblique plane under one light, Blinn-Phong of s = 100, all by multum-view's own filter:",
                     "relative L1 of each picture against samples of the map itself.")
     draw_every_map(study)
     draw_every_material(study)
+    draw_same_filter(study)

@@ -9,13 +9,14 @@ import pathlib
 import shlex
 import subprocess
 import sys
+import textwrap
 import time
 
 import numpy as np
 import OpenImageIO as oiio
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from report_page import STYLE, machine, table, text  # noqa: E402
+from report_page import STYLE, machine, machine_words, table, text  # noqa: E402
 
 # multum-view's name of the picture that others are held to: many samples of the finest normals a pixel.
 REFERENCE = "truth"
@@ -116,6 +117,8 @@ class Study:
         self.title, self.folder, self.programs, self.data = title, folder, programs, data
         self.size, self.samples, self.picture_count = size, samples, 0
         self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
+        self.strips = []  # (file of the folder, its name in docs/images)
+        self.markdown = []  # the same for docs/PAPERS.md: headings, paragraphs, tables and strips
         folder.mkdir(parents=True, exist_ok=True)
 
     # ---- steps
@@ -180,12 +183,17 @@ class Study:
 
     def heading(self, words, level=2):
         self.parts.append(f"<h{level}>{text(words)}</h{level}>")
+        self.markdown.append(f"{'#' * (level + 1)} {words}")
 
     def paragraph(self, *words):
         self.parts.append(f"<p>{text(' '.join(words))}</p>")
+        self.markdown.append(textwrap.fill(" ".join(words), 150, break_long_words=False, break_on_hyphens=False))
 
     def table(self, head, rows):
         self.parts.append(table(head, rows))
+        plain = lambda cell: str(cell[0] if isinstance(cell, tuple) else cell).replace("|", "\\|")
+        lines = [head, ["---"] * len(head), *rows]
+        self.markdown.append("\n".join("| " + " | ".join(map(plain, line)) + " |" for line in lines))
 
     def html(self, markup):
         self.parts.append(markup)
@@ -205,13 +213,16 @@ class Study:
                  f"<figcaption>{text(caption)}</figcaption></figure>" for file, caption in files]
         self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 
-    def strip(self, name, shown, zoom=1, crop=None):
+    def strip(self, name, shown, zoom=1, crop=None, kind="png"):
         """One picture, NAME.png, of several beside one another. `shown`: (displayed values 0..1, caption) each, in
-        squares of `zoom` x `zoom`; `crop`: rows and columns, as slices, of each."""
+        squares of `zoom` x `zoom`; `crop`: rows and columns, as slices, of each. docs/images has it as NAME.KIND."""
         parts = [picture[crop] if crop else picture for picture, _ in shown]
         enlarged = [part.repeat(zoom, 0).repeat(zoom, 1) for part in parts]
         write_picture(self.path(f"{name}.png"), np.concatenate(enlarged, axis=1))
-        self.picture_files([(f"{name}.png", "; ".join(caption for _, caption in shown))])
+        captions = "; ".join(caption for _, caption in shown)
+        self.picture_files([(f"{name}.png", captions)])
+        self.strips.append((f"{name}.png", f"{name}.{kind}"))
+        self.markdown.append(f"![{captions}](images/{name}.{kind})")
 
     def write_page(self):
         rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]
@@ -228,3 +239,14 @@ class Study:
         partial = self.path("index.html.tmp")
         partial.write_text(page, encoding="utf-8")
         partial.replace(self.path("index.html"))
+
+    def section(self):
+        """What docs/PAPERS.md has of this page."""
+        of_maps = f"Maps that are made: {self.size} x {self.size}. "
+        return "\n\n".join([f"## {self.title}", of_maps + machine_words(self.devices, self.contexts, self.versions),
+                            *self.markdown]) + "\n"
+
+    def write_document_pictures(self, folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for file, name in self.strips:
+            write_picture(folder / name, read_picture(self.path(file))[:, :, :3])
