@@ -2,7 +2,6 @@
 // What multum-view refuses and warns of: exit codes, messages, and files that appear whole or not at all.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
