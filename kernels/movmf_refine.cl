@@ -3,19 +3,27 @@
 //
 //   minimise  sum_s w_s integral (sum_j a_j gamma_js(h) - 1/N sum_i f_s(h . n_i))^2 dh,   f_s = Blinn-Phong of s
 //
-// with the sum of amplitudes and the mean normal held. gamma_js is lobe j convolved with f_s. Inner products need no
-// directions h: lobe times sample is the lobe convolved with f_s twice, at the sample, and since mean cosines multiply
-// under convolution (docs/ALGORITHMS.md, "Shading a filtered lobe") it is the vMF with A = |r_j| c_s^2; lobe times lobe
-// has A = |r_j| |r_k| c_s^2. Ours; neither paper fits to what is seen.
+// at the texel's centre, with the mean normal held by a weight, and, since a picture shows what lies between centres,
+// as much again of each of the four texels beside it: the two texels' lobes pooled as the hardware pools them must show
+// the mean of what both texels' lobes of EM show. A texel reads what EM left beside it and never what this kernel
+// writes: texels are independent of one another.
 //
-// A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe. For the matrix alone
-// 1/kappa stands in for the sum of the spreads, which is what it is for sharp lobes: it steers, and biases nothing.
+// gamma_js is lobe j convolved with f_s. Inner products need no directions h: lobe times sample is the lobe convolved
+// with f_s twice, at the sample, and since mean cosines multiply under convolution (docs/ALGORITHMS.md, "Shading a
+// filtered lobe") it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. Ours; neither paper fits
+// to what is seen.
+//
+// A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe; one that does not lower the
+// energy is taken back and a quarter of it tried. For the matrix alone 1/kappa stands in for the sum of the spreads,
+// which is what it is for sharp lobes: it steers, and biases nothing.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   samples, sample_counts, texel_list   as movmf_em_texels.cl has them
-//   level   [lobe][window_rows * width]  read and written: r and amplitude
+//   level     [lobe][window_rows * width]  what EM left: r and amplitude, of the texels and of those beside them
+//   refined   the same, written for the texels of the list
 // Sums run over samples, lobes and BRDFs in their order: the same bytes from both variants. Compute bound: about 55
-// operations a lobe and sample, and (4 MULTUM_LOBES)^3 / 6 for the step.
+// operations a lobe and sample, 10 MULTUM_LOBES^2 pairs of lobes of some 300 each, and (4 MULTUM_LOBES)^3 / 6 for the
+// step.
 
 #include "device/level_window.clh"
 #include "device/vmf.clh"
@@ -43,6 +51,7 @@ __constant float brdf_spreads[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_SPREADS;
 typedef struct RefinedLobe {
   real_v amplitude, x, y, z, spread;  // direction of unit length; 1 - |r|
   real_v ex, ey, ez, fx, fy, fz;      // two unit tangents
+  real_v widening;                    // derivative of the spread by the fourth parameter
 } RefinedLobe;
 
 // A vMF by its mean cosine A: peak exp(-kappa u), up to 1/(2 pi), and what its derivatives need.
@@ -84,9 +93,24 @@ static inline void set_tangents(RefinedLobe* lobe) {
   lobe->fz = -lobe->y;
 }
 
-static void load_lobes(__global const MultumVmfLobe* level, __global const int* texels, size_t level_size,
-                       RefinedLobe* lobes) {
-  for (int j = 0; j < MULTUM_LOBES; ++j) {
+// r and an amplitude as a lobe; its parameters are those of a step.
+static RefinedLobe lobe_of(real_v rx, real_v ry, real_v rz, real_v amplitude) {
+  const real_v length = length_of(rx, ry, rz);
+  const int_v directed = length > 1e-6f;
+  const real_v inverse = 1.0f / MAX_V(length, (real_v)(1e-6f));
+  RefinedLobe lobe;
+  lobe.amplitude = MAX_V(amplitude, (real_v)(MULTUM_REFINE_AMPLITUDE_MIN));
+  lobe.x = directed ? rx * inverse : (real_v)(0.0f);
+  lobe.y = directed ? ry * inverse : (real_v)(0.0f);
+  lobe.z = directed ? rz * inverse : (real_v)(1.0f);
+  lobe.spread = MAX_V(1.0f - length, (real_v)(0.0f));
+  lobe.widening = lobe.spread;
+  set_tangents(&lobe);
+  return lobe;
+}
+
+static void load_lobes(__global const MultumVmfLobe* level, const int* texels, size_t level_size, RefinedLobe* lobes) {
+  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
     float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
     for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
       const MultumVmfLobe lobe = level[j * level_size + max(texels[lane], 0)];
@@ -95,22 +119,13 @@ static void load_lobes(__global const MultumVmfLobe* level, __global const int* 
       z[lane] = lobe.mean_z;
       a[lane] = lobe.amplitude;
     }
-    const real_v rx = LOAD_V(x), ry = LOAD_V(y), rz = LOAD_V(z);
-    const real_v length = length_of(rx, ry, rz);
-    const int_v directed = length > 1e-6f;
-    const real_v inverse = 1.0f / MAX_V(length, (real_v)(1e-6f));
-    RefinedLobe* lobe = lobes + j;
-    lobe->amplitude = MAX_V(LOAD_V(a), (real_v)(MULTUM_REFINE_AMPLITUDE_MIN));
-    lobe->x = directed ? rx * inverse : (real_v)(0.0f);
-    lobe->y = directed ? ry * inverse : (real_v)(0.0f);
-    lobe->z = directed ? rz * inverse : (real_v)(1.0f);
-    lobe->spread = MAX_V(1.0f - length, (real_v)(0.0f));
+    lobes[j] = lobe_of(LOAD_V(x), LOAD_V(y), LOAD_V(z), LOAD_V(a));
   }
 }
 
-// The samples' part of the gradient of lobe j, and no more: four parameters.
-static void subtract_samples(const RefinedLobe* lobe, __global const float* samples, int sample_count,
-                             float weight_inverse, real_v* gradient) {
+// The samples' part of the gradient of lobe j, and no more: four parameters. Returns their part of the energy.
+static real_v subtract_samples(const RefinedLobe* lobe, __global const float* samples, int sample_count,
+                               float weight_inverse, real_v* gradient) {
   real_v exponent[MULTUM_REFINE_BRDFS], value[MULTUM_REFINE_BRDFS], turn[MULTUM_REFINE_BRDFS];
   real_v widen[MULTUM_REFINE_BRDFS], widen_peak[MULTUM_REFINE_BRDFS];
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
@@ -119,7 +134,7 @@ static void subtract_samples(const RefinedLobe* lobe, __global const float* samp
     exponent[s] = b.kappa * -MULTUM_LOG2E;
     value[s] = b.peak * (brdf_weights[s] * weight_inverse);
     turn[s] = value[s] * b.kappa;
-    widen[s] = value[s] * b.kappa_slope * -c2 * lobe->spread;
+    widen[s] = value[s] * b.kappa_slope * -c2 * lobe->widening;
     widen_peak[s] = widen[s] * b.peak_slope;
   }
   const real_v x = lobe->x, y = lobe->y, z = lobe->z;
@@ -152,13 +167,15 @@ static void subtract_samples(const RefinedLobe* lobe, __global const float* samp
   gradient[1] = -lobe->amplitude * dot_v(sum_x, sum_y, sum_z, lobe->ex, lobe->ey, lobe->ez);
   gradient[2] = -lobe->amplitude * dot_v(sum_x, sum_y, sum_z, lobe->fx, lobe->fy, lobe->fz);
   gradient[3] = -lobe->amplitude * sum_wider;
+  return -2.0f * lobe->amplitude * sum;
 }
 
-// Lobes j and k <= j: their block of the matrix, and their parts of the gradient.
-static void add_pair(const RefinedLobe* lobes, int j, int k, real_v* matrix, real_v* gradient) {
-  const RefinedLobe *one = lobes + j, *other = lobes + k;
+// Two lobes, or one with itself: the products of their derivatives, [of one][of the other], and their part of the
+// gradient, of one alone. Returns their part of the energy.
+static real_v pair_products(const RefinedLobe* one, const RefinedLobe* other, bool same, real_v* block,
+                            real_v* gradient, real_v* gradient_other) {
   const real_v gap =
-      j == k ? (real_v)(0.0f) : MAX_V(gap_of(one->x, one->y, one->z, other->x, other->y, other->z), (real_v)(0.0f));
+      same ? (real_v)(0.0f) : MAX_V(gap_of(one->x, one->y, one->z, other->x, other->y, other->z), (real_v)(0.0f));
   const real_v spread = fma(-one->spread, other->spread, one->spread + other->spread);
   // Sums over the BRDFs of w V and its derivatives in t = 1 - u, in the spread v = 1/kappa, and in A.
   real_v value = (real_v)(0.0f), by_t = value, by_tt = value, by_v = value, by_vv = value, by_tv = value, by_a = value;
@@ -185,42 +202,155 @@ static void add_pair(const RefinedLobe* lobes, int j, int k, real_v* matrix, rea
   const real_v fe = dot_v(one->fx, one->fy, one->fz, other->ex, other->ey, other->ez);
   const real_v ff = dot_v(one->fx, one->fy, one->fz, other->fx, other->fy, other->fz);
 
-  gradient[4 * j] = fma(ak, value, gradient[4 * j]);
-  gradient[4 * j + 1] = fma(both * by_t, je, gradient[4 * j + 1]);
-  gradient[4 * j + 2] = fma(both * by_t, jf, gradient[4 * j + 2]);
-  gradient[4 * j + 3] = fma(-one->spread * (1.0f - other->spread), both * by_a, gradient[4 * j + 3]);
-  if (j != k) {
-    gradient[4 * k] = fma(aj, value, gradient[4 * k]);
-    gradient[4 * k + 1] = fma(both * by_t, ke, gradient[4 * k + 1]);
-    gradient[4 * k + 2] = fma(both * by_t, kf, gradient[4 * k + 2]);
-    gradient[4 * k + 3] = fma(-other->spread * (1.0f - one->spread), both * by_a, gradient[4 * k + 3]);
+  gradient[0] = fma(ak, value, gradient[0]);
+  gradient[1] = fma(both * by_t, je, gradient[1]);
+  gradient[2] = fma(both * by_t, jf, gradient[2]);
+  gradient[3] = fma(-one->widening * (1.0f - other->spread), both * by_a, gradient[3]);
+  if (!same) {
+    gradient_other[0] = fma(aj, value, gradient_other[0]);
+    gradient_other[1] = fma(both * by_t, ke, gradient_other[1]);
+    gradient_other[2] = fma(both * by_t, kf, gradient_other[2]);
+    gradient_other[3] = fma(-other->widening * (1.0f - one->spread), both * by_a, gradient_other[3]);
   }
-  const real_v qj = one->spread, qk = other->spread;
-  const real_v block[16] = {value,
+  const real_v products[16] = {value,
                             ak * by_t * ke,
                             ak * by_t * kf,
-                            ak * qk * by_v,
+                            ak * other->widening * by_v,
                             aj * by_t * je,
                             both * fma(by_tt * je, ke, by_t * ee),
                             both * fma(by_tt * je, kf, by_t * ef),
-                            both * by_tv * qk * je,
+                            both * by_tv * other->widening * je,
                             aj * by_t * jf,
                             both * fma(by_tt * jf, ke, by_t * fe),
                             both * fma(by_tt * jf, kf, by_t * ff),
-                            both * by_tv * qk * jf,
-                            aj * qj * by_v,
-                            both * by_tv * qj * ke,
-                            both * by_tv * qj * kf,
-                            both * by_vv * qj * qk};
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < (j == k ? row + 1 : 4); ++column)
-      matrix[TRIANGLE(4 * j + row, 4 * k + column)] = block[4 * row + column];
+                            both * by_tv * other->widening * jf,
+                            aj * one->widening * by_v,
+                            both * by_tv * one->widening * ke,
+                            both * by_tv * one->widening * kf,
+                            both * by_vv * one->widening * other->widening};
+  for (int i = 0; i < 16; ++i) block[i] = products[i];
+  return (same ? 1.0f : 2.0f) * both * value;
+}
+
+// The lobes' own part of the energy; their matrix is set.
+static real_v add_pairs(const RefinedLobe* lobes, real_v* matrix, real_v* gradient) {
+  real_v energy = (real_v)(0.0f);
+  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) ROLLED for (int k = 0; k <= j; ++k) {
+    real_v block[16];
+    energy += pair_products(lobes + j, lobes + k, j == k, block, gradient + 4 * j, gradient + 4 * k);
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < (j == k ? row + 1 : 4); ++column)
+        matrix[TRIANGLE(4 * j + row, 4 * k + column)] = block[4 * row + column];
+  }
+  return energy;
+}
+
+// Lobes that are to be shown, each with `share` of its amplitude: their part of a lobe's gradient. Returns their part of
+// the energy.
+static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, float share, real_v* gradient) {
+  real_v energy = (real_v)(0.0f);
+  ROLLED for (int k = 0; k < MULTUM_LOBES; ++k) {
+    const RefinedLobe* other = shown + k;
+    const real_v gap = MAX_V(gap_of(lobe->x, lobe->y, lobe->z, other->x, other->y, other->z), (real_v)(0.0f));
+    const real_v spread = fma(-lobe->spread, other->spread, lobe->spread + other->spread);
+    real_v value = (real_v)(0.0f), by_t = value, by_a = value;
+    for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
+      const float c2 = 1.0f - brdf_spreads[s];
+      const Blurred b = blurred((1.0f - spread) * c2, fma(spread, (real_v)(c2), (real_v)(brdf_spreads[s])));
+      const real_v product = b.peak * exp2_v(b.kappa * gap * -MULTUM_LOG2E) * brdf_weights[s];
+      value += product;
+      by_t = fma(product, b.kappa, by_t);
+      by_a = fma(product * (b.peak_slope - gap), b.kappa_slope * c2, by_a);
+    }
+    const real_v a = share * other->amplitude, both = a * lobe->amplitude;
+    gradient[0] = fma(-a, value, gradient[0]);
+    gradient[1] = fma(-both * by_t, dot_v(lobe->ex, lobe->ey, lobe->ez, other->x, other->y, other->z), gradient[1]);
+    gradient[2] = fma(-both * by_t, dot_v(lobe->fx, lobe->fy, lobe->fz, other->x, other->y, other->z), gradient[2]);
+    gradient[3] = fma(lobe->widening * (1.0f - other->spread), both * by_a, gradient[3]);
+    energy = fma(-2.0f * both, value, energy);
+  }
+  return energy;
+}
+
+// Half of one lobe and half of another, pooled as filtering pools them, and [row][column] the derivatives of its
+// parameters by those of the first. Its fourth parameter is its spread itself, which may be 0.
+static RefinedLobe pooled(const RefinedLobe* one, const RefinedLobe* other, real_v* by_one) {
+  const real_v amplitude = 0.5f * (one->amplitude + other->amplitude), inverse = 1.0f / amplitude;
+  const real_v length_one = 1.0f - one->spread;
+  const real_v share_one = 0.5f * one->amplitude * inverse * length_one;
+  const real_v share_other = 0.5f * other->amplitude * inverse * (1.0f - other->spread);
+  RefinedLobe lobe =
+      lobe_of(fma(share_one, one->x, share_other * other->x), fma(share_one, one->y, share_other * other->y),
+              fma(share_one, one->z, share_other * other->z), amplitude);
+  lobe.widening = (real_v)(1.0f);
+  const real_v length = 1.0f - lobe.spread, turn_inverse = 1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN));
+  // Half of the derivatives of a r over the pooled amplitude, less what a larger amplitude does to r.
+  const real_v turned = 0.5f * one->amplitude * inverse * length_one;
+  const real_v shortened = -0.5f * one->amplitude * inverse * one->widening, grown = 0.5f * inverse;
+  const real_v moved[12] = {grown * fma(length_one, one->x, -length * lobe.x),
+                            grown * fma(length_one, one->y, -length * lobe.y),
+                            grown * fma(length_one, one->z, -length * lobe.z),
+                            turned * one->ex,
+                            turned * one->ey,
+                            turned * one->ez,
+                            turned * one->fx,
+                            turned * one->fy,
+                            turned * one->fz,
+                            shortened * one->x,
+                            shortened * one->y,
+                            shortened * one->z};
+  for (int column = 0; column < 4; ++column) {
+    const real_v* m = moved + 3 * column;
+    by_one[column] = column == 0 ? (real_v)(0.5f) : (real_v)(0.0f);
+    by_one[4 + column] = turn_inverse * dot_v(lobe.ex, lobe.ey, lobe.ez, m[0], m[1], m[2]);
+    by_one[8 + column] = turn_inverse * dot_v(lobe.fx, lobe.fy, lobe.fz, m[0], m[1], m[2]);
+    by_one[12 + column] = -dot_v(lobe.x, lobe.y, lobe.z, m[0], m[1], m[2]);
+  }
+  return lobe;
+}
+
+// Adds what the lobes show midway to a texel beside, of which `start` and `beside` are EM's. Returns the energy.
+static real_v add_midway(const RefinedLobe* lobes, const RefinedLobe* start, const RefinedLobe* beside, real_v weight,
+                         real_v* matrix, real_v* gradient) {
+  RefinedLobe mixed[MULTUM_LOBES];
+  real_v by_lobe[16 * MULTUM_LOBES], mixed_gradient[PARAMETERS], energy = (real_v)(0.0f);
+  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
+    mixed[j] = pooled(lobes + j, beside + j, by_lobe + 16 * j);
+    for (int i = 0; i < 4; ++i) mixed_gradient[4 * j + i] = (real_v)(0.0f);
+    energy += subtract_lobes(mixed + j, start, 0.5f, mixed_gradient + 4 * j);
+    energy += subtract_lobes(mixed + j, beside, 0.5f, mixed_gradient + 4 * j);
+  }
+  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) ROLLED for (int k = 0; k <= j; ++k) {
+    real_v block[16], right_done[16];
+    energy += pair_products(mixed + j, mixed + k, j == k, block, mixed_gradient + 4 * j, mixed_gradient + 4 * k);
+    const real_v *left = by_lobe + 16 * j, *right = by_lobe + 16 * k;
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) {
+        real_v sum = block[4 * row] * right[column];
+        for (int i = 1; i < 4; ++i) sum = fma(block[4 * row + i], right[4 * i + column], sum);
+        right_done[4 * row + column] = sum;
+      }
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < (j == k ? row + 1 : 4); ++column) {
+        real_v sum = left[row] * right_done[column];
+        for (int i = 1; i < 4; ++i) sum = fma(left[4 * i + row], right_done[4 * i + column], sum);
+        const int at = TRIANGLE(4 * j + row, 4 * k + column);
+        matrix[at] = fma(weight, sum, matrix[at]);
+      }
+  }
+  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) for (int column = 0; column < 4; ++column) {
+    const real_v* by = by_lobe + 16 * j + column;
+    real_v sum = by[0] * mixed_gradient[4 * j];
+    for (int i = 1; i < 4; ++i) sum = fma(by[4 * i], mixed_gradient[4 * j + i], sum);
+    gradient[4 * j + column] = fma(weight, sum, gradient[4 * j + column]);
+  }
+  return weight * energy;
 }
 
 // What holds the sum of amplitudes and the mean normal: derivatives of (a r, a) of a lobe, [parameter][4].
 static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   const real_v length = 1.0f - lobe->spread, turned = lobe->amplitude * length;
-  const real_v shortened = -lobe->amplitude * lobe->spread, none = (real_v)(0.0f);
+  const real_v shortened = -lobe->amplitude * lobe->widening, none = (real_v)(0.0f);
   const real_v values[16] = {length * lobe->x,    length * lobe->y,    length * lobe->z,    (real_v)(1.0f),
                              turned * lobe->ex,   turned * lobe->ey,   turned * lobe->ez,   none,
                              turned * lobe->fx,   turned * lobe->fy,   turned * lobe->fz,   none,
@@ -228,7 +358,8 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-static void add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
+// Raises the diagonal first: the moments are no part of it, or they would hold lobes where they are. Returns the energy.
+static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
   for (int i = 0; i < 3; ++i) off[i] = -mean[i];
   off[3] = (real_v)(-1.0f);
@@ -238,6 +369,8 @@ static void add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* ma
   }
   ROLLED for (int p = 0; p < PARAMETERS; ++p) {
     const real_v* row = rows + 4 * p;
+    matrix[TRIANGLE(p, p)] =
+        fma(matrix[TRIANGLE(p, p)], (real_v)(1.0f + MULTUM_REFINE_DAMPING), (real_v)(MULTUM_REFINE_DIAGONAL_MIN));
     const real_v held = fma(row[0], off[0], fma(row[1], off[1], fma(row[2], off[2], row[3] * off[3])));
     gradient[p] = fma((real_v)(MULTUM_REFINE_MOMENT_WEIGHT), held, gradient[p]);
     ROLLED for (int k = 0; k <= p; ++k) {
@@ -245,13 +378,13 @@ static void add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* ma
       const real_v product = fma(row[0], column[0], fma(row[1], column[1], fma(row[2], column[2], row[3] * column[3])));
       matrix[TRIANGLE(p, k)] = fma((real_v)(MULTUM_REFINE_MOMENT_WEIGHT), product, matrix[TRIANGLE(p, k)]);
     }
-    matrix[TRIANGLE(p, p)] =
-        fma(matrix[TRIANGLE(p, p)], (real_v)(1.0f + MULTUM_REFINE_DAMPING), (real_v)(MULTUM_REFINE_DIAGONAL_MIN));
   }
+  const real_v squares = fma(off[0], off[0], fma(off[1], off[1], fma(off[2], off[2], off[3] * off[3])));
+  return MULTUM_REFINE_MOMENT_WEIGHT * squares;
 }
 
-// Solves matrix * step = -gradient by Cholesky; the step is in `gradient` afterwards. The raised diagonal bounds the
-// condition of the scaled matrix by 2 PARAMETERS + 1, so that single precision serves and no pivot vanishes.
+// Solves matrix * step = -gradient by Cholesky; the step is in `gradient` afterwards. The raised diagonal keeps pivots
+// well above rounding, so that single precision serves.
 static void solve(real_v* matrix, real_v* gradient) {
   real_v inverse[PARAMETERS];
   ROLLED for (int j = 0; j < PARAMETERS; ++j) {
@@ -294,6 +427,8 @@ static void take_step(RefinedLobe* lobes, const real_v* step) {
     const real_v wider = MIN_V(MAX_V(step[4 * j + 3], (real_v)(-1.0f)), (real_v)(1.0f));
     const real_v spread = lobe->spread * exp2_v(wider * MULTUM_LOG2E);
     lobe->spread = MIN_V(spread, MAX_V(lobe->spread, (real_v)(MULTUM_REFINE_SPREAD_MAX)));
+    lobe->widening = lobe->spread;
+    set_tangents(lobe);
   }
   const real_v inverse = 1.0f / total;
   ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) lobes[j].amplitude *= inverse;
@@ -312,55 +447,86 @@ static void mean_of_samples(__global const float* samples, int sample_count, flo
   for (int k = 0; k < 3; ++k) mean[k] *= weight_inverse;
 }
 
-// Every lobe is moved by what the mean normal is off, so that diffuse light stays; one that would be longer than 1 is
-// cut.
-static void store_lobes(const RefinedLobe* lobes, const real_v* mean, __global MultumVmfLobe* level,
-                        __global const int* texels, size_t level_size) {
-  real_v off_x = mean[0], off_y = mean[1], off_z = mean[2];
-  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
-    const real_v weight = -lobes[j].amplitude * (1.0f - lobes[j].spread);
-    off_x = fma(weight, lobes[j].x, off_x);
-    off_y = fma(weight, lobes[j].y, off_y);
-    off_z = fma(weight, lobes[j].z, off_z);
-  }
+static void store_lobes(const RefinedLobe* lobes, __global MultumVmfLobe* refined, __global const int* texels,
+                        size_t level_size) {
   ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
     const real_v length = 1.0f - lobes[j].spread;
-    const real_v rx = fma(length, lobes[j].x, off_x), ry = fma(length, lobes[j].y, off_y);
-    const real_v rz = fma(length, lobes[j].z, off_z);
-    const real_v cut = 1.0f / MAX_V(length_of(rx, ry, rz), (real_v)(1.0f));
     float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];
-    STORE_V(rx * cut, x);
-    STORE_V(ry * cut, y);
-    STORE_V(rz * cut, z);
+    STORE_V(length * lobes[j].x, x);
+    STORE_V(length * lobes[j].y, y);
+    STORE_V(length * lobes[j].z, z);
     STORE_V(lobes[j].amplitude, a);
     for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
       if (texels[lane] < 0) continue;
-      vstore4((float4)(x[lane], y[lane], z[lane], a[lane]), j * level_size + texels[lane], (__global float*)level);
+      vstore4((float4)(x[lane], y[lane], z[lane], a[lane]), j * level_size + texels[lane], (__global float*)refined);
     }
   }
 }
 
+// The texel beside each: on the left, on the right, above, below; none is there where `weight` is 0.
+static void find_beside(__global const int* texels, const MultumMovmfFit* fit, int side, int* beside, float* weight) {
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    const int texel = max(texels[lane], 0), dx = side == 0 ? -1 : side == 1, dy = side == 2 ? -1 : side == 3;
+    const int x = neighbour(texel_column(texel, fit) + dx, fit->width, fit->periodic_x);
+    const int y = neighbour(texel_row(texel, fit) + dy, fit->height, fit->periodic_y);
+    const int row = y < 0 ? 0 : row_in_window(y, fit->first_row, fit->height);
+    const bool is_there = x >= 0 && y >= 0 && row < fit->window_rows;
+    beside[lane] = is_there ? row * fit->width + x : texel;
+    weight[lane] = is_there ? MULTUM_REFINE_MIDWAY_WEIGHT : 0.0f;
+  }
+}
+
+// Takes over the lobes of those lanes that are better.
+static void keep_better(const RefinedLobe* lobes, int_v better, RefinedLobe* best) {
+  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
+    best[j].amplitude = better ? lobes[j].amplitude : best[j].amplitude;
+    best[j].x = better ? lobes[j].x : best[j].x;
+    best[j].y = better ? lobes[j].y : best[j].y;
+    best[j].z = better ? lobes[j].z : best[j].z;
+    best[j].spread = better ? lobes[j].spread : best[j].spread;
+    best[j].widening = best[j].spread;
+    set_tangents(best + j);
+  }
+}
+
 __kernel void movmf_refine(__global const float* restrict samples, __global const int* restrict sample_counts,
-                           __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
-                           MultumMovmfFit fit) {
+                           __global const int* restrict texel_list, __global const MultumVmfLobe* restrict level,
+                           __global MultumVmfLobe* restrict refined, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (slot >= fit.slot_count) return;
   const int group = slot / MULTUM_GROUP, sample_count = sample_counts[group];
+  const size_t level_size = level_window_size(&fit);
   __global const float* first = samples + (size_t)group * fit.sample_capacity * SAMPLE_STRIDE + slot % MULTUM_GROUP;
-  RefinedLobe lobes[MULTUM_LOBES];
-  real_v mean[3], matrix[PARAMETERS * (PARAMETERS + 1) / 2], gradient[PARAMETERS];
-  load_lobes(level, texel_list + slot, level_window_size(&fit), lobes);
+  RefinedLobe start[MULTUM_LOBES], beside[MULTUM_LOBES], lobes[MULTUM_LOBES], best[MULTUM_LOBES];
+  real_v mean[3], matrix[PARAMETERS * (PARAMETERS + 1) / 2], gradient[PARAMETERS], change[PARAMETERS];
+  real_v least = (real_v)(MULTUM_REFINE_ENERGY_MAX);
+  int texels[MULTUM_VECTOR_WIDTH];
+  float weights[MULTUM_VECTOR_WIDTH];
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) texels[lane] = texel_list[slot + lane];
+  load_lobes(level, texels, level_size, start);
+  ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) lobes[j] = best[j] = start[j];
+  ROLLED for (int p = 0; p < PARAMETERS; ++p) change[p] = (real_v)(0.0f);
   mean_of_samples(first, sample_count, fit.total_weight_inverse, mean);
-  for (int step = 0; step < MULTUM_REFINE_STEPS; ++step) {
-    ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
-      set_tangents(lobes + j);
-      subtract_samples(lobes + j, first, sample_count, fit.total_weight_inverse, gradient + 4 * j);
+  for (int step = 0;; ++step) {
+    real_v energy = (real_v)(0.0f);
+    ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) energy +=
+        subtract_samples(lobes + j, first, sample_count, fit.total_weight_inverse, gradient + 4 * j);
+    energy += add_pairs(lobes, matrix, gradient);
+    ROLLED for (int side = 0; side < 4; ++side) {
+      find_beside(texel_list + slot, &fit, side, texels, weights);
+      load_lobes(level, texels, level_size, beside);
+      energy += add_midway(lobes, start, beside, LOAD_V(weights), matrix, gradient);
     }
-    ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) ROLLED for (int k = 0; k <= j; ++k)
-        add_pair(lobes, j, k, matrix, gradient);
-    add_moments(lobes, mean, matrix, gradient);
+    energy += add_moments(lobes, mean, matrix, gradient);
+    const int_v better = energy < least + MULTUM_REFINE_ENERGY_ROUNDING;
+    keep_better(lobes, better, best);
+    least = MIN_V(energy, least);
+    if (step == MULTUM_REFINE_STEPS) break;
     solve(matrix, gradient);
-    take_step(lobes, gradient);
+    ROLLED for (int p = 0; p < PARAMETERS; ++p)
+      change[p] = better ? gradient[p] : change[p] * MULTUM_REFINE_STEP_CUT;
+    ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) lobes[j] = best[j];
+    take_step(lobes, change);
   }
-  store_lobes(lobes, mean, level, texel_list + slot, level_window_size(&fit));
+  store_lobes(best, refined, texel_list + slot, level_size);
 }

@@ -25,12 +25,6 @@ static int fitted_before(int other_x, int other_y, int x, int y, int order) {
   return colour_rank(other_x, other_y) < colour_rank(x, y);
 }
 
-// Where position i of a row or column of `size` texels is, or -1. Two texels across are neighbours once.
-static int neighbour(int i, int size, int periodic) {
-  if (i >= 0 && i < size) return i;
-  return periodic && size > 2 ? (i < 0 ? size - 1 : 0) : -1;
-}
-
 // Lobes at `texels`.
 static LobeLanes gather(__global const float* lobes, const int* texels) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], a[MULTUM_VECTOR_WIDTH];

@@ -130,7 +130,7 @@ void MovmfEmStep::refine(FitMethod method, MultumMovmfFit fit, std::vector<int> 
   lazy_kernel(method == FitMethod::kBinned ? refine_binned_kernel_ : refine_kernel_, "movmf_refine", "movmf_refine",
               variant)
       .launch({static_cast<std::size_t>(fit.slot_count) / static_cast<std::size_t>(variant.vector_width)}, samples_,
-              sample_counts_, list_, windows.lobes.buffer(), fit);
+              sample_counts_, list_, windows.lobes.buffer(), windows.refined.buffer(), fit);
   device_.finish();
   progress_advance(progress, 0);
 }

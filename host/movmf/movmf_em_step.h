@@ -18,6 +18,7 @@ namespace multum {
 struct StepWindows {
   RowWindow parent;                      // lobes of the next coarser level; empty where fit.parent_width is 0
   RowWindow lobes;                       // of the level
+  RowWindow refined;                     // the same, refined; empty where they are not
   RowWindow alignment_vectors;           // of the level: what its lobes tell their neighbours
   RowWindow features;                    // of the level, [rgb_plane][lobe]
   MapWindows* map = nullptr;             // normals and features that the level covers: kTexels, kChunks
@@ -35,8 +36,9 @@ class MovmfEmStep {
   /// Fits the texels (places in the window, as step_texels() gives them). kChunks passes over the map once an
   /// iteration, in bands of what `normals` holds at most. Throws Cancelled.
   void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
-  /// Refines the lobes of texels that are fitted (movmf_refine.cl); what they tell their neighbours stays, so that it
-  /// does not matter which of them are. kTexels and kBinned. Throws Cancelled.
+  /// Refines the lobes of texels that are fitted, as are those beside them, into the window of refined ones
+  /// (movmf_refine.cl); lobes stay as they are, so that it does not matter which of them are. kTexels and kBinned.
+  /// Throws Cancelled.
   void refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
 
  private:

@@ -164,7 +164,7 @@ class MovmfFitter {
       lobes.move_to(row, count, fill_planes(store.kept->lobes));
       if (has_features()) features.move_to(row, count, fill_planes(*store.kept->features));
       FittedRows rows{row, count,  &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr,
-                      fit, nullptr};
+                      fit, &lobes};
       rows.fit.first_row = row;
       rows.fit.window_rows = band;
       if (normals) normals->move_to(2 * row, finest_end(fit, row + count) - 2 * row);
@@ -214,9 +214,13 @@ class MovmfFitter {
     // Not set to 0: tens of megabytes a band.
     auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
     rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
-    if (store.own)
-      store.own->write(rows.first_row, rows.row_count,
-                       rows.unrefined != nullptr ? rows.unrefined->data() : lobes.get());
+    if (store.own && rows.em_lobes == rows.lobes) {
+      store.own->write(rows.first_row, rows.row_count, lobes.get());
+    } else if (store.own) {
+      std::vector<MultumVmfLobe> em_lobes(lobe_count() * texels);
+      rows.em_lobes->copy_rows(rows.first_row, rows.row_count, em_lobes.data());
+      store.own->write(rows.first_row, rows.row_count, em_lobes.data());
+    }
     std::vector<glm::vec3> features(feature_planes() * texels);
     if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
     std::optional<FinestRows> finest;

@@ -15,9 +15,19 @@ struct WindowRows {
   int level, parent, map;
 };
 
-int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
+bool refines(const LevelSchedule& level, const MovmfSettings& settings) {
+  return settings.refine && 1.0f / level.fit.total_weight_inverse > kRefinedNormalsMin;
+}
+
+// Of EM.
+int em_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   const bool has_parent = level.fit.parent_width > 0 && settings.aligned_start;
   return level.step_count * (has_parent ? settings.pass_count : 1);
+}
+
+// Refining is a last step of all texels, which reads what EM left beside them.
+int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
+  return em_steps(level, settings) + (refines(level, settings) ? 1 : 0);
 }
 
 // Scan-line order reaches as far as the level, and chunks are summed band by band of the map, for all texels at once. A
@@ -70,9 +80,9 @@ LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& le
       inputs_(inputs),
       lobe_count_(settings.lobe_count),
       gaussians_(settings.representation == Representation::kGmm),
-      refines_(settings.refine && 1.0f / level.fit.total_weight_inverse > kRefinedNormalsMin),
       whole_(is_whole(level, settings, plan)),
       band_rows_(whole_ ? level.fit.height : plan.band_rows),
+      em_steps_(em_steps(level, settings)),
       steps_(total_steps(level, settings)),
       handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
       wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
@@ -87,6 +97,7 @@ void LevelFit::make_windows(Device& device, const MovmfSettings& settings, const
   const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
   windows_.lobes = RowWindow(device, lobe_count_, lobe_row, rows.level, "the lobes of a level");
   windows_.alignment_vectors = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
+  if (refines()) windows_.refined = RowWindow(device, lobe_count_, lobe_row, rows.level, "refined lobes of a level");
   if (has_features())
     windows_.features = RowWindow(device, lobe_count_ * static_cast<int>(inputs_.map.features.rgb_planes.size()),
                                   row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
@@ -120,18 +131,11 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
     }
     const int lag = whole_ ? 0 : steps_ - 1;
     const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
-    std::vector<MultumVmfLobe> unrefined;
     for (int row = done.begin; row < done.end; row += handed_rows_) {
       const int count = std::min(handed_rows_, done.end - row);
-      if (refines_) {
-        unrefined.resize(static_cast<std::size_t>(lobe_count_) * static_cast<std::size_t>(fit_.width) *
-                         static_cast<std::size_t>(count));
-        windows_.lobes.copy_rows(row, count, unrefined.data());
-        refine({row, row + count});
-      }
-      finished({row, count, &windows_.lobes, has_features() ? &windows_.features : nullptr,
-                level_.method == FitMethod::kTexels ? &windows_.map->normals : nullptr, fit_,
-                refines_ ? &unrefined : nullptr});
+      finished({row, count, refines() ? &windows_.refined : &windows_.lobes,
+                has_features() ? &windows_.features : nullptr,
+                level_.method == FitMethod::kTexels ? &windows_.map->normals : nullptr, fit_, &windows_.lobes});
     }
     if (whole_) break;
   }
@@ -150,6 +154,7 @@ void LevelFit::move_windows(RowRange rows) {
   const RowStore* there = inputs_.kept != nullptr ? inputs_.kept : inputs_.start;
   const RowWindow::Fill fill = there == nullptr ? nullptr : fill_planes(*there);
   windows_.lobes.move_to(rows.begin, count, fill);
+  if (refines()) windows_.refined.move_to(rows.begin, count, inputs_.kept == nullptr ? nullptr : fill);
   if (inputs_.kept == nullptr) windows_.alignment_vectors.move_to(rows.begin, count, nullptr);
   else windows_.alignment_vectors.move_to(rows.begin, count, fill_alignment_vectors(fill));
   if (has_features()) windows_.features.move_to(rows.begin, count, nullptr);
@@ -204,13 +209,17 @@ RowWindow::Fill LevelFit::fill_alignment_vectors(const RowWindow::Fill& fill_lob
 
 void LevelFit::run_step(int step, RowRange rows) {
   if (rows.begin >= rows.end) return;
+  if (step == em_steps_) {
+    refine(rows);
+    return;
+  }
   const int pass = step / level_.step_count;
   MultumMovmfFit fit = fit_;
   if (pass > 0) {
     fit.order = MULTUM_ORDER_AGAIN;
     fit.iteration_count = level_.refit_iterations;
   }
-  windows_.wants_features = has_features() && step >= steps_ - level_.step_count;
+  windows_.wants_features = has_features() && step >= em_steps_ - level_.step_count;
   em_step_.run(level_.method, fit, texels_of_step(step % level_.step_count, rows), windows_, progress_);
 }
 
@@ -224,10 +233,8 @@ std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {
   return texels;
 }
 
-// Rows whose last step is done: nobody reads their lobes any more but who takes them over. By the steps of the fit,
-// so that no launch holds more texels than one of EM.
+// By the steps of the fit, so that no launch holds more texels than one of EM.
 void LevelFit::refine(RowRange rows) {
-  if (rows.begin >= rows.end) return;
   for (int step = 0; step < level_.step_count; ++step)
     em_step_.refine(level_.method, fit_, texels_of_step(step, rows), windows_, progress_);
 }
@@ -241,7 +248,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   const auto rgb_planes = static_cast<std::uint64_t>(rgb_plane_count);
   const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe),
                       feature_bytes = rgb_planes * lobes * 3 * sizeof(float);
-  std::uint64_t texel_bytes = 2 * lobe_bytes + feature_bytes;
+  std::uint64_t texel_bytes = (refines(level, settings) ? 3 : 2) * lobe_bytes + feature_bytes;
   if (level.method == FitMethod::kBinned) texel_bytes += binned_bytes(fit) * (1 + rgb_planes) + sizeof(int);
   std::uint64_t bytes = product(fit.width, rows.level) * texel_bytes;
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;

@@ -9,6 +9,8 @@
 //   ...
 //   last step S-1   rows  [f - S + 1, f + B - S + 1)      done: handed over
 //
+// Refining (movmf_refine.cl) is a step of its own behind those of EM: it reads what EM left, and writes elsewhere.
+//
 // What a texel becomes depends on neither B nor f, and equals what the steps give over the whole level at once, bit for
 // bit. In a map that repeats the first and last rows depend on one another: S - 1 rows beyond either border are fitted
 // as well, and not handed over.
@@ -44,12 +46,11 @@ struct LevelInputs {
 /// Some finished rows, while the windows still hold them.
 struct FittedRows {
   int first_row, row_count;
-  const RowWindow* lobes;     // of these rows among others
+  const RowWindow* lobes;     // of these rows among others, refined where they are
   const RowWindow* features;  // [triple][lobe]; null: none
   const MapWindow* normals;   // what they cover, of levels that are fitted to all normals; null otherwise
   MultumMovmfFit fit;         // as the windows are now
-  // What EM left of these rows where `lobes` are refined, [lobe][texel]: finer levels grow from it. Null: `lobes`.
-  const std::vector<MultumVmfLobe>* unrefined;
+  const RowWindow* em_lobes;  // what EM left, which finer levels grow from: `lobes` where they are not refined
 };
 
 struct BandPlan {
@@ -71,6 +72,7 @@ class LevelFit {
     int begin, end;
   };
   void make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan);
+  bool refines() const { return steps_ > em_steps_; }
   bool has_features() const { return !inputs_.map.features.empty(); }
   // Rows beyond a border are there when the map repeats, as many as the steps reach.
   bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
@@ -90,10 +92,10 @@ class LevelFit {
   const LevelInputs inputs_;
   const int lobe_count_;
   const bool gaussians_;
-  const bool refines_;
   const bool whole_;
   const int band_rows_;
-  const int steps_;
+  const int em_steps_;
+  const int steps_;  // with the one that refines
   const int handed_rows_;  // at a time
   const RowRange wanted_;  // rows that are handed over
   Progress* progress_;

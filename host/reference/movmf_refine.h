@@ -15,10 +15,16 @@ struct MeanLobe {
   double amplitude;
 };
 
-/// Runs `steps` steps on the lobes of a texel and returns them.
-std::vector<MeanLobe> refine(const std::vector<Sample>& samples, const std::vector<MeanLobe>& lobes, int steps);
+struct RefinedTexel {
+  std::vector<Sample> samples;
+  std::vector<MeanLobe> lobes;                // as EM left them
+  std::vector<std::vector<MeanLobe>> beside;  // those of the up to four texels beside, as many each
+};
 
-/// What is minimised, without the samples' own product, which no lobe changes.
-double refined_energy(const std::vector<Sample>& samples, const std::vector<MeanLobe>& lobes);
+/// Runs `steps` steps on the lobes of a texel and returns them.
+std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps);
+
+/// What is minimised, at some lobes of the texel, without squares that no lobe changes.
+double refined_energy(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
 
 }  // namespace multum::reference

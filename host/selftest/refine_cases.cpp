@@ -14,19 +14,24 @@
 namespace multum {
 namespace {
 
-std::vector<MultumVmfLobe> refine_texel(Device& device, const std::vector<reference::Sample>& samples,
-                                        const std::vector<reference::MeanLobe>& lobes, int vector_width) {
+// A texel of a level of one row, with at most one texel beside it, on its right.
+std::vector<MultumVmfLobe> refine_texel(Device& device, const reference::RefinedTexel& texel, int vector_width) {
+  const std::vector<reference::Sample>& samples = texel.samples;
+  const std::size_t width = 1 + texel.beside.size();
   const std::vector<float> packed = packed_samples({EmTexel{samples, {}}});
   const std::vector<int> counts = {static_cast<int>(samples.size())};
-  std::vector<int> list(kGroup);
-  std::iota(list.begin(), list.end(), 0);
+  std::vector<int> list(kGroup, -1);
+  list[0] = 0;
   std::vector<MultumVmfLobe> level;
-  for (const reference::MeanLobe& lobe : lobes)
-    level.insert(level.end(), kGroup,
-                 {static_cast<float>(lobe.r.x), static_cast<float>(lobe.r.y), static_cast<float>(lobe.r.z),
-                  static_cast<float>(lobe.amplitude)});
+  for (std::size_t j = 0; j < texel.lobes.size(); ++j)
+    for (std::size_t x = 0; x < width; ++x) {
+      const reference::MeanLobe& lobe = x == 0 ? texel.lobes[j] : texel.beside[0][j];
+      level.push_back({static_cast<float>(lobe.r.x), static_cast<float>(lobe.r.y), static_cast<float>(lobe.r.z),
+                       static_cast<float>(lobe.amplitude)});
+    }
   MultumMovmfFit fit = {};
-  fit.map_width = fit.width = fit.slot_count = MULTUM_GROUP;
+  fit.map_width = fit.width = static_cast<int>(width);
+  fit.slot_count = MULTUM_GROUP;
   fit.map_height = fit.height = fit.window_rows = fit.map_window_rows = 1;
   fit.sample_capacity = counts[0];
   double total = 0.0;
@@ -36,24 +41,21 @@ std::vector<MultumVmfLobe> refine_texel(Device& device, const std::vector<refere
   const DeviceBuffer sample_buffer = device.wrap_buffer(packed.data(), packed.size() * sizeof(float), "samples");
   const DeviceBuffer count_buffer = device.wrap_buffer(counts.data(), sizeof(int), "sample counts");
   const DeviceBuffer list_buffer = device.wrap_buffer(list.data(), list.size() * sizeof(int), "texels");
-  DeviceBuffer level_buffer = device.make_buffer(level_bytes, "lobes");
-  device.write(level_buffer, level.data(), level_bytes);
-  device.kernel("movmf_refine", "movmf_refine", {static_cast<int>(lobes.size()), vector_width, true})
+  const DeviceBuffer level_buffer = device.wrap_buffer(level.data(), level_bytes, "lobes");
+  DeviceBuffer refined_buffer = device.make_buffer(level_bytes, "refined lobes");
+  device.kernel("movmf_refine", "movmf_refine", {static_cast<int>(texel.lobes.size()), vector_width, true})
       .launch({kGroup / static_cast<std::size_t>(vector_width)}, sample_buffer, count_buffer, list_buffer, level_buffer,
-              fit);
-  device.read(level_buffer, level.data(), level_bytes);
-  std::vector<MultumVmfLobe> first;
-  for (std::size_t j = 0; j < lobes.size(); ++j) first.push_back(level[j * kGroup]);
+              refined_buffer, fit);
+  std::vector<MultumVmfLobe> refined(level.size()), first;
+  device.read(refined_buffer, refined.data(), level_bytes);
+  for (std::size_t j = 0; j < texel.lobes.size(); ++j) first.push_back(refined[j * width]);
   return first;
 }
 
-// Opposite normals: r = 0, neither direction nor sharpness.
-void lobes_without_direction(Device& device, WorstError& worst) {
-  const std::vector<reference::Sample> samples = repeated({{1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}}, 64);
-  const std::vector<reference::MeanLobe> lobes = {{glm::dvec3(0.0), 0.5}, {glm::dvec3(0.0), 0.5}};
-  const std::vector<reference::MeanLobe> expected = reference::refine(samples, lobes, MULTUM_REFINE_STEPS);
+void compare(Device& device, const reference::RefinedTexel& texel, WorstError& worst) {
+  const std::vector<reference::MeanLobe> expected = reference::refine(texel, MULTUM_REFINE_STEPS);
   for (const int width : device.kernels_are_edited() ? std::vector<int>{1} : std::vector<int>{1, 16}) {
-    const std::vector<MultumVmfLobe> found = refine_texel(device, samples, lobes, width);
+    const std::vector<MultumVmfLobe> found = refine_texel(device, texel, width);
     for (std::size_t j = 0; j < found.size(); ++j) {
       const glm::dvec3 r(found[j].mean_x, found[j].mean_y, found[j].mean_z);
       const double a = static_cast<double>(found[j].amplitude);
@@ -63,14 +65,32 @@ void lobes_without_direction(Device& device, WorstError& worst) {
   }
 }
 
+// Opposite normals: r = 0, neither direction nor sharpness.
+void lobes_without_direction(Device& device, WorstError& worst) {
+  const std::vector<reference::MeanLobe> lobes = {{glm::dvec3(0.0), 0.5}, {glm::dvec3(0.0), 0.5}};
+  compare(device, {repeated({{1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}}, 64), lobes, {}}, worst);
+}
+
+// Lobes that point away from those beside: pooled they have no length, and no lobe turns them.
+void opposite_lobes_beside(Device& device, WorstError& worst) {
+  const std::vector<reference::MeanLobe> lobes = {{{0.0, 0.0, 0.75}, 0.5}, {{0.5, 0.0, 0.5}, 0.5}};
+  const std::vector<reference::MeanLobe> beside = {{{0.0, 0.0, -0.75}, 0.5}, {{-0.5, 0.0, -0.5}, 0.5}};
+  compare(device, {repeated({{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}}, 64), lobes, {beside}}, worst);
+}
+
 }  // namespace
 
 std::vector<NumericalCase> refine_cases() {
   return {{{"refined-lobes-without-direction", "movmf_refine", "kappa 0: its peak is 0/0", "kappa is at least 0.05",
-            2e-3, "absolute, of a and a r", "kappa's polynomial, 3e-5, over six damped steps"},
+            2e-3, "absolute, of a and a r", "kappa's polynomial, 3e-5, over ten damped steps"},
            lobes_without_direction,
            {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",
-             "kappa_of_mean_length(mean, spread)"}}}};
+             "kappa_of_mean_length(mean, spread)"}}},
+          {{"refined-beside-opposite-lobes", "movmf_refine", "pooled lobes of length 0: a turn of them is 1/0",
+            "their length is at least 0.02", 2e-3, "absolute, of a and a r",
+            "kappa's polynomial, 3e-5, over ten damped steps"},
+           opposite_lobes_beside,
+           {{"movmf_refine", "1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN))", "1.0f / length"}}}};
 }
 
 }  // namespace multum

@@ -4,25 +4,32 @@
 #define MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 
 // Highlights that lobes are refined for: Blinn-Phong of exponent s. By their squares a sharp highlight would outweigh a
-// broad one by the ratio of their exponents, so that each counts 1/s; the sharpest one less, because what it shows most
-// of is single normals, which no few lobes follow (four-quarter map, s = 100, level 3: 10.5 % with 0.3/s, 10.9 with
-// 1/s).
+// broad one by the ratio of their exponents, so that each counts 1/s; the broadest and the sharpest one less: the one
+// differs little between fits, and what the other shows most of is single normals, which no few lobes follow.
 #define MULTUM_REFINE_BRDFS 3
 #define MULTUM_REFINE_EXPONENTS \
   { 20.0f, 100.0f, 500.0f }
 #define MULTUM_REFINE_WEIGHTS \
-  { 1.0f / 20.0f, 1.0f / 100.0f, 0.3f / 500.0f }
+  { 0.15f / 20.0f, 1.0f / 100.0f, 0.24f / 500.0f }
 // 1 - c^2 = (2 s + 3)/(s + 2)^2 of the mean cosine c = (s + 1)/(s + 2).
 #define MULTUM_REFINE_SPREADS \
   { 43.0f / 484.0f, 203.0f / 10404.0f, 1003.0f / 252004.0f }
 
-// Steps, and how far the diagonal is raised in each. More and bolder steps come nearer at texel centres, lose alignment
-// and with it what lies midway: 20 steps with 0.1 take level 3 to 9.8 % at centres, and midway from 10.3 to 11.5.
-#define MULTUM_REFINE_STEPS 6
-#define MULTUM_REFINE_DAMPING 0.5f
-// Weight of the mean normal, which diffuse light shows, and of the sum of amplitudes beside the highlights. It is in
-// the diagonal too, where it holds lobes near their start.
-#define MULTUM_REFINE_MOMENT_WEIGHT 10.0f
+// Steps, and how far the diagonal is raised in each; one that does not lower the energy is cut to this share.
+#define MULTUM_REFINE_STEPS 10
+#define MULTUM_REFINE_DAMPING 0.1f
+#define MULTUM_REFINE_STEP_CUT 0.25f
+// An energy that is higher by no more than single precision rounds it is no reason to take a step back.
+#define MULTUM_REFINE_ENERGY_ROUNDING 1e-6f
+#define MULTUM_REFINE_ENERGY_MAX 3e38f
+// Weight of what is seen midway to each of the four texels beside, where the texel's centre has 1. Without it lobes come
+// nearer at centres and lose alignment.
+#define MULTUM_REFINE_MIDWAY_WEIGHT 0.4f
+// Weight of the mean normal, which diffuse light shows, and of the sum of amplitudes beside the highlights. A mean
+// normal that is held exactly costs highlights more than half of what refining brings.
+#define MULTUM_REFINE_MOMENT_WEIGHT 1.5f
+// Pooled lobes shorter than this turn as if they were as long.
+#define MULTUM_REFINE_LENGTH_MIN 0.02f
 // Raises the diagonal of lobes without weight, which would be 0.
 #define MULTUM_REFINE_DIAGONAL_MIN 1e-6f
 // An amplitude keeps at least this share in a step; kappa changes by at most a factor e, and a lobe turns by at most
