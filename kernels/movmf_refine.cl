@@ -10,8 +10,8 @@
 //
 // gamma_js is lobe j convolved with f_s. Inner products need no directions h: lobe times sample is the lobe convolved
 // with f_s twice, at the sample, and since mean cosines multiply under convolution (docs/ALGORITHMS.md, "Shading a
-// filtered lobe") it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. Ours; neither paper fits
-// to what is seen.
+// filtered lobe") it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. Ours; neither paper
+// fits to what is seen.
 //
 // A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe; one that does not lower the
 // energy is taken back and a quarter of it tried. For the matrix alone 1/kappa stands in for the sum of the spreads,
@@ -213,21 +213,21 @@ static real_v pair_products(const RefinedLobe* one, const RefinedLobe* other, bo
     gradient_other[3] = fma(-other->widening * (1.0f - one->spread), both * by_a, gradient_other[3]);
   }
   const real_v products[16] = {value,
-                            ak * by_t * ke,
-                            ak * by_t * kf,
-                            ak * other->widening * by_v,
-                            aj * by_t * je,
-                            both * fma(by_tt * je, ke, by_t * ee),
-                            both * fma(by_tt * je, kf, by_t * ef),
-                            both * by_tv * other->widening * je,
-                            aj * by_t * jf,
-                            both * fma(by_tt * jf, ke, by_t * fe),
-                            both * fma(by_tt * jf, kf, by_t * ff),
-                            both * by_tv * other->widening * jf,
-                            aj * one->widening * by_v,
-                            both * by_tv * one->widening * ke,
-                            both * by_tv * one->widening * kf,
-                            both * by_vv * one->widening * other->widening};
+                               ak * by_t * ke,
+                               ak * by_t * kf,
+                               ak * other->widening * by_v,
+                               aj * by_t * je,
+                               both * fma(by_tt * je, ke, by_t * ee),
+                               both * fma(by_tt * je, kf, by_t * ef),
+                               both * by_tv * other->widening * je,
+                               aj * by_t * jf,
+                               both * fma(by_tt * jf, ke, by_t * fe),
+                               both * fma(by_tt * jf, kf, by_t * ff),
+                               both * by_tv * other->widening * jf,
+                               aj * one->widening * by_v,
+                               both * by_tv * one->widening * ke,
+                               both * by_tv * one->widening * kf,
+                               both * by_vv * one->widening * other->widening};
   for (int i = 0; i < 16; ++i) block[i] = products[i];
   return (same ? 1.0f : 2.0f) * both * value;
 }
@@ -245,8 +245,8 @@ static real_v add_pairs(const RefinedLobe* lobes, real_v* matrix, real_v* gradie
   return energy;
 }
 
-// Lobes that are to be shown, each with `share` of its amplitude: their part of a lobe's gradient. Returns their part of
-// the energy.
+// Lobes that are to be shown, each with `share` of its amplitude: their part of a lobe's gradient. Returns their part
+// of the energy.
 static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, float share, real_v* gradient) {
   real_v energy = (real_v)(0.0f);
   ROLLED for (int k = 0; k < MULTUM_LOBES; ++k) {
@@ -358,7 +358,8 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-// Raises the diagonal first: the moments are no part of it, or they would hold lobes where they are. Returns the energy.
+// Raises the diagonal first: the moments are no part of it, or they would hold lobes where they are. Returns the
+// energy.
 static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
   for (int i = 0; i < 3; ++i) off[i] = -mean[i];
@@ -523,8 +524,7 @@ __kernel void movmf_refine(__global const float* restrict samples, __global cons
     least = MIN_V(energy, least);
     if (step == MULTUM_REFINE_STEPS) break;
     solve(matrix, gradient);
-    ROLLED for (int p = 0; p < PARAMETERS; ++p)
-      change[p] = better ? gradient[p] : change[p] * MULTUM_REFINE_STEP_CUT;
+    ROLLED for (int p = 0; p < PARAMETERS; ++p) change[p] = better ? gradient[p] : change[p] * MULTUM_REFINE_STEP_CUT;
     ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) lobes[j] = best[j];
     take_step(lobes, change);
   }

@@ -163,7 +163,7 @@ class MovmfFitter {
       const int count = std::min(band, done - row);
       lobes.move_to(row, count, fill_planes(store.kept->lobes));
       if (has_features()) features.move_to(row, count, fill_planes(*store.kept->features));
-      FittedRows rows{row, count,  &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr,
+      FittedRows rows{row, count, &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr,
                       fit, &lobes};
       rows.fit.first_row = row;
       rows.fit.window_rows = band;

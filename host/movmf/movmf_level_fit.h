@@ -95,7 +95,7 @@ class LevelFit {
   const bool whole_;
   const int band_rows_;
   const int em_steps_;
-  const int steps_;  // with the one that refines
+  const int steps_;        // with the one that refines
   const int handed_rows_;  // at a time
   const RowRange wanted_;  // rows that are handed over
   Progress* progress_;

@@ -182,8 +182,7 @@ std::array<glm::dvec4, 4> moment_rows(const RefinedLobe& lobe) {
 // Half of one lobe and half of another; its fourth parameter is its spread.
 RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   const double amplitude = 0.5 * (one.amplitude + other.amplitude);
-  const glm::dvec3 sum =
-      0.5 * (one.amplitude * one.length() * one.mu + other.amplitude * other.length() * other.mu);
+  const glm::dvec3 sum = 0.5 * (one.amplitude * one.length() * one.mu + other.amplitude * other.length() * other.mu);
   RefinedLobe lobe = lobe_of({sum / amplitude, amplitude});
   lobe.widening = 1.0;
   return lobe;

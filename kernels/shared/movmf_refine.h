@@ -22,8 +22,8 @@
 // An energy that is higher by no more than single precision rounds it is no reason to take a step back.
 #define MULTUM_REFINE_ENERGY_ROUNDING 1e-6f
 #define MULTUM_REFINE_ENERGY_MAX 3e38f
-// Weight of what is seen midway to each of the four texels beside, where the texel's centre has 1. Without it lobes come
-// nearer at centres and lose alignment.
+// Weight of what is seen midway to each of the four texels beside, where the texel's centre has 1. Without it lobes
+// come nearer at centres and lose alignment.
 #define MULTUM_REFINE_MIDWAY_WEIGHT 0.4f
 // Weight of the mean normal, which diffuse light shows, and of the sum of amplitudes beside the highlights. A mean
 // normal that is held exactly costs highlights more than half of what refining brings.

@@ -77,8 +77,8 @@ struct Place {
   }
 };
 Place place_of(std::size_t beside_count, bool repeats) {
-  constexpr Place kPlaces[] = {{1, 1, 0, 0, false}, {2, 1, 0, 0, false}, {3, 1, 1, 0, false}, {3, 2, 1, 0, false},
-                               {3, 3, 1, 1, false}, {3, 3, 0, 0, true}};
+  constexpr Place kPlaces[] = {{1, 1, 0, 0, false}, {2, 1, 0, 0, false}, {3, 1, 1, 0, false},
+                               {3, 2, 1, 0, false}, {3, 3, 1, 1, false}, {3, 3, 0, 0, true}};
   return kPlaces[beside_count + (beside_count == 4 && repeats ? 1 : 0)];
 }
 
@@ -160,8 +160,9 @@ double difference(const std::vector<MultumVmfLobe>& found, const std::vector<ref
   return most;
 }
 
-// A step in fp32 errs by some 1e-6 (sums of up to 300 samples) and 3e-5 of kappa (kappa_of_mean_length). Damped steps add
-// these up, and where the energy has all but come to rest a step may be taken on one side and taken back on the other.
+// A step in fp32 errs by some 1e-6 (sums of up to 300 samples) and 3e-5 of kappa (kappa_of_mean_length). Damped steps
+// add these up, and where the energy has all but come to rest a step may be taken on one side and taken back on the
+// other.
 TEST(MovmfRefineTest, EqualsReference) {
   constexpr unsigned kSeed = 20271;
   std::mt19937 random(kSeed);
