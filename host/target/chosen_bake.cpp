@@ -312,6 +312,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   clock.finish("read");
   if (source.has_roughness() && target.brdf.id != AccuracyBrdf::lambert()) target.brdf.id = AccuracyBrdf::roughness();
   std::vector<SettingCandidate> candidates = target_candidates(target.only);
+  std::erase_if(candidates, [&](const SettingCandidate& one) { return !one.is_for(job); });
   // Gaussians are shaded as one highlight of one width.
   if (target.brdf.is_sum() || source.has_roughness())
     std::erase_if(candidates, [&](const SettingCandidate& one) {

@@ -20,11 +20,12 @@ constexpr unsigned kEverySweep = kQuickSweep | kDefaultAndFull;
 constexpr unsigned kEveryScene = kScenePlan | kSceneTarget;
 
 // Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
-enum Effort { kAveraged, kQuickFit, kDefaultFit, kLongFit };
+enum Effort { kAveraged, kQuickFit, kDefaultFit, kRefinedFit, kLongFit };
 
 Effort effort_of(const ParameterValues& values, Representation representation) {
   if (!holds_lobes(representation)) return kAveraged;
   if (values.flag("reference")) return kLongFit;
+  if (values.flag("refine")) return kRefinedFit;
   return values.flag("no_start_search") && values.integer("passes") == 1 ? kQuickFit : kDefaultFit;
 }
 
@@ -99,10 +100,11 @@ class CandidateList {
     }
   }
 
-  // The quick fit and the long one; of the default's lobes, the long one comes with other changes of the fit. A target
-  // tries the long fit of the most lobes alone: of fewer, another lobe does more, in less time.
+  // The quick fit, the refined one and the long one; of the default's lobes, the long one comes with other changes of the
+  // fit. A target tries the long fit of the most lobes alone: of fewer, another lobe does more, in less time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
+    add_fit(Axis::kIterations, kTargetSearch | (sweeps & kDefaultAndFull), lobes, {{"refine", true}});
     if (lobes != default_lobes_)
       add_fit(Axis::kIterations, sweeps | (lobes == counts_.most ? kTargetSearch : 0u), lobes, {{"reference", true}});
   }
@@ -146,6 +148,10 @@ const char* candidate_axis_name(CandidateAxis axis) {
   static constexpr const char* kNames[] = {"lobes",      "moments",   "harmonics", "Gaussians",
                                            "iterations", "hierarchy", "storage",   "first level"};
   return kNames[static_cast<std::size_t>(axis)];
+}
+
+bool SettingCandidate::is_for(const BakeJob& job) const {
+  return !values.flag("refine") || (job.roughness.empty() && job.fitting.coarse_normals != CoarseNormals::kAll);
 }
 
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only) {

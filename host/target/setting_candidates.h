@@ -38,6 +38,8 @@ struct SettingCandidate {
   Representation representation() const { return *given_representation(values); }
   int lobe_count() const { return values.integer("lobes").value_or(1); }
   int sh_order() const { return values.integer("sh_order").value_or(0); }
+  /// Can JOB's map be baked so? Refining knows unit normals alone, and binned ones.
+  bool is_for(const BakeJob& job) const;
 };
 
 /// Those of one user, in the order in which they are shown. `only`: of this representation; unset: of all.

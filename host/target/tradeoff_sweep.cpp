@@ -96,6 +96,7 @@ std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
   std::vector<SweptBake> sweep;
   for (const SettingCandidate& one : setting_candidates(user_of(job.length))) {
     if (job.brdf.is_sum() && one.representation() == Representation::kGmm) continue;
+    if (!one.is_for(job.bake)) continue;
     sweep.push_back({one.values, views_of(one, job)});
   }
   return sweep;
