@@ -17,6 +17,9 @@
 // energy is taken back and a quarter of it tried. For the matrix alone 1/kappa stands in for the sum of the spreads,
 // which is what it is for sharp lobes: it steers, and biases nothing.
 //
+// Squares count most where most normals are, and neglect what is dim. So the texel's highlights are compared at the end:
+// where EM's are nearer, by their relative L1 error over some half vectors, EM's lobes stay.
+//
 // One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   samples, sample_counts, texel_list   as movmf_em_texels.cl has them
 //   level     [lobe][window_rows * width]  what EM left: r and amplitude, of the texels and of those beside them
@@ -43,6 +46,8 @@
 #define TRIANGLE(row, column) ((row) * ((row) + 1) / 2 + (column))
 
 __constant float brdf_weights[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_WEIGHTS;
+__constant float brdf_exponents[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_EXPONENTS;
+__constant float look_xy[MULTUM_REFINE_LOOKS][2] = MULTUM_REFINE_LOOK_XY;
 __constant float brdf_spreads[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_SPREADS;
 
 // Unrolled, the loops over lobes and parameters would take a compiler half a minute.
@@ -464,6 +469,66 @@ static void store_lobes(const RefinedLobe* lobes, __global MultumVmfLobe* refine
   }
 }
 
+// Brightness of a highlight of each exponent, up to 1/(2 pi): Blinn-Phong itself over the samples.
+static void see_samples(__global const float* samples, int sample_count, float weight_inverse, const float* h,
+                        real_v* seen) {
+  for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) seen[s] = (real_v)(0.0f);
+  for (int i = 0; i < sample_count; ++i, samples += SAMPLE_STRIDE) {
+    const real_v t =
+        MAX_V(fma(LOAD_V(samples), (real_v)(h[0]),
+                  fma(LOAD_V(samples + MULTUM_GROUP), (real_v)(h[1]), LOAD_V(samples + 2 * MULTUM_GROUP) * h[2])),
+              (real_v)(0.0f));
+    const real_v t2 = t * t, t4 = t2 * t2, t8 = t4 * t4;
+    real_v power = t8 * t8 * t4;  // 20, and 5 times that each
+#if MULTUM_WEIGHTED
+    const real_v weight = LOAD_V(samples + 3 * MULTUM_GROUP) * weight_inverse;
+#else
+    const real_v weight = (real_v)(weight_inverse);
+#endif
+    for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
+      seen[s] = fma(weight, power, seen[s]);
+      const real_v squared = power * power;
+      power = squared * squared * power;
+    }
+  }
+  for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) seen[s] *= brdf_exponents[s] + 1.0f;
+}
+
+// The same as the lobes show it.
+static void see_lobes(const RefinedLobe* lobes, const float* h, real_v* seen) {
+  for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
+    seen[s] = (real_v)(0.0f);
+    const float q = 1.0f / (brdf_exponents[s] + 2.0f), c = 1.0f - q;
+    ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
+      const RefinedLobe* lobe = lobes + j;
+      const Blurred b = blurred((1.0f - lobe->spread) * c, fma(lobe->spread, (real_v)(c), (real_v)(q)));
+      const real_v gap = MAX_V(gap_of(lobe->x, lobe->y, lobe->z, (real_v)(h[0]), (real_v)(h[1]), (real_v)(h[2])),
+                               (real_v)(0.0f));
+      seen[s] = fma(lobe->amplitude * b.peak, exp2_v(b.kappa * gap * -MULTUM_LOG2E), seen[s]);
+    }
+  }
+}
+
+// Are the highlights of `best` nearer than those of `start`? By the sum of their relative L1 errors.
+static int_v looks_better(const RefinedLobe* best, const RefinedLobe* start, __global const float* samples,
+                          int sample_count, float weight_inverse) {
+  real_v whole[MULTUM_REFINE_BRDFS], gain[MULTUM_REFINE_BRDFS], total = (real_v)(0.0f);
+  for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) whole[s] = gain[s] = (real_v)(0.0f);
+  ROLLED for (int look = 0; look < MULTUM_REFINE_LOOKS; ++look) {
+    const float x = look_xy[look][0], y = look_xy[look][1], h[3] = {x, y, sqrt(fma(-x, x, fma(-y, y, 1.0f)))};
+    real_v seen[MULTUM_REFINE_BRDFS], by_best[MULTUM_REFINE_BRDFS], by_start[MULTUM_REFINE_BRDFS];
+    see_samples(samples, sample_count, weight_inverse, h, seen);
+    see_lobes(best, h, by_best);
+    see_lobes(start, h, by_start);
+    for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
+      whole[s] += seen[s];
+      gain[s] += fabs(by_start[s] - seen[s]) - fabs(by_best[s] - seen[s]);
+    }
+  }
+  for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) total += gain[s] / MAX_V(whole[s], (real_v)(MULTUM_REFINE_SEEN_MIN));
+  return total > 0.0f;
+}
+
 // The texel beside each: on the left, on the right, above, below; none is there where `weight` is 0.
 static void find_beside(__global const int* texels, const MultumMovmfFit* fit, int side, int* beside, float* weight) {
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
@@ -528,5 +593,6 @@ __kernel void movmf_refine(__global const float* restrict samples, __global cons
     ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) lobes[j] = best[j];
     take_step(lobes, change);
   }
+  keep_better(start, !looks_better(best, start, first, sample_count, fit.total_weight_inverse), best);
   store_lobes(best, refined, texel_list + slot, level_size);
 }

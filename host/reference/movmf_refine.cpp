@@ -16,6 +16,8 @@ namespace {
 constexpr std::array<float, MULTUM_REFINE_BRDFS> kExponents = MULTUM_REFINE_EXPONENTS;
 constexpr std::array<float, MULTUM_REFINE_BRDFS> kWeights = MULTUM_REFINE_WEIGHTS;
 
+constexpr float kLooks[MULTUM_REFINE_LOOKS][2] = MULTUM_REFINE_LOOK_XY;
+
 using Matrix = std::vector<std::vector<double>>;
 using Vector = std::vector<double>;
 
@@ -297,6 +299,30 @@ System system_of(const RefinedTexel& texel, const std::vector<RefinedLobe>& lobe
   return system;
 }
 
+// The sum of the highlights' relative L1 errors over some half vectors.
+double seen_error(const std::vector<Sample>& samples, const std::vector<RefinedLobe>& lobes) {
+  double total = 0.0, sum = 0.0;
+  for (const Sample& sample : samples) total += sample.weight;
+  for (std::size_t brdf = 0; brdf < MULTUM_REFINE_BRDFS; ++brdf) {
+    const double s = static_cast<double>(kExponents[brdf]);
+    double whole = 0.0, off = 0.0;
+    for (const auto& look : kLooks) {
+      const double x = static_cast<double>(look[0]), y = static_cast<double>(look[1]);
+      const glm::dvec3 h(x, y, std::sqrt(1.0 - x * x - y * y));
+      double seen = 0.0, shown = 0.0;
+      for (const Sample& sample : samples)
+        seen += sample.weight / total * (s + 1.0) * std::pow(std::max(glm::dot(h, sample.normal), 0.0), s);
+      for (const RefinedLobe& lobe : lobes)
+        shown += lobe.amplitude *
+                 product_at(lobe.length() * mean_cosine(brdf), std::max(1.0 - glm::dot(h, lobe.mu), 0.0)).value;
+      whole += seen;
+      off += std::abs(shown - seen);
+    }
+    sum += off / std::max(whole, static_cast<double>(MULTUM_REFINE_SEEN_MIN));
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps) {
@@ -319,8 +345,13 @@ std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps) {
     take_step(lobes, change);
   }
   std::vector<MeanLobe> refined;
+  if (seen_error(texel.samples, best) >= seen_error(texel.samples, start_of(texel.lobes))) best = start_of(texel.lobes);
   for (const RefinedLobe& lobe : best) refined.push_back({lobe.length() * lobe.mu, lobe.amplitude});
   return refined;
+}
+
+double seen_error(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes) {
+  return seen_error(texel.samples, start_of(lobes));
 }
 
 double refined_energy(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes) {

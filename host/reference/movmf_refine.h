@@ -27,4 +27,8 @@ std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps);
 /// What is minimised, at some lobes of the texel, without squares that no lobe changes.
 double refined_energy(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
 
+/// By what the refined lobes and EM's are compared: the sum over the highlights of their relative L1 errors, >= 0, over
+/// the half vectors of kernels/shared/movmf_refine.h.
+double seen_error(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
+
 }  // namespace multum::reference
