@@ -17,8 +17,8 @@
 // energy is taken back and a quarter of it tried. For the matrix alone 1/kappa stands in for the sum of the spreads,
 // which is what it is for sharp lobes: it steers, and biases nothing.
 //
-// Squares count most where most normals are, and neglect what is dim. So the texel's highlights are compared at the end:
-// where EM's are nearer, by their relative L1 error over some half vectors, EM's lobes stay.
+// Squares count most where most normals are, and neglect what is dim. So the texel's highlights are compared at the
+// end: where EM's are clearly nearer, by their relative L1 error over some half vectors, EM's lobes stay.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   samples, sample_counts, texel_list   as movmf_em_texels.cl has them
@@ -502,16 +502,17 @@ static void see_lobes(const RefinedLobe* lobes, const float* h, real_v* seen) {
     ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
       const RefinedLobe* lobe = lobes + j;
       const Blurred b = blurred((1.0f - lobe->spread) * c, fma(lobe->spread, (real_v)(c), (real_v)(q)));
-      const real_v gap = MAX_V(gap_of(lobe->x, lobe->y, lobe->z, (real_v)(h[0]), (real_v)(h[1]), (real_v)(h[2])),
-                               (real_v)(0.0f));
+      const real_v gap =
+          MAX_V(gap_of(lobe->x, lobe->y, lobe->z, (real_v)(h[0]), (real_v)(h[1]), (real_v)(h[2])), (real_v)(0.0f));
       seen[s] = fma(lobe->amplitude * b.peak, exp2_v(b.kappa * gap * -MULTUM_LOG2E), seen[s]);
     }
   }
 }
 
-// Are the highlights of `best` nearer than those of `start`? By the sum of their relative L1 errors.
-static int_v looks_better(const RefinedLobe* best, const RefinedLobe* start, __global const float* samples,
-                          int sample_count, float weight_inverse) {
+// Are the highlights of `best` no farther off than `slack` times those of `start`? By the sum of their relative L1
+// errors.
+static int_v looks_as_good(const RefinedLobe* best, const RefinedLobe* start, float slack,
+                           __global const float* samples, int sample_count, float weight_inverse) {
   real_v whole[MULTUM_REFINE_BRDFS], gain[MULTUM_REFINE_BRDFS], total = (real_v)(0.0f);
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) whole[s] = gain[s] = (real_v)(0.0f);
   ROLLED for (int look = 0; look < MULTUM_REFINE_LOOKS; ++look) {
@@ -522,7 +523,7 @@ static int_v looks_better(const RefinedLobe* best, const RefinedLobe* start, __g
     see_lobes(start, h, by_start);
     for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
       whole[s] += seen[s];
-      gain[s] += fabs(by_start[s] - seen[s]) - fabs(by_best[s] - seen[s]);
+      gain[s] += fma((real_v)(slack), fabs(by_start[s] - seen[s]), -fabs(by_best[s] - seen[s]));
     }
   }
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) total += gain[s] / MAX_V(whole[s], (real_v)(MULTUM_REFINE_SEEN_MIN));
@@ -593,6 +594,8 @@ __kernel void movmf_refine(__global const float* restrict samples, __global cons
     ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) lobes[j] = best[j];
     take_step(lobes, change);
   }
-  keep_better(start, !looks_better(best, start, first, sample_count, fit.total_weight_inverse), best);
+  const float slack = fit.width * fit.height > 1 ? MULTUM_REFINE_LOOK_SLACK : 1.0f;
+  const int_v taken = looks_as_good(best, start, slack, first, sample_count, fit.total_weight_inverse);
+  keep_better(start, !taken, best);
   store_lobes(best, refined, texel_list + slot, level_size);
 }

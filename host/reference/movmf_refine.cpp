@@ -345,7 +345,9 @@ std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps) {
     take_step(lobes, change);
   }
   std::vector<MeanLobe> refined;
-  if (seen_error(texel.samples, best) >= seen_error(texel.samples, start_of(texel.lobes))) best = start_of(texel.lobes);
+  const double slack = texel.beside.empty() ? 1.0 : static_cast<double>(MULTUM_REFINE_LOOK_SLACK);
+  if (seen_error(texel.samples, best) >= slack * seen_error(texel.samples, start_of(texel.lobes)))
+    best = start_of(texel.lobes);
   for (const RefinedLobe& lobe : best) refined.push_back({lobe.length() * lobe.mu, lobe.amplitude});
   return refined;
 }

@@ -81,7 +81,7 @@ void opposite_lobes_beside(Device& device, WorstError& worst) {
 }  // namespace
 
 std::vector<NumericalCase> refine_cases() {
-  return {{{"refined-lobe-without-direction", "movmf_refine", "kappa 0: its peak is 0/0", "kappa is at least 0.05",
+  return {{{"refined-lobes-without-direction", "movmf_refine", "kappa 0: its peak is 0/0", "kappa is at least 0.05",
             2e-3, "absolute, of a and a r", "kappa's polynomial, 3e-5, over ten damped steps"},
            lobe_without_direction,
            {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",

@@ -100,8 +100,8 @@ class CandidateList {
     }
   }
 
-  // The quick fit, the refined one and the long one; of the default's lobes, the long one comes with other changes of the
-  // fit. A target tries the long fit of the most lobes alone: of fewer, another lobe does more, in less time.
+  // The quick fit, the refined one and the long one; of the default's lobes, the long one comes with other changes of
+  // the fit. A target tries the long fit of the most lobes alone: of fewer, another lobe does more, in less time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
     add_fit(Axis::kIterations, kTargetSearch | (sweeps & kDefaultAndFull), lobes, {{"refine", true}});

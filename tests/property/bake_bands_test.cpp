@@ -28,12 +28,14 @@ struct Case {
   int first_level;
   bool materials = false;  // four weights, and shortened normals
   Representation representation = Representation::kMovmf;
+  bool refine = false;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
   *out << (c.materials ? "materials, " : "") << c.width << " x " << c.height << (c.periodic ? " periodic" : "")
        << (c.colours ? " colours" : "") << (c.coarse == CoarseNormals::kAll ? " all" : " binned") << " from level "
-       << c.first_level << (c.representation == Representation::kGmm ? ", Gaussians" : "");
+       << c.first_level << (c.representation == Representation::kGmm ? ", Gaussians" : "")
+       << (c.refine ? ", refined" : "");
 }
 
 std::array<std::vector<float>, 3> random_planes(const Case& c, unsigned seed, bool unit) {
@@ -100,6 +102,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
     settings_.periodic_x = settings_.periodic_y = c.periodic;
     settings_.coarse_normals = c.coarse;
     settings_.first_level = c.first_level;
+    settings_.refine = c.refine;
     report_.plan = "";
   }
 
@@ -137,6 +140,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{50, 237, true, true, CoarseNormals::kBinned, 0}, Case{37, 190, true, false, CoarseNormals::kAll, 0},
         Case{101, 99, false, false, CoarseNormals::kBinned, 1}, Case{96, 2000, true, true, CoarseNormals::kBinned, 4},
         Case{70, 1900, false, false, CoarseNormals::kBinned, 4}, Case{70, 160, false, true, CoarseNormals::kAll, 5},
+        Case{96, 1000, true, false, CoarseNormals::kBinned, 2, false, Representation::kMovmf, true},
+        Case{70, 1100, false, true, CoarseNormals::kBinned, 3, false, Representation::kMovmf, true},
         Case{61, 240, true, true, CoarseNormals::kBinned, 0, true},
         Case{50, 237, true, true, CoarseNormals::kBinned, 0, false, Representation::kGmm},
         Case{37, 190, true, true, CoarseNormals::kAll, 0, true, Representation::kGmm},
