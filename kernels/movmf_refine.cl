@@ -99,19 +99,17 @@ static inline void set_tangents(RefinedLobe* lobe) {
 }
 
 // r and an amplitude as a lobe; its parameters are those of a step.
-static RefinedLobe lobe_of(real_v rx, real_v ry, real_v rz, real_v amplitude) {
+static void set_lobe(RefinedLobe* lobe, real_v rx, real_v ry, real_v rz, real_v amplitude) {
   const real_v length = length_of(rx, ry, rz);
   const int_v directed = length > 1e-6f;
   const real_v inverse = 1.0f / MAX_V(length, (real_v)(1e-6f));
-  RefinedLobe lobe;
-  lobe.amplitude = MAX_V(amplitude, (real_v)(MULTUM_REFINE_AMPLITUDE_MIN));
-  lobe.x = directed ? rx * inverse : (real_v)(0.0f);
-  lobe.y = directed ? ry * inverse : (real_v)(0.0f);
-  lobe.z = directed ? rz * inverse : (real_v)(1.0f);
-  lobe.spread = MAX_V(1.0f - length, (real_v)(0.0f));
-  lobe.widening = lobe.spread;
-  set_tangents(&lobe);
-  return lobe;
+  lobe->amplitude = MAX_V(amplitude, (real_v)(MULTUM_REFINE_AMPLITUDE_MIN));
+  lobe->x = directed ? rx * inverse : (real_v)(0.0f);
+  lobe->y = directed ? ry * inverse : (real_v)(0.0f);
+  lobe->z = directed ? rz * inverse : (real_v)(1.0f);
+  lobe->spread = MAX_V(1.0f - length, (real_v)(0.0f));
+  lobe->widening = lobe->spread;
+  set_tangents(lobe);
 }
 
 static void load_lobes(__global const MultumVmfLobe* level, const int* texels, size_t level_size, RefinedLobe* lobes) {
@@ -124,7 +122,7 @@ static void load_lobes(__global const MultumVmfLobe* level, const int* texels, s
       z[lane] = lobe.mean_z;
       a[lane] = lobe.amplitude;
     }
-    lobes[j] = lobe_of(LOAD_V(x), LOAD_V(y), LOAD_V(z), LOAD_V(a));
+    set_lobe(lobes + j, LOAD_V(x), LOAD_V(y), LOAD_V(z), LOAD_V(a));
   }
 }
 
@@ -279,22 +277,21 @@ static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, 
 
 // Half of one lobe and half of another, pooled as filtering pools them, and [row][column] the derivatives of its
 // parameters by those of the first. Its fourth parameter is its spread itself, which may be 0.
-static RefinedLobe pooled(const RefinedLobe* one, const RefinedLobe* other, real_v* by_one) {
+static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* lobe, real_v* by_one) {
   const real_v amplitude = 0.5f * (one->amplitude + other->amplitude), inverse = 1.0f / amplitude;
   const real_v length_one = 1.0f - one->spread;
   const real_v share_one = 0.5f * one->amplitude * inverse * length_one;
   const real_v share_other = 0.5f * other->amplitude * inverse * (1.0f - other->spread);
-  RefinedLobe lobe =
-      lobe_of(fma(share_one, one->x, share_other * other->x), fma(share_one, one->y, share_other * other->y),
-              fma(share_one, one->z, share_other * other->z), amplitude);
-  lobe.widening = (real_v)(1.0f);
-  const real_v length = 1.0f - lobe.spread, turn_inverse = 1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN));
+  set_lobe(lobe, fma(share_one, one->x, share_other * other->x), fma(share_one, one->y, share_other * other->y),
+           fma(share_one, one->z, share_other * other->z), amplitude);
+  lobe->widening = (real_v)(1.0f);
+  const real_v length = 1.0f - lobe->spread, turn_inverse = 1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN));
   // Half of the derivatives of a r over the pooled amplitude, less what a larger amplitude does to r.
   const real_v turned = 0.5f * one->amplitude * inverse * length_one;
   const real_v shortened = -0.5f * one->amplitude * inverse * one->widening, grown = 0.5f * inverse;
-  const real_v moved[12] = {grown * fma(length_one, one->x, -length * lobe.x),
-                            grown * fma(length_one, one->y, -length * lobe.y),
-                            grown * fma(length_one, one->z, -length * lobe.z),
+  const real_v moved[12] = {grown * fma(length_one, one->x, -length * lobe->x),
+                            grown * fma(length_one, one->y, -length * lobe->y),
+                            grown * fma(length_one, one->z, -length * lobe->z),
                             turned * one->ex,
                             turned * one->ey,
                             turned * one->ez,
@@ -307,11 +304,10 @@ static RefinedLobe pooled(const RefinedLobe* one, const RefinedLobe* other, real
   for (int column = 0; column < 4; ++column) {
     const real_v* m = moved + 3 * column;
     by_one[column] = column == 0 ? (real_v)(0.5f) : (real_v)(0.0f);
-    by_one[4 + column] = turn_inverse * dot_v(lobe.ex, lobe.ey, lobe.ez, m[0], m[1], m[2]);
-    by_one[8 + column] = turn_inverse * dot_v(lobe.fx, lobe.fy, lobe.fz, m[0], m[1], m[2]);
-    by_one[12 + column] = -dot_v(lobe.x, lobe.y, lobe.z, m[0], m[1], m[2]);
+    by_one[4 + column] = turn_inverse * dot_v(lobe->ex, lobe->ey, lobe->ez, m[0], m[1], m[2]);
+    by_one[8 + column] = turn_inverse * dot_v(lobe->fx, lobe->fy, lobe->fz, m[0], m[1], m[2]);
+    by_one[12 + column] = -dot_v(lobe->x, lobe->y, lobe->z, m[0], m[1], m[2]);
   }
-  return lobe;
 }
 
 // Adds what the lobes show midway to a texel beside, of which `start` and `beside` are EM's. Returns the energy.
@@ -320,7 +316,7 @@ static real_v add_midway(const RefinedLobe* lobes, const RefinedLobe* start, con
   RefinedLobe mixed[MULTUM_LOBES];
   real_v by_lobe[16 * MULTUM_LOBES], mixed_gradient[PARAMETERS], energy = (real_v)(0.0f);
   ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
-    mixed[j] = pooled(lobes + j, beside + j, by_lobe + 16 * j);
+    pool(lobes + j, beside + j, mixed + j, by_lobe + 16 * j);
     for (int i = 0; i < 4; ++i) mixed_gradient[4 * j + i] = (real_v)(0.0f);
     energy += subtract_lobes(mixed + j, start, 0.5f, mixed_gradient + 4 * j);
     energy += subtract_lobes(mixed + j, beside, 0.5f, mixed_gradient + 4 * j);
