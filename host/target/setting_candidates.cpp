@@ -104,7 +104,8 @@ class CandidateList {
   // the fit. A target tries the long fit of the most lobes alone: of fewer, another lobe does more, in less time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
-    add_fit(Axis::kIterations, kTargetSearch | (sweeps & kDefaultAndFull), lobes, {{"refine", true}});
+    if (lobes > 1)  // one lobe is an average, and nothing is fitted
+      add_fit(Axis::kIterations, kTargetSearch | (sweeps & kDefaultAndFull), lobes, {{"refine", true}});
     if (lobes != default_lobes_)
       add_fit(Axis::kIterations, sweeps | (lobes == counts_.most ? kTargetSearch : 0u), lobes, {{"reference", true}});
   }
