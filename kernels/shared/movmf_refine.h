@@ -26,7 +26,7 @@
 // come nearer at centres and lose alignment.
 #define MULTUM_REFINE_MIDWAY_WEIGHT 0.4f
 // Weight of the mean normal, which diffuse light shows, and of the sum of amplitudes beside the highlights. A mean
-// normal that is held exactly costs highlights more than half of what refining brings.
+// normal that is held exactly costs highlights more than half of what refining brings at centres.
 #define MULTUM_REFINE_MOMENT_WEIGHT 1.5f
 // Pooled lobes shorter than this turn as if they were as long.
 #define MULTUM_REFINE_LENGTH_MIN 0.02f
