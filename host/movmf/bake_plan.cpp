@@ -87,6 +87,7 @@ std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& 
     const BandPlan& band = levels.at(level.level);
     const bool whole = band.band_rows >= level.fit.height;
     const char* method = level.method == FitMethod::kTexels   ? "all normals"
+                         : level.method == FitMethod::kChoice ? "each normal to a lobe"
                          : level.method == FitMethod::kBinned ? "binned normals"
                                                               : "all normals, band by band of the map";
     text += fmt::format("  level {}: {} x {}, {}, {}, {:.1f} MiB\n", level.level, level.fit.width, level.fit.height,

@@ -27,11 +27,19 @@ bool covers_whole_texels(int map_size) {
   return true;
 }
 
+// Texels of four whole normals that follow a parent. Unaligned lobes have nothing to be chosen by, and --reference has
+// EM everywhere.
+bool chooses(const MovmfSettings& settings, const MultumMovmfFit& fit) {
+  return fit.map_width == 2 * fit.width && fit.map_height == 2 * fit.height && fit.parent_width > 0 &&
+         settings.aligned_start && settings.alignment > 0.0f && settings.convergence_tolerance > 0.0f;
+}
+
 void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
   MultumMovmfFit& fit = level.fit;
   const std::int64_t samples = static_cast<std::int64_t>(fit.sample_columns) * fit.sample_rows;
   if (samples <= kSamplesUnchunkedMax) {
-    level.method = FitMethod::kTexels;
+    level.method = chooses(settings, fit) ? FitMethod::kChoice : FitMethod::kTexels;
+    if (level.method == FitMethod::kChoice) fit.alignment *= kChoiceAlignment;
     fit.sample_capacity = static_cast<int>(samples);
   } else if (settings.coarse_normals == CoarseNormals::kBinned) {
     level.method = FitMethod::kBinned;
@@ -52,6 +60,7 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
 void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& level) {
   MultumMovmfFit& fit = level.fit;
   level.refit_iterations = settings.refit_iterations;
+  if (level.method == FitMethod::kChoice) return;
   if (level.method != FitMethod::kTexels)
     level.refit_iterations = std::max(level.refit_iterations, settings.iteration_count_coarse / 3);
   fit.iteration_count = top                                  ? settings.iteration_count_top

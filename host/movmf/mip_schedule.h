@@ -13,6 +13,7 @@
 namespace multum {
 
 enum class FitMethod {
+  kChoice,  // four normals, each given to a lobe: movmf_choose
   kTexels,  // every normal a sample, one work-item a texel: movmf_em_texels
   kBinned,  // movmf_binning, then movmf_em_texels
   kChunks,  // every normal a sample, chunks of them summed apart: movmf_em_chunks, movmf_em_mstep
@@ -34,6 +35,8 @@ struct MipSchedule {
   bool uses(FitMethod method) const;
 };
 
+/// Weight of the mixed widths of movmf_choose.cl, in units of MovmfSettings::alignment.
+constexpr float kChoiceAlignment = 14.0f;
 /// A texel of up to this many samples is summed by one work-item in one go; larger ones are binned, or summed in
 /// chunks. By the sample count alone, so that summation order never depends on bands or devices. 1024: the packed
 /// normals of a group still fit a core's cache, and rounding of a plain sum stays below 1e-6.

@@ -69,9 +69,11 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
 
 std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bool has_features) const {
   const bool uses_binned = schedule.uses(FitMethod::kBinned), uses_texels = schedule.uses(FitMethod::kTexels);
+  const bool uses_em = uses_binned || uses_texels || schedule.uses(FitMethod::kChunks);
   std::vector<ProgramChoice> programs;
   if (uses_texels) programs.push_back({"movmf_em_texels", fast_});
-  if (!schedule.levels.empty()) programs.push_back({"movmf_start", starting_});
+  if (schedule.uses(FitMethod::kChoice)) programs.push_back({"movmf_choose", starting_});
+  if (uses_em) programs.push_back({"movmf_start", starting_});
   if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
   // Of a map whose sides are no powers of two it is the first one again, which is prepared once.
   if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
@@ -83,7 +85,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
     programs.push_back({"movmf_em_chunks", fast_});
     programs.push_back({"movmf_em_mstep", scalar_});
   }
-  if (has_features && !schedule.levels.empty()) programs.push_back({"movmf_features", scalar_});
+  if (has_features && uses_em) programs.push_back({"movmf_features", scalar_});
   return programs;
 }
 
@@ -98,6 +100,24 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
   if (texels.empty()) return;
   const std::size_t texel_count = texels.size();
   upload_texels(fit, std::move(texels));
+  if (method == FitMethod::kChoice) choose(fit, windows);
+  else run_em(method, fit, texel_count, windows, progress);
+  if (windows.wants_features) fit_features(method, fit, texel_count, windows);
+  device_.finish();
+  progress_advance(progress, 0);
+}
+
+void MovmfEmStep::choose(const MultumMovmfFit& fit, StepWindows& windows) {
+  const auto slots = static_cast<std::size_t>(fit.slot_count);
+  ensure(device_, chosen_, slots * sizeof(int), "numbers of lobes");
+  const MapWindow& normals = windows.map->normals;
+  lazy_kernel(choose_kernel_, "movmf_choose", "movmf_choose", starting_)
+      .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, normals[0], normals[1], normals[2],
+              windows.parent.buffer(), windows.lobes.buffer(), list_, chosen_, fit);
+}
+
+void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, StepWindows& windows,
+                         Progress* progress) {
   const auto slots = static_cast<std::size_t>(fit.slot_count);
   ensure(device_, start_, slots * lobe_count() * MULTUM_START_PLANES * sizeof(float), "EM parameters");
   const DeviceBuffer& parent = fit.parent_width > 0 ? windows.parent.buffer() : windows.lobes.buffer();
@@ -114,10 +134,8 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
       pack(method, fit, windows);
       fit_packed(fit, binned_, em_binned_kernel_, em_binned_team_kernel_, windows);
       break;
+    case FitMethod::kChoice: MULTUM_CHECK(false);
   }
-  if (windows.wants_features) fit_features(method, fit, texel_count, windows);
-  device_.finish();
-  progress_advance(progress, 0);
 }
 
 void MovmfEmStep::refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows,
@@ -216,6 +234,13 @@ void MovmfEmStep::fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_
                                 std::size_t rgb_plane) {
   DeviceBuffer& features = windows.features.buffer();
   const int first_plane = static_cast<int>(rgb_plane) * settings_.lobe_count;
+  if (method == FitMethod::kChoice) {
+    const MapWindow& values = windows.map->rgb_planes[rgb_plane];
+    lazy_kernel(feature_chosen_kernel_, "movmf_choose", "movmf_feature_chosen", starting_)
+        .launch({static_cast<std::size_t>(fit.slot_count)}, values[0], values[1], values[2], list_, chosen_, features,
+                fit, first_plane);
+    return;
+  }
   if (method == FitMethod::kBinned) {
     const std::size_t groups = group_count(texel_count);
     ensure(device_, feature_samples_, sample_bytes(fit, groups * MULTUM_GROUP, kWeightedPlanes), "packed features");
@@ -245,6 +270,7 @@ std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& set
                             std::uint64_t texel_count) {
   const auto lobes = static_cast<std::size_t>(settings.lobe_count);
   const std::size_t slots = group_count(texel_count) * MULTUM_GROUP;
+  if (level.method == FitMethod::kChoice) return slots * 2 * sizeof(int);
   std::uint64_t bytes = slots * (sizeof(int) + lobes * MULTUM_START_PLANES * sizeof(float));
   if (level.method == FitMethod::kChunks || has_features) bytes += partial_bytes(level.fit, texel_count, lobes);
   if (level.method != FitMethod::kChunks)

@@ -45,6 +45,9 @@ class MovmfEmStep {
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   Kernel& lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
   void upload_texels(MultumMovmfFit& fit, std::vector<int> texels);
+  void choose(const MultumMovmfFit& fit, StepWindows& windows);
+  void run_em(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, StepWindows& windows,
+              Progress* progress);
   void pack(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows);
   void pack_texels(const MultumMovmfFit& fit, const StepWindows& windows);
   void pack_binned(const MultumMovmfFit& fit, const StepWindows& windows);
@@ -60,12 +63,13 @@ class MovmfEmStep {
   const MovmfSettings settings_;
   KernelVariant scalar_, fast_, binned_;
   KernelVariant starting_, packing_;  // no more than these kernels depend on: fewer programs
+  Kernel choose_kernel_, feature_chosen_kernel_;
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
   Kernel refine_kernel_, refine_binned_kernel_;
   Kernel binned_pack_kernel_, em_binned_kernel_, em_binned_team_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
   Kernel feature_partial_kernel_, feature_sum_kernel_, feature_binned_kernel_;
-  DeviceBuffer list_, start_, samples_, sample_counts_, feature_samples_, partial_;
+  DeviceBuffer list_, chosen_, start_, samples_, sample_counts_, feature_samples_, partial_;
 };
 
 /// Bytes of the buffers that run() needs for so many texels, about.

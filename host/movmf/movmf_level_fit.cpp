@@ -50,7 +50,7 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   WindowRows rows{fit.height, fit.parent_height, fit.map_height};
   if (!is_whole(level, settings, plan)) {
     rows.level = plan.band_rows + total_steps(level, settings);
-    rows.parent = rows.level / 2 + 3;
+    rows.parent = rows.level / 2 + 5;  // one more above and below: movmf_choose.cl reads parents' neighbours
     rows.map = map_rows_end(fit, rows.level) + 1;
   }
   if (level.method == FitMethod::kChunks)
@@ -135,7 +135,7 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
       const int count = std::min(handed_rows_, done.end - row);
       finished({row, count, refines() ? &windows_.refined : &windows_.lobes,
                 has_features() ? &windows_.features : nullptr,
-                level_.method == FitMethod::kTexels ? &windows_.map->normals : nullptr, fit_, &windows_.lobes});
+                reads_map_rows() ? &windows_.map->normals : nullptr, fit_, &windows_.lobes});
     }
     if (whole_) break;
   }
@@ -161,8 +161,15 @@ void LevelFit::move_windows(RowRange rows) {
   fit_.first_row = wrapped_row(rows.begin, fit_.height);
   fit_.window_rows = windows_.lobes.capacity_rows();
   if (inputs_.parent != nullptr) {
-    const int begin = whole_ ? 0 : parent_row_of(fit_, rows.begin),
-              end = whole_ ? fit_.parent_height : parent_row_of(fit_, rows.end - 1) + 1;
+    int begin = 0, end = fit_.parent_height;
+    if (!whole_) {
+      begin = parent_row_of(fit_, rows.begin) - 1;
+      end = parent_row_of(fit_, rows.end - 1) + 2;
+      if (!repeats()) {
+        begin = std::max(begin, 0);
+        end = std::min(end, fit_.parent_height);
+      }
+    }
     windows_.parent.move_to(begin, end - begin, fill_planes(*inputs_.parent));
     fit_.parent_first_row = wrapped_row(begin, fit_.parent_height);
     fit_.parent_window_rows = windows_.parent.capacity_rows();
@@ -173,7 +180,7 @@ void LevelFit::move_windows(RowRange rows) {
     windows_.binned_counts.move_to(rows.begin, count, fill_planes(from.counts));
     for (std::size_t t = 0; t < windows_.binned_planes.size(); ++t)
       windows_.binned_planes[t].move_to(rows.begin, count, fill_binned(from, from.rgb_planes[t], binned_bytes(fit_)));
-  } else if (level_.method == FitMethod::kTexels) {
+  } else if (reads_map_rows()) {
     const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
     const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
     windows_.map->move_to(begin, end - begin);

@@ -74,6 +74,8 @@ class LevelFit {
   void make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan);
   bool refines() const { return steps_ > em_steps_; }
   bool has_features() const { return !inputs_.map.features.empty(); }
+  // The map's rows that the window's rows cover, and no more.
+  bool reads_map_rows() const { return level_.method == FitMethod::kTexels || level_.method == FitMethod::kChoice; }
   // Rows beyond a border are there when the map repeats, as many as the steps reach.
   bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
   int lower_bound() const { return repeats() ? -steps_ : 0; }

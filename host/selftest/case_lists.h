@@ -10,6 +10,7 @@ namespace multum {
 
 std::vector<NumericalCase> numerics_cases();   // kernels/device: exponentials, logarithms, inverses of A(kappa)
 std::vector<NumericalCase> em_cases();         // movmf_em_texels
+std::vector<NumericalCase> choose_cases();     // movmf_choose
 std::vector<NumericalCase> refine_cases();     // movmf_refine
 std::vector<NumericalCase> planar_cases();     // the same kernels and their rounding, of planar Gaussians
 std::vector<NumericalCase> level_cases();      // movmf_start, movmf_pack, movmf_level_zero

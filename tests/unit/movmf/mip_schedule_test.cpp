@@ -118,15 +118,41 @@ TEST(MipScheduleMethodTest, CoarseTexelsAreCondensedAndSettledOnesStop) {
   for (const LevelSchedule& level : make_mip_schedule(256, 128, MovmfSettings()).levels) {
     SCOPED_TRACE(level.level);
     const bool coarse = level.level > 5;
-    EXPECT_EQ(level.method, coarse ? FitMethod::kBinned : FitMethod::kTexels);
+    const bool chosen = level.level == 1;
+    EXPECT_EQ(level.method, coarse ? FitMethod::kBinned : chosen ? FitMethod::kChoice : FitMethod::kTexels);
     EXPECT_EQ(level.fit.sample_capacity, coarse ? level.fit.cell_side * level.fit.cell_side : 1 << (2 * level.level));
     EXPECT_EQ(level.fit.cell_side, level.level > 6 ? kCellSide : coarse ? kCellSideFew : 0);
     EXPECT_EQ(level.fit.convergence_tolerance_squared > 0.0f, !coarse && level.level > 1);
-    if (level.level == 1) {
-      EXPECT_EQ(level.fit.iteration_count, kIterationsFewNormals);
-      EXPECT_EQ(level.refit_iterations, MovmfSettings().refit_iterations);
-    }
   }
+}
+
+// Four whole normals and a parent: all that movmf_choose knows.
+TEST(MipScheduleMethodTest, FourNormalsAreGivenToLobesWhereThereIsAParentToFollow) {
+  const auto finest = [](int width, int height, const MovmfSettings& settings) {
+    return make_mip_schedule(width, height, settings).levels.back();
+  };
+  const MovmfSettings usual;
+  EXPECT_EQ(finest(256, 128, usual).method, FitMethod::kChoice);
+  EXPECT_EQ(finest(1000, 50, usual).method, FitMethod::kChoice) << "coarser levels cover fractions";
+  EXPECT_EQ(finest(4, 2, usual).method, FitMethod::kChoice);
+  EXPECT_EQ(finest(2, 2, usual).method, FitMethod::kTexels) << "no parent";
+  EXPECT_EQ(finest(1, 64, usual).method, FitMethod::kTexels) << "two normals";
+  EXPECT_EQ(finest(63, 64, usual).method, FitMethod::kTexels) << "fractions";
+  MovmfSettings settings;
+  settings.alignment = 0.2f;
+  EXPECT_FLOAT_EQ(finest(64, 64, settings).fit.alignment, 0.2f * kChoiceAlignment);
+  settings.alignment = 0.0f;
+  EXPECT_EQ(finest(64, 64, settings).method, FitMethod::kTexels);
+  settings = {};
+  settings.aligned_start = false;
+  EXPECT_EQ(finest(64, 64, settings).method, FitMethod::kTexels);
+  settings = {};
+  make_reference(settings);
+  EXPECT_EQ(finest(64, 64, settings).method, FitMethod::kTexels);
+  // Where level 1 has EM it runs as few iterations as four normals need.
+  const LevelSchedule em = finest(63, 64, usual);
+  EXPECT_EQ(em.fit.iteration_count, kIterationsFewNormals);
+  EXPECT_EQ(em.refit_iterations, MovmfSettings().refit_iterations);
 }
 
 TEST(MipScheduleFirstLevelTest, FinerLevelsAreNotScheduledAndTheOthersAreAsTheyWere) {

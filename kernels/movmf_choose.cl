@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+// Level 1 of maps of even sides, instead of EM: a texel covers four normals, and each is given whole to one of its
+// lobes. Of all J^4 ways that one is taken whose lobes are narrowest, by themselves and mixed with what lies around, as
+// texture filters mix them (docs/ALGORITHMS.md, "Level 1").
+//
+// With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times how far they
+// lie from their mean, in root mean square. A way costs, over its lobes j of normals S_j and with T_j what lies around,
+//
+//   sum_j width(S_j) + alignment * width(S_j and T_j),   width = sqrt(c q - |m|^2 + c^2 e)
+//
+// where e, half the inverse of the cap of kappa, is a width that no highlight shows. T_j is the mean of lobe j of the
+// parents, as a filter between levels takes them, and of the neighbours that are done. c q - |m|^2 is additive over
+// pairs of normals, of which it is formed, and over S_j and T_j; what rounding leaves of it below 0 is far less than e.
+//
+// The least of all ways is found one lobe after another: the least cost of giving the normals S to the first j lobes is
+// that of S less A to the first j - 1, plus that of A to lobe j, least over the subsets A of S.
+
+#include "device/done_neighbours.clh"
+#include "device/level_window.clh"
+#include "device/movmf_em.clh"
+#include "shared/movmf_choose.h"
+#include "shared/movmf_fit.h"
+#include "shared/vmf_lobe.h"
+
+#define NORMALS MULTUM_CHOICE_NORMALS
+#define SUBSETS (1 << NORMALS)
+#define PARENTS 4
+
+// The first finest texel in its window that a texel covers, column and row 0, or row 1.
+static size_t covered_pair(int column, int row, int below, const MultumMovmfFit* fit) {
+  return map_row_start(2 * row + below, fit) + 2 * column;
+}
+
+// The normals of texels: sample i is that of column i % 2 and row i / 2.
+static void gather_normals(__global const float* normal_x, __global const float* normal_y,
+                           __global const float* normal_z, const Places* places, const MultumMovmfFit* fit,
+                           LobeLanes* samples) {
+  float values[NORMALS][3][MULTUM_VECTOR_WIDTH];
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane)
+    for (int i = 0; i < NORMALS; ++i) {
+      const size_t source = covered_pair(places->column[lane], places->row[lane], i / 2, fit) + i % 2;
+      float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
+      TO_SAMPLE(float, nx, ny, nz, fit->shortened)
+      values[i][0][lane] = nx;
+      values[i][1][lane] = ny;
+      values[i][2][lane] = nz;
+    }
+  for (int i = 0; i < NORMALS; ++i) {
+    samples[i].x = LOAD_V(values[i][0]);
+    samples[i].y = LOAD_V(values[i][1]);
+    samples[i].z = LOAD_V(values[i][2]);
+    samples[i].amplitude = (real_v)(1.0f);
+  }
+}
+
+// The parents that a texture's filter mixes at the middle of a texel, by sides of 3/4 and 1/4: its own first.
+typedef struct Parents {
+  int place[PARENTS][MULTUM_VECTOR_WIDTH];
+} Parents;
+
+__constant const float parent_weights[PARENTS] = {0.5625f, 0.1875f, 0.1875f, 0.0625f};
+
+// The next row or column of parents on the side where `i` lies in its own, `own`: at a border that does not repeat it.
+static int parent_beside(int i, int own, int size, int periodic) {
+  const int beside = own + ((i & 1) != 0 ? 1 : -1);
+  if (beside >= 0 && beside < size) return beside;
+  return periodic ? (beside < 0 ? size - 1 : 0) : own;
+}
+
+static void find_parents(const Places* places, const MultumMovmfFit* fit, Parents* parents) {
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    const int column = places->column[lane], row = places->row[lane];
+    const int own_column = min(column >> 1, fit->parent_width - 1), own_row = min(row >> 1, fit->parent_height - 1);
+    const int columns[2] = {own_column, parent_beside(column, own_column, fit->parent_width, fit->periodic_x)};
+    const int rows[2] = {own_row, parent_beside(row, own_row, fit->parent_height, fit->periodic_y)};
+    for (int p = 0; p < PARENTS; ++p)
+      parents->place[p][lane] =
+          row_in_window(rows[p / 2], fit->parent_first_row, fit->parent_height) * fit->parent_width + columns[p % 2];
+  }
+}
+
+// Sums of what lies around lobes of one number, `parent` and `level` their planes.
+static LobeLanes sums_around(__global const float* parent, __global const float* level, const Places* places,
+                             const Parents* parents) {
+  float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], weight[MULTUM_VECTOR_WIDTH];
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    const int count = places->beside_count[lane];
+    float4 sum = (float4)(0.0f);
+    for (int p = 0; p < PARENTS; ++p) {
+      float4 lobe = vload4(parents->place[p][lane], parent);
+      lobe.w = MAX_V(lobe.w, MULTUM_CHOICE_AMPLITUDE_MIN);
+      sum += MULTUM_CHOICE_PARENT * parent_weights[p] * sums_of_lobe(lobe);
+    }
+    for (int n = 0; n < count; ++n) sum += sums_of_lobe(vload4(places->beside[lane][n], level));
+    sum *= NORMALS * MULTUM_CHOICE_AROUND / (MULTUM_CHOICE_PARENT + count);
+    x[lane] = sum.x;
+    y[lane] = sum.y;
+    z[lane] = sum.z;
+    weight[lane] = sum.w;
+  }
+  LobeLanes sums;
+  sums.x = LOAD_V(x);
+  sums.y = LOAD_V(y);
+  sums.z = LOAD_V(z);
+  sums.amplitude = LOAD_V(weight);
+  return sums;
+}
+
+// Scatters c q - |m|^2 of all sets of samples.
+static void scatters_of_sets(const LobeLanes* samples, real_v* scatters) {
+  scatters[0] = (real_v)(0.0f);
+  for (int i = 0; i < NORMALS; ++i) {
+    const real_v own = sample_scatter(samples[i]);
+    for (int others = 0; others < (1 << i); ++others) {
+      real_v sum = scatters[others] + own;
+      for (int k = 0; k < i; ++k)
+        if ((others >> k) & 1) sum += squared_distance(samples[i], samples[k]) + (own + sample_scatter(samples[k]));
+      scatters[others | (1 << i)] = sum;
+    }
+  }
+}
+
+// What each set costs as lobe j's.
+static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, const real_v* own_costs, LobeLanes around,
+                          float e, float alignment, real_v* costs) {
+  const real_v square = square_of_sums(around);
+  const real_v own = fma(around.amplitude, square, -sample_product(around, around));
+  real_v between[SUBSETS];  // scatter of the set's means about that of what lies around
+  between[0] = (real_v)(0.0f);
+  for (int i = 0; i < NORMALS; ++i) {
+    const real_v one = fma(sample_square(samples[i]), around.amplitude,
+                           fma((real_v)(-2.0f), sample_product(samples[i], around), square));
+    for (int others = 0; others < (1 << i); ++others) between[others | (1 << i)] = between[others] + one;
+  }
+  for (int set = 0; set < SUBSETS; ++set) {
+    const real_v weight = around.amplitude + (float)popcount(set);
+    const real_v mixed = scatters[set] + own + between[set];
+    costs[set] = fma((real_v)(alignment), sqrt(fma(weight * weight, (real_v)(e), mixed)), own_costs[set]);
+  }
+}
+
+// A set's normals as nibbles, which hold the numbers of lobes.
+static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6 | (set & 8) << 9; }
+
+// One work-item = MULTUM_VECTOR_WIDTH slots; global size slot_count / MULTUM_VECTOR_WIDTH.
+//   normal_x, normal_y, normal_z [map_window_rows * map_width]
+//   parent     [lobe][parent_window_rows * parent_width]
+//   level      [lobe][window_rows * width]   done neighbours read; the texels' lobes written
+//   texel_list [slot]                        window row * width + x, or -1
+//   chosen     [slot]                        written: the lobe of normal i in bits 4 i to 4 i + 3, for
+//                                            movmf_feature_chosen
+// fit.alignment weighs the mixed widths. Bound by the gathers and by 16 square roots a lobe.
+__kernel void movmf_choose(__global const float* normal_x, __global const float* normal_y,
+                           __global const float* normal_z, __global const MultumVmfLobe* parent,
+                           __global MultumVmfLobe* level, __global const int* texel_list, __global int* chosen,
+                           MultumMovmfFit fit) {
+  const int slot = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
+  if (slot >= fit.slot_count) return;
+  const size_t level_size = level_window_size(&fit), parent_size = parent_window_size(&fit);
+  const float e = 0.5f / fit.kappa_cap;
+  Places places;
+  find_places(texel_list + slot, &fit, &places);
+  Parents parents;
+  find_parents(&places, &fit, &parents);
+  LobeLanes samples[NORMALS];
+  gather_normals(normal_x, normal_y, normal_z, &places, &fit, samples);
+  real_v scatters[SUBSETS], own_costs[SUBSETS], costs[SUBSETS], least[SUBSETS];
+  int_v lobes[SUBSETS];  // the ways that cost least, as `chosen` has them
+  scatters_of_sets(samples, scatters);
+  for (int set = 0; set < SUBSETS; ++set) {
+    const float count = (float)popcount(set);
+    own_costs[set] = sqrt(scatters[set] + e * count * count);
+    least[set] = (real_v)(0.0f);
+    lobes[set] = (int_v)(0);
+  }
+  for (int j = 0; j < MULTUM_LOBES; ++j) {
+    const LobeLanes around = sums_around((__global const float*)(parent + j * parent_size),
+                                         (__global const float*)(level + j * level_size), &places, &parents);
+    costs_of_sets(samples, scatters, own_costs, around, e, fit.alignment, costs);
+    if (j == 0) {
+      for (int set = 0; set < SUBSETS; ++set) least[set] = costs[set];
+      continue;
+    }
+    // From the largest on: what is read has not changed yet. Of the last lobe only all normals matter.
+    const int smallest = j == MULTUM_LOBES - 1 ? SUBSETS - 1 : 0;
+    for (int set = SUBSETS - 1; set >= smallest; --set) {
+      real_v best = least[set] + costs[0];
+      int_v way = lobes[set];
+      for (int own = set; own > 0; own = (own - 1) & set) {
+        const real_v cost = least[set ^ own] + costs[own];
+        const int_v less = cost < best;
+        way = less ? lobes[set ^ own] + j * nibbles(own) : way;
+        best = less ? cost : best;
+      }
+      least[set] = best;
+      lobes[set] = way;
+    }
+  }
+  const int_v way = lobes[SUBSETS - 1];
+  int way_of_lane[MULTUM_VECTOR_WIDTH];
+  STORE_V(way, way_of_lane);
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) chosen[slot + lane] = way_of_lane[lane];
+
+  for (int j = 0; j < MULTUM_LOBES; ++j) {
+    LobeLanes sums;
+    sums.x = sums.y = sums.z = sums.amplitude = (real_v)(0.0f);
+    for (int i = 0; i < NORMALS; ++i) {
+      const int_v mine = ((way >> (4 * i)) & 15) == j;
+      sums.x += mine ? samples[i].x : (real_v)(0.0f);
+      sums.y += mine ? samples[i].y : (real_v)(0.0f);
+      sums.z += mine ? samples[i].z : (real_v)(0.0f);
+      sums.amplitude += mine ? (real_v)(1.0f) : (real_v)(0.0f);
+    }
+    real_v scatter = (real_v)(0.0f);
+    for (int i = 0; i < NORMALS; ++i) {
+      const int_v mine = ((way >> (4 * i)) & 15) == j;
+      real_v sum = sample_scatter(samples[i]);
+      for (int k = 0; k < i; ++k) {
+        const int_v both = mine & (((way >> (4 * k)) & 15) == j);
+        scatter +=
+            both ? squared_distance(samples[i], samples[k]) + (sum + sample_scatter(samples[k])) : (real_v)(0.0f);
+      }
+      scatter += mine ? sum : (real_v)(0.0f);
+    }
+    const LobeLanes lobe = lobe_of_sums(sums, scatter);
+    float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], count[MULTUM_VECTOR_WIDTH];
+    STORE_V(lobe.x, x);
+    STORE_V(lobe.y, y);
+    STORE_V(lobe.z, z);
+    STORE_V(sums.amplitude, count);
+    for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+      if (texel_list[slot + lane] < 0) continue;
+      float4 own = (float4)(x[lane], y[lane], z[lane], count[lane] / NORMALS);
+      // A lobe of no normals is where the parent's is.
+      if (count[lane] == 0.0f)
+        own.xyz = vload4(j * parent_size + parents.place[0][lane], (__global const float*)parent).xyz;
+      vstore4(own, j * level_size + places.own[lane], (__global float*)level);
+    }
+  }
+}
+
+// Three features of each lobe: a_j y_j = 1/4 sum of its normals' y.
+// One work-item = one slot.
+//   value_x, value_y, value_z [map_window_rows * map_width]
+//   chosen   [slot]                            of movmf_choose
+//   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
+// Memory bound.
+__kernel void movmf_feature_chosen(__global const float* value_x, __global const float* value_y,
+                                   __global const float* value_z, __global const int* texel_list,
+                                   __global const int* chosen, __global float* features, MultumMovmfFit fit,
+                                   int first_plane) {
+  const int slot = (int)get_global_id(0);
+  if (slot >= fit.slot_count) return;
+  const int texel = texel_list[slot];
+  if (texel < 0) return;
+  const int x = texel_column(texel, &fit), y = texel_row(texel, &fit);
+  for (int j = 0; j < MULTUM_LOBES; ++j) {
+    float sum[3] = {0.0f, 0.0f, 0.0f};
+    for (int i = 0; i < NORMALS; ++i) {
+      const size_t source = covered_pair(x, y, i / 2, &fit) + i % 2;
+      if (((chosen[slot] >> (4 * i)) & 15) != j) continue;
+      sum[0] += value_x[source];
+      sum[1] += value_y[source];
+      sum[2] += value_z[source];
+    }
+    __global float* out = features + ((first_plane + j) * level_window_size(&fit) + texel) * 3;
+    for (int c = 0; c < 3; ++c) out[c] = sum[c] / NORMALS;
+  }
+}
