@@ -153,7 +153,8 @@ def costs(figures, root):
               for a, b in zip(times["multum"], times["toksvig"])]
     return "\n" + "\n".join(lines) + f"""
 
-*Frames of 1920 x 1080, trilinear / 16 x anisotropic. Software: Mesa's llvmpipe on {how["processor"]}, {how["cores"]}
+*Frames of 1920 x 1080: on the H100 trilinear / 16 x anisotropic, by its sampler; in software trilinear / by the default
+filter, 2 taps that are each shaded. Software: Mesa's llvmpipe on {how["processor"]}, {how["cores"]}
 cores, medians of {figures["frames"]["runs"]} runs beside other programs; multum takes {min(ratios):.1f} to
 {max(ratios):.1f} times as long as Toksvig. (1) Drawn from RGBA32F textures: from BC5 and BC4 it is faster.*
 """

@@ -134,8 +134,8 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
     for (int row = done.begin; row < done.end; row += handed_rows_) {
       const int count = std::min(handed_rows_, done.end - row);
       finished({row, count, refines() ? &windows_.refined : &windows_.lobes,
-                has_features() ? &windows_.features : nullptr,
-                reads_map_rows() ? &windows_.map->normals : nullptr, fit_, &windows_.lobes});
+                has_features() ? &windows_.features : nullptr, reads_map_rows() ? &windows_.map->normals : nullptr,
+                fit_, &windows_.lobes});
     }
     if (whole_) break;
   }

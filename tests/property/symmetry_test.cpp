@@ -207,8 +207,8 @@ TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   }
 }
 
-// What is not the same, and how much it matters: docs/FORMAT.md has these bounds. Worst here: 45 % of a level's error, on
-// noise of 64 x 16, where a normal at level 1 goes whole to one lobe or another, and 3.2 % of the mean.
+// What is not the same, and how much it matters: docs/FORMAT.md has these bounds. Worst here: 45 % of a level's error,
+// on noise of 64 x 16, where a normal at level 1 goes whole to one lobe or another, and 3.2 % of the mean.
 constexpr double kErrorsDiffer = 0.6, kMeansDiffer = 0.05;
 
 TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
