@@ -13,8 +13,8 @@ namespace {
 // of an Intel Xeon with AVX-512, PoCL 3.1, nothing else running (docs/SCENE.md).
 constexpr double kRead = 55.0;          // a map of three channels
 constexpr double kAveragePlane = 18.0;  // a plane
-constexpr double kFitLevelOne = 160.0;  // level 1, whose texels see the fewest normals each
-constexpr double kFitLobeOne = 40.0;    // and more a lobe
+constexpr double kFitLevelOne = 80.0;   // level 1, whose texels give each of four normals to a lobe
+constexpr double kFitLobeOne = 20.0;    // and more a lobe
 constexpr double kFitFine = 60.0;       // each of levels 2 to 5, which see all normals
 constexpr double kFitLobeFine = 15.0;
 constexpr double kFitCoarse = 60.0;        // all coarser levels together, which see binned normals
