@@ -484,7 +484,7 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     // The time that is said is without them: both places say how many there may be, and how long they take.
     const std::string in_all = text.substr(text.rfind("in all: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"and the trials (up to 17 a map, seconds in all)"});
+      expect_says(part, {"and the trials (up to 24 a map, seconds in all)"});
     EXPECT_GE(map.stated_difference, std::stod(target)) << "what is chosen need be no nearer than the target";
   }
 }
