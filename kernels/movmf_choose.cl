@@ -26,6 +26,9 @@
 #define SUBSETS (1 << NORMALS)
 #define PARENTS 4
 
+// popcount() of the four bits, which not every compiler's library has.
+static int normals_in(int set) { return (set & 1) + ((set >> 1) & 1) + ((set >> 2) & 1) + ((set >> 3) & 1); }
+
 // The first finest texel in its window that a texel covers, column and row 0, or row 1.
 static size_t covered_pair(int column, int row, int below, const MultumMovmfFit* fit) {
   return map_row_start(2 * row + below, fit) + 2 * column;
@@ -133,7 +136,7 @@ static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, cons
     for (int others = 0; others < (1 << i); ++others) between[others | (1 << i)] = between[others] + one;
   }
   for (int set = 0; set < SUBSETS; ++set) {
-    const real_v weight = around.amplitude + (float)popcount(set);
+    const real_v weight = around.amplitude + (float)normals_in(set);
     const real_v mixed = scatters[set] + own + between[set];
     costs[set] = fma((real_v)(alignment), sqrt(fma(weight * weight, (real_v)(e), mixed)), own_costs[set]);
   }
@@ -168,7 +171,7 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
   int_v lobes[SUBSETS];  // the ways that cost least, as `chosen` has them
   scatters_of_sets(samples, scatters);
   for (int set = 0; set < SUBSETS; ++set) {
-    const float count = (float)popcount(set);
+    const float count = (float)normals_in(set);
     own_costs[set] = sqrt(scatters[set] + e * count * count);
     least[set] = (real_v)(0.0f);
     lobes[set] = (int_v)(0);

@@ -102,8 +102,8 @@ const std::map<std::string, std::string> kByPictures = {
 
 TEST(GlslCases, EveryFormulaHasOne) {
   std::string pictures;
-  for (const auto& entry : std::filesystem::directory_iterator(MULTUM_SOURCE_DIR "/tests/gl"))
-    pictures += text_of_file(entry.path());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(MULTUM_SOURCE_DIR "/tests/gl"))
+    if (entry.is_regular_file()) pictures += text_of_file(entry.path());
   const std::vector<Formula> formulas = all_formulas();
   EXPECT_GT(formulas.size(), 80u);
   for (const Formula& f : formulas) {
