@@ -234,8 +234,7 @@ def starts(study):
     study.heading("Section 7.2: where EM starts")
     study.paragraph("The paper starts a texel's lobes from those of its children that lie farthest apart (Hochbaum and",
                     "Shmoys). Here texels start from their parent, so that the choice is that of the coarsest texel:",
-                    "normals that lie farthest apart, beside the search of the default (docs/ALGORITHMS.md). One point",
-                    "more or less at the rim decides which are farthest, and EM does not leave where that leads.")
+                    "normals that lie farthest apart, beside the search of the default (docs/ALGORITHMS.md).")
     shown, rows = [], []
     for count in (4, 6):
         views = {}

@@ -243,8 +243,11 @@ class Study:
     def section(self):
         """What docs/PAPERS.md has of this page."""
         of_maps = f"Maps that are made: {self.size} x {self.size}. "
+        # What leads to a picture of the page alone says nothing here.
+        parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
+                 if not part.endswith(":") or behind.startswith(("|", "!"))]
         return "\n\n".join([f"## {self.title}", of_maps + machine_words(self.devices, self.contexts, self.versions),
-                            *self.markdown]) + "\n"
+                            *parts]) + "\n"
 
     def write_document_pictures(self, folder):
         folder.mkdir(parents=True, exist_ok=True)
