@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quantized coefficients of an image's blocks, three planes; blocks of zeros, nearly all of them, take no memory.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace multum {
+
+class CoefficientBlocks {
+ public:
+  static constexpr std::size_t kPlanes = 3;
+  static constexpr int kMagnitudeMax = 32767;
+
+  CoefficientBlocks() = default;
+  CoefficientBlocks(std::size_t block_count, std::size_t block_values)
+      : block_count_(block_count), block_values_(block_values) {}
+
+  /// Empty: all zero.
+  std::span<const std::int16_t> block(std::size_t plane, std::size_t number) const {
+    if (begins_[plane].empty() || begins_[plane][number] < 0) return {};
+    const auto begin = begins_[plane][number];
+    return {values_.data() + begin, block_values_};
+  }
+
+  /// The block's values, to be set; zeros where they are new. Valid until the next call.
+  std::span<std::int16_t> make(std::size_t plane, std::size_t number) {
+    if (begins_[plane].empty()) begins_[plane].assign(block_count_, -1);
+    auto& begin = begins_[plane][number];
+    if (begin < 0) {
+      begin = static_cast<std::int64_t>(values_.size());
+      values_.resize(values_.size() + block_values_);
+    }
+    return {values_.data() + begin, block_values_};
+  }
+
+  bool is_empty() const { return values_.empty(); }
+  std::size_t block_count() const { return block_count_; }
+
+ private:
+  std::size_t block_count_ = 0, block_values_ = 0;
+  std::array<std::vector<std::int64_t>, kPlanes> begins_;
+  std::vector<std::int16_t> values_;
+};
+
+}  // namespace multum

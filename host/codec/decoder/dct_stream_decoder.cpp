@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/codec/decoder/dct_stream_decoder.h"
+
+#include "host/codec/decoder/block_dct.h"
+
+namespace multum {
+
+BlockSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent, const BlockGrid& grid,
+                               std::size_t plane, std::size_t number, std::size_t level) {
+  BlockSurroundings around;
+  if (number % grid.columns() > 0) around.left = image.block(plane, number - 1);
+  if (number >= grid.columns()) around.up = image.block(plane, number - grid.columns());
+  if (parent != nullptr) around.parent = parent->block(plane, number);
+  if (plane > 0) around.luma = image.block(0, number);
+  around.has_parent = parent != nullptr;
+  around.plane = plane;
+  around.level = level;
+  return around;
+}
+
+int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::size_t number) {
+  const auto constant = [&](std::size_t n) -> int {
+    const auto values = image.block(plane, n);
+    return values.empty() ? 0 : values[0];
+  };
+  const bool has_left = number % grid.columns() > 0, has_up = number >= grid.columns();
+  if (has_left && has_up) return (constant(number - 1) + constant(number - grid.columns())) / 2;
+  if (has_left) return constant(number - 1);
+  return has_up ? constant(number - grid.columns()) : 0;
+}
+
+CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, std::size_t level) {
+  CoefficientBlocks image(grid_.count(), grid_.side * grid_.side);
+  std::vector<std::int16_t> values(grid_.side * grid_.side);
+  for (std::size_t plane = 0; plane < CoefficientBlocks::kPlanes; ++plane) {
+    if (coder_.bit(false, empty_plane_)) continue;
+    for (std::size_t number = 0; number < grid_.count(); ++number) {
+      std::fill(values.begin(), values.end(), std::int16_t{0});
+      syntax_.block(coder_, values, surroundings(image, parent, grid_, plane, number, level));
+      if (port_.exhausted()) return image;  // of this block something may be made up
+      if (parent == nullptr)
+        values[0] =
+            static_cast<std::int16_t>(std::clamp(values[0] + predicted_constant(image, grid_, plane, number),
+                                                 -CoefficientBlocks::kMagnitudeMax, CoefficientBlocks::kMagnitudeMax));
+      if (std::any_of(values.begin(), values.end(), [](auto value) { return value != 0; }))
+        std::copy(values.begin(), values.end(), image.make(plane, number).begin());
+    }
+  }
+  return image;
+}
+
+void add_samples(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::span<const float> steps,
+                 float scale, std::span<float> samples) {
+  std::vector<float> block(grid.side * grid.side);
+  for (std::size_t number = 0; number < grid.count(); ++number) {
+    const auto values = image.block(plane, number);
+    if (values.empty()) continue;
+    std::transform(values.begin(), values.end(), steps.begin(), block.begin(),
+                   [scale](std::int16_t value, float step) { return scale * step * static_cast<float>(value); });
+    inverse_dct(static_cast<int>(grid.side), block, block);
+    const std::size_t left = number % grid.columns() * grid.side, top = number / grid.columns() * grid.side;
+    for (std::size_t y = 0; y < std::min(grid.side, grid.height - top); ++y)
+      for (std::size_t x = 0; x < std::min(grid.side, grid.width - left); ++x)
+        samples[(top + y) * grid.width + left + x] += block[y * grid.side + x];
+  }
+}
+
+}  // namespace multum

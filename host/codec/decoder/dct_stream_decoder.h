@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decodes the images of a pyramid over parameters from one stream: cosine coefficients of square blocks (dct_syntax.h),
+// and samples from them. Image after image shares contexts, so a stream is decoded from its begin; an image's samples
+// are made only when they are wanted.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "host/codec/decoder/dct_syntax.h"
+
+namespace multum {
+
+/// Blocks of an image, rows of blocks after one another; those at the right and lower borders reach beyond it.
+struct BlockGrid {
+  std::size_t width = 1, height = 1;  // samples
+  std::size_t side = 16;              // of a block: 8, 16 or 32
+
+  std::size_t columns() const { return (width + side - 1) / side; }
+  std::size_t rows() const { return (height + side - 1) / side; }
+  std::size_t count() const { return columns() * rows(); }
+};
+
+/// What of `image` is around its block `number` of `plane`; `parent` may be null.
+BlockSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent, const BlockGrid& grid,
+                               std::size_t plane, std::size_t number, std::size_t level);
+
+/// The constant that a block of an image without a parent is written against: the mean of those to the left and above,
+/// where these are there.
+int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::size_t number);
+
+class DctStreamDecoder {
+ public:
+  /// The bytes must outlive the decoder.
+  DctStreamDecoder(const BlockGrid& grid, std::span<const std::uint8_t> bytes)
+      : grid_(grid), syntax_(static_cast<int>(grid.side)), port_(bytes), coder_(port_) {}
+  DctStreamDecoder(const DctStreamDecoder&) = delete;
+  DctStreamDecoder& operator=(const DctStreamDecoder&) = delete;
+
+  /// The stream's next image. `parent`: an image decoded before, which it refines; null for one that refines none.
+  /// From where the stream ends, all is zero.
+  CoefficientBlocks next_image(const CoefficientBlocks* parent, std::size_t level);
+
+  /// The stream ended before its images did.
+  bool exhausted() const { return port_.exhausted(); }
+
+ private:
+  BlockGrid grid_;
+  DctSyntax syntax_;
+  DecodingPort port_;
+  SymbolCoder<DecodingPort> coder_;
+  AdaptiveBit empty_plane_;
+};
+
+/// Adds the samples of plane `plane` to `samples`, width * height: inverse transforms of coefficients times `steps`,
+/// one for each place of a block, times `scale`.
+void add_samples(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::span<const float> steps,
+                 float scale, std::span<float> samples);
+
+}  // namespace multum

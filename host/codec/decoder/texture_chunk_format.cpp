@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/codec/decoder/texture_chunk_format.h"
+
+#include <bit>
+#include <cmath>
+
+#include "host/codec/decoder/block_dct.h"
+#include "host/codec/decoder/wavelet_transform.h"
+
+namespace multum {
+namespace {
+
+float power_of_eighths(int code) { return std::exp2(static_cast<float>(code) / 8.0f); }
+
+std::size_t frequency_classes(std::size_t side) { return static_cast<std::size_t>(std::bit_width(side)); }
+
+}  // namespace
+
+std::size_t TextureChunkFormat::step_code_count() const {
+  return coder == ImageCoder::kDct ? 2 * frequency_classes(side) : wavelet_bands(width, height).size();
+}
+
+std::vector<float> TextureChunkFormat::steps() const {
+  std::vector<float> steps;
+  if (coder == ImageCoder::kWavelet) {
+    for (const std::uint8_t code : step_codes) steps.push_back(power_of_eighths(code));
+    return steps;
+  }
+  const std::size_t classes = frequency_classes(side);
+  for (std::size_t v = 0; v < side; ++v)
+    for (std::size_t u = 0; u < side; ++u)
+      steps.push_back(power_of_eighths(step_codes[static_cast<std::size_t>(std::bit_width(u))] +
+                                       step_codes[classes + static_cast<std::size_t>(std::bit_width(v))]));
+  return steps;
+}
+
+float TextureChunkFormat::level_scale(std::size_t level) const { return power_of_eighths(level_codes[level] - 64); }
+
+std::array<std::array<float, 3>, 3> TextureChunkFormat::rotation_rows() const {
+  double q[4] = {1.0, 0.0, 0.0, 0.0}, length = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) length += static_cast<double>(rotation[i]) * rotation[i];
+  for (std::size_t i = 0; i < 4 && length > 0.0; ++i) q[i] = rotation[i] / std::sqrt(length);
+  const double w = q[0], x = q[1], y = q[2], z = q[3];
+  const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                             {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                             {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+  std::array<std::array<float, 3>, 3> result{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) result[i][j] = static_cast<float>(rows[i][j]);
+  return result;
+}
+
+std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::string& problem) {
+  const auto refuse = [&](const char* what) {
+    problem = what;
+    return std::nullopt;
+  };
+  TextureChunkFormat format;
+  const std::uint8_t kind = reader.byte();
+  if (kind > 3) return refuse("the chunk has an unknown coder or unknown flags");
+  format.coder = static_cast<ImageCoder>(kind & 1);
+  format.linear = (kind & 2) != 0;
+  format.width = reader.number(TextureChunkFormat::kSideMax);
+  format.height = reader.number(TextureChunkFormat::kSideMax);
+  if (format.width < 1 || format.height < 1) return refuse("a texture's sides are not 1 to 16384 texels");
+  const std::size_t dimensions = reader.byte(), levels = reader.byte();
+  if (dimensions > ParameterPyramid::kDimensionsMax || levels > ParameterPyramid::kLevelsMax)
+    return refuse("the pyramid has more than 8 dimensions or 32 levels");
+  for (std::size_t d = 0; d < dimensions; ++d) format.sizes.push_back(reader.number(ParameterPyramid::kSamplesMax));
+  for (std::size_t l = 0; l < levels; ++l) {
+    format.levels.emplace_back();
+    for (std::size_t d = 0; d < dimensions; ++d) format.levels.back().push_back(reader.byte());
+    format.level_codes.push_back(reader.byte());
+  }
+  const auto pyramid = reader.failed() ? std::nullopt : format.pyramid();
+  if (!pyramid) return refuse("the levels are no pyramid over the block");
+  if (pyramid->image_count() > TextureChunkFormat::kTexelsMax / (format.width * format.height))
+    return refuse("the images have more than 2^28 texels together");
+  if (format.coder == ImageCoder::kDct) {
+    format.side = reader.byte();
+    if (!is_dct_side(format.side)) return refuse("blocks are not of 8, 16 or 32 texels a side");
+  }
+  for (auto& part : format.rotation) part = reader.int16();
+  for (auto& offset : format.offsets) offset = reader.int16();
+  for (std::size_t i = format.step_code_count(); i > 0; --i) format.step_codes.push_back(reader.byte());
+  if (reader.failed()) return refuse("the chunk ends within its head");
+  return format;
+}
+
+}  // namespace multum

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The head of a texture chunk: the textures of one layer of an object over one block of parameters. It says which
+// images there are, how they are coded and how coarsely. docs/FORMAT.md, "Texture chunks".
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "host/codec/decoder/byte_reader.h"
+#include "host/codec/decoder/parameter_pyramid.h"
+
+namespace multum {
+
+enum class ImageCoder : std::uint8_t { kDct = 0, kWavelet = 1 };
+
+struct TextureChunkFormat {
+  static constexpr std::size_t kSideMax = 16384;
+  /// Texels of all images together; what a chunk may ask of a decoder's time and memory is bounded by it.
+  static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
+
+  ImageCoder coder = ImageCoder::kDct;
+  std::size_t width = 1, height = 1;  // texels, up to kSideMax
+  std::vector<std::size_t> sizes;     // samples along each dimension of the block
+  std::vector<ParameterPyramid::Halvings> levels;
+  bool linear = false;     // images are interpolated over parameters, not taken from the nearest
+  std::uint8_t side = 16;  // of cosine blocks
+  /// A rotation of colours as a quaternion w, x, y, z in 1/32767, and the offset of each rotated plane in 1/64.
+  std::array<std::int16_t, 4> rotation{32767, 0, 0, 0};
+  std::array<std::int16_t, 3> offsets{};
+  /// Quantization steps 2^(code / 8): cosines by bit_width of the index along rows, then columns; wavelets by band.
+  std::vector<std::uint8_t> step_codes;
+  /// Factors of all steps of a level, 2^(code / 8 - 8).
+  std::vector<std::uint8_t> level_codes;
+
+  /// Numbers that step_codes must have.
+  std::size_t step_code_count() const;
+  /// Steps of the places of a cosine block, [v][u], or of the bands.
+  std::vector<float> steps() const;
+  float level_scale(std::size_t level) const;
+  /// Row p: what red, green and blue weigh in plane p. Orthonormal; colour c is the sum of column c times the planes.
+  std::array<std::array<float, 3>, 3> rotation_rows() const;
+  std::optional<ParameterPyramid> pyramid() const { return ParameterPyramid::of(sizes, levels); }
+};
+
+/// Reads a head. Nothing where it is wrong: `problem` then says how.
+std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::string& problem);
+
+}  // namespace multum

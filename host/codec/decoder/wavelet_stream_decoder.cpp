@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/codec/decoder/wavelet_stream_decoder.h"
+
+namespace multum {
+namespace {
+
+/// Where in the interval that is left a coefficient is put: below its middle, as small values are the likelier ones.
+constexpr float kPlaceInInterval = 0.4f;
+
+}  // namespace
+
+WaveletPlane::WaveletPlane(std::size_t width, std::size_t height)
+    : magnitudes(width * height), negative(width * height), known(width * height), width_(width) {
+  for (const WaveletBand& band : wavelet_bands(width, height)) {
+    Tree tree;
+    tree.band = band;
+    for (std::size_t w = band.width, h = band.height;; w = (w + 1) / 2, h = (h + 1) / 2) {
+      tree.levels.push_back({w, h, std::vector<std::uint8_t>(w * h)});
+      if (w == 1 && h == 1) break;
+    }
+    for (std::size_t t = 0; t < trees_.size(); ++t)
+      if (trees_[t].band.kind == band.kind && trees_[t].band.depth == band.depth + 1)
+        tree.coarser = static_cast<int>(t);
+    trees_.push_back(std::move(tree));
+  }
+}
+
+bool WaveletPlane::significant(std::size_t tree, std::size_t level, std::size_t x, std::size_t y) const {
+  const auto& levels = trees_[tree].levels;
+  const Level& nodes = levels[std::min(level, levels.size() - 1)];
+  return x < nodes.width && y < nodes.height && nodes.significant[y * nodes.width + x] != 0;
+}
+
+WaveletImage WaveletStreamDecoder::next_image(const WaveletImage* parent) {
+  WaveletImage image;
+  for (std::size_t p = 0; p < image.size() && !port_.exhausted(); ++p) {
+    WaveletSurroundings around;
+    around.parent = parent == nullptr ? nullptr : &(*parent)[p];
+    around.luma = p == 0 ? nullptr : &image[0];
+    around.has_parent = parent != nullptr;
+    around.plane = p;
+    const int bit_planes = syntax_.bit_planes(coder_, {}, p);
+    if (bit_planes == 0 || port_.exhausted()) continue;
+    image[p] = WaveletPlane(width_, height_);
+    syntax_.plane(coder_, image[p], bit_planes, {}, around, [this] { return port_.exhausted(); });
+  }
+  return image;
+}
+
+std::vector<float> dequantized(const WaveletPlane& plane, std::span<const float> steps, float scale) {
+  if (plane.is_empty()) return {};
+  std::vector<float> coefficients(plane.magnitudes.size());
+  for (std::size_t t = 0; t < plane.trees().size(); ++t) {
+    const WaveletBand& band = plane.trees()[t].band;
+    for (std::size_t y = band.y; y < band.y + band.height; ++y)
+      for (std::size_t x = band.x; x < band.x + band.width; ++x) {
+        const std::size_t at = y * plane.width() + x;
+        if (plane.magnitudes[at] == 0) continue;
+        const float magnitude =
+            static_cast<float>(plane.magnitudes[at]) + kPlaceInInterval * static_cast<float>(1u << plane.known[at]);
+        coefficients[at] = scale * steps[t] * (plane.negative[at] ? -magnitude : magnitude);
+      }
+  }
+  return coefficients;
+}
+
+void add_samples(const WaveletPlane& plane, std::span<const float> steps, float scale, std::span<float> samples) {
+  std::vector<float> coefficients = dequantized(plane, steps, scale);
+  if (coefficients.empty()) return;
+  inverse_wavelet(plane.width(), coefficients.size() / plane.width(), coefficients);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] += coefficients[i];
+}
+
+}  // namespace multum

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Weighs errors of textures by what the runtime draws of them: the filter matrix A of each pose says what each texel is
+// in each pixel, so an error e of a texture is |A e|^2 in the picture. Coded coefficients have errors that are nearly
+// independent, so it is summed by coefficient: |A b|^2 of each basis image b, its weight. Weights are measured, not
+// computed one by one: basis images of one frequency at all places at once, with random signs, are drawn, and the
+// squares of the pixels are handed back to the texels that they came from.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/asset/inferred/filter_matrix.h"
+#include "host/codec/decoder/texture_chunk_format.h"
+
+namespace multum {
+
+/// Side of the squares of texels over which shares of layers are averaged.
+constexpr std::size_t kShareCell = 16;
+
+struct CoefficientLayout {
+  ImageCoder coder = ImageCoder::kDct;
+  std::size_t width = 1, height = 1;  // texels
+  std::size_t side = 16;              // of cosine blocks
+};
+
+/// What the square of an error of each coefficient weighs in the picture of a pose: cosines [block][v][u], wavelets
+/// [height][width]. Coefficients whose place is seen in part, or has a neighbour that is seen, weigh more than that:
+/// their errors are not independent where little of them is seen.
+std::vector<float> coefficient_energies(const FilterMatrix& matrix, const CoefficientLayout& layout);
+
+/// What the finest texels, with what the coarser ones hand down to them, weigh in the picture: A^T 1.
+std::vector<float> texel_masses(const FilterMatrix& matrix);
+
+/// By how much errors of each layer's gamma-coded texture show in the gamma-coded sum of the layers, squared, for each
+/// cell of kShareCell texels a side, row by row: (L_i / L)^(2 - 2 / 2.2), the mean over the pixels in which the cell is
+/// seen, times their coverage squared; cells that nothing sees have the mean of the others. `layers`: radiance of all
+/// levels, [texel][3].
+std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
+                                             const std::vector<const std::vector<float>*>& layers);
+
+/// The cell of each coefficient.
+std::vector<std::uint32_t> cells_of_coefficients(const CoefficientLayout& layout);
+
+}  // namespace multum

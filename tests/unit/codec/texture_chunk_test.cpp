@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tests chunks: textures over a block of parameters come back within the error that was paid for, whatever the pyramid;
+// damaged, cut and hostile chunks are refused or decode to something.
+#include <gtest/gtest.h>
+
+#include "host/codec/colour_axes.h"
+#include "host/codec/texture_chunk_encoder.h"
+#include "tests/unit/codec/codec_test_data.h"
+
+namespace multum {
+namespace {
+
+constexpr std::size_t kChunkWidth = 45, kChunkHeight = 26, kChunkTexels = kChunkWidth * kChunkHeight;
+
+/// Green textures that drift with the first parameter and brighten with the second.
+ChunkSource test_source(std::vector<std::size_t> sizes, ImageCoder coder, std::size_t side, std::uint64_t seed) {
+  SplitMix64 random(seed);
+  ChunkSource source;
+  source.width = kChunkWidth;
+  source.height = kChunkHeight;
+  source.sizes = std::move(sizes);
+  std::size_t count = 1;
+  for (const std::size_t size : source.sizes) count *= size;
+  const std::size_t last = source.sizes.back();
+  for (std::size_t s = 0; s < count; ++s) {
+    const auto plane = test_plane(kChunkWidth, kChunkHeight, 0.2 * static_cast<double>(s / last), 3.0, random);
+    std::vector<float> texture(3 * kChunkTexels);
+    const float gain = 0.7f + 0.3f * static_cast<float>(s % last) / static_cast<float>(last);
+    for (std::size_t i = 0; i < kChunkTexels; ++i) {
+      texture[3 * i] = 0.3f * gain * plane[i] + 20.0f;
+      texture[3 * i + 1] = gain * plane[i];
+      texture[3 * i + 2] = 0.2f * gain * plane[i] + 5.0f * static_cast<float>(random.uniform());
+    }
+    source.textures.push_back(std::move(texture));
+  }
+  source.texel_weights.assign(kChunkTexels, 1.0f);
+  const BlockGrid grid{kChunkWidth, kChunkHeight, side};
+  const std::size_t coefficients = coder == ImageCoder::kDct ? grid.count() * side * side : kChunkTexels;
+  source.coefficient_weights = [coefficients](std::size_t) { return std::vector<float>(coefficients, 1.0f); };
+  return source;
+}
+
+double error_of(const TextureChunk& chunk, const ChunkSource& source) {
+  double error = 0.0;
+  for (std::size_t s = 0; s < source.textures.size(); ++s)
+    error += mean_square(chunk.texture(s), source.textures[s]) / static_cast<double>(source.textures.size());
+  return error;
+}
+
+std::unique_ptr<TextureChunk> decoded(const std::vector<std::uint8_t>& bytes) {
+  std::string problem;
+  auto chunk = TextureChunk::decode(bytes, problem);
+  EXPECT_NE(chunk, nullptr) << problem;
+  return chunk;
+}
+
+TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
+  for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet})
+    for (const auto& sizes : std::vector<std::vector<std::size_t>>{{4, 4}, {5}, {3, 2, 2}}) {
+      ChunkSettings settings;
+      settings.coder = coder;
+      settings.side = 8;
+      settings.levels = plain_levels(sizes);
+      const ChunkSource source = test_source(sizes, coder, settings.side, 11);
+      std::size_t bytes_before = 0;
+      double error_before = 1e9;
+      for (const double lambda : {300.0, 20.0, 1.0}) {
+        settings.lambda = lambda;
+        const auto bytes = encode_chunk(source, settings);
+        const auto chunk = decoded(bytes);
+        EXPECT_FALSE(chunk->was_cut_short());
+        const double error = error_of(*chunk, source);
+        EXPECT_GT(bytes.size(), bytes_before);
+        EXPECT_LT(error, error_before);
+        bytes_before = bytes.size();
+        error_before = error;
+      }
+      // Closed loop: whatever the coarser levels left, the finest has the error of its own quantizer alone. Its step is
+      // 3.5 sqrt(lambda) at most, and a coefficient of less than that may be dropped.
+      EXPECT_LT(error_before, 3.5 * 3.5);
+    }
+}
+
+TEST(TextureChunk, PyramidsShareWhatSamplesHaveInCommon) {
+  const std::vector<std::size_t> sizes = {4, 4};
+  const ChunkSource source = test_source(sizes, ImageCoder::kDct, 8, 12);
+  ChunkSettings settings;
+  settings.side = 8;
+  settings.lambda = 60.0;
+  const auto cost = [&](const std::vector<ParameterPyramid::Halvings>& levels) {
+    settings.levels = levels;
+    const auto bytes = encode_chunk(source, settings);
+    return error_of(*decoded(bytes), source) * 3.0 * static_cast<double>(kChunkTexels) * 16.0 +
+           8.0 * settings.lambda * static_cast<double>(bytes.size());
+  };
+  const double alone = cost({{0, 0}}), plain = cost(plain_levels(sizes));
+  EXPECT_LT(plain, 0.9 * alone);
+  const auto chosen = chosen_levels(sizes, cost);
+  EXPECT_LE(cost(chosen), plain * 1.02);
+}
+
+TEST(TextureChunk, LinearReconstructionFollowsRampsBetter) {
+  ChunkSource source = test_source({8}, ImageCoder::kDct, 8, 13);
+  for (std::size_t s = 0; s < 8; ++s)
+    for (auto& value : source.textures[s]) value = 40.0f + 10.0f * static_cast<float>(s);
+  ChunkSettings settings;
+  settings.side = 8;
+  settings.lambda = 5000.0;
+  settings.levels = {{3}, {2}, {1}, {0}};
+  const auto nearest = error_of(*decoded(encode_chunk(source, settings)), source);
+  settings.linear = true;
+  const auto bytes = encode_chunk(source, settings);
+  const auto chunk = decoded(bytes);
+  EXPECT_TRUE(chunk->format().linear);
+  EXPECT_LT(error_of(*chunk, source), nearest);
+}
+
+TEST(TextureChunk, SameBytesEveryTime) {
+  const ChunkSource source = test_source({3, 3}, ImageCoder::kDct, 16, 14);
+  ChunkSettings settings;
+  settings.levels = plain_levels(source.sizes);
+  EXPECT_EQ(encode_chunk(source, settings), encode_chunk(source, settings));
+}
+
+TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
+  for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet}) {
+    ChunkSettings settings;
+    settings.coder = coder;
+    settings.lambda = 30.0;
+    settings.levels = {{2, 2}, {0, 2}, {0, 0}};
+    const auto bytes = encode_chunk(test_source({4, 3}, coder, settings.side, 15), settings);
+    for (std::size_t cut = 0; cut < bytes.size(); cut += 1 + cut / 8) {
+      std::string problem;
+      const auto chunk = TextureChunk::decode(std::span<const std::uint8_t>(bytes).first(cut), problem);
+      if (chunk == nullptr) {
+        EXPECT_FALSE(problem.empty());
+      } else EXPECT_TRUE(chunk->was_cut_short());
+    }
+    SplitMix64 random(16);
+    int refused = 0;
+    for (int round = 0; round < 400; ++round) {
+      std::vector<std::uint8_t> other;
+      if (round % 2 == 0) {
+        other = damaged(bytes, random);
+      } else {  // damage of the head alone, which large streams hardly ever suffer
+        other = bytes;
+        other[random.next() % 45] = static_cast<std::uint8_t>(random.next());
+      }
+      std::string problem;
+      const auto chunk = TextureChunk::decode(other, problem);
+      if (chunk == nullptr) {
+        ++refused;
+        EXPECT_FALSE(problem.empty());
+      } else if (chunk->format().width * chunk->format().height < 100000) {
+        chunk->texture(chunk->sample_count() - 1);
+      }
+    }
+    EXPECT_GT(refused, 10);
+  }
+}
+
+TEST(TextureChunk, RefusesTooManyTexels) {
+  // 16384 x 16384 texels of 65536 samples: the head alone would have a decoder take petabytes.
+  const std::vector<std::uint8_t> head = {0, 0x80, 0x80, 1, 0x80, 0x80, 1, 1, 1, 0x80, 0x80, 4, 0, 64, 16};
+  std::string problem;
+  EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);
+  EXPECT_EQ(problem, "the images have more than 2^28 texels together");
+}
+
+TEST(ColourAxes, FindTheLongestAxisAndRotate) {
+  SplitMix64 random(17);
+  for (int round = 0; round < 50; ++round) {
+    const double along[3] = {random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
+    std::vector<float> texture(300);
+    for (std::size_t i = 0; i < 100; ++i) {
+      const double t = 200.0 * (random.uniform() - 0.5);
+      for (std::size_t c = 0; c < 3; ++c)
+        texture[3 * i + c] = static_cast<float>(100.0 + t * along[c] + random.uniform());
+    }
+    TextureChunkFormat format;
+    format.rotation = colour_axes({texture}, std::vector<float>(100, 1.0f)).quaternion;
+    const auto rows = format.rotation_rows();
+    double dot = 0.0, length = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      dot += static_cast<double>(rows[0][c]) * along[c];
+      length += along[c] * along[c];
+    }
+    EXPECT_GT(std::abs(dot) / std::sqrt(length), 0.98);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        double product = 0.0;
+        for (std::size_t c = 0; c < 3; ++c)
+          product += static_cast<double>(rows[i][c]) * static_cast<double>(rows[j][c]);
+        EXPECT_NEAR(product, i == j ? 1.0 : 0.0, 1e-6);
+      }
+  }
+  EXPECT_EQ(colour_axes({std::vector<float>(3)}, {0.0f}).quaternion, (std::array<std::int16_t, 4>{32767, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace multum
