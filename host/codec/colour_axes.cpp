@@ -5,35 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "host/codec/symmetric_eigenvectors.h"
+
 namespace multum {
 namespace {
 
 using Matrix = std::array<std::array<double, 3>, 3>;
-
-/// Eigenvectors of a symmetric matrix as rows, by falling eigenvalue (cyclic Jacobi rotations).
-Matrix eigenvectors(Matrix a) {
-  Matrix v = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // as columns
-  constexpr int kSweeps = 30;                      // each squares what lies off the diagonal; a few suffice
-  for (int sweep = 0; sweep < kSweeps; ++sweep)
-    for (const auto& [p, q] : {std::pair<std::size_t, std::size_t>{0, 1}, {0, 2}, {1, 2}}) {
-      const double angle = 0.5 * std::atan2(2.0 * a[p][q], a[q][q] - a[p][p]);
-      const double c = std::cos(angle), s = std::sin(angle);
-      const auto turn = [c, s](double& x, double& y) {
-        const double turned = c * x - s * y;
-        y = s * x + c * y;
-        x = turned;
-      };
-      for (std::size_t i = 0; i < 3; ++i) turn(a[i][p], a[i][q]);
-      for (std::size_t i = 0; i < 3; ++i) turn(a[p][i], a[q][i]);
-      for (std::size_t i = 0; i < 3; ++i) turn(v[i][p], v[i][q]);
-    }
-  std::array<std::size_t, 3> order = {0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return a[i][i] > a[j][j]; });
-  Matrix rows{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) rows[i][j] = v[j][order[i]];
-  return rows;
-}
 
 double determinant(const Matrix& m) {
   return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
@@ -71,7 +48,11 @@ ColourAxes colour_axes(const std::vector<std::vector<float>>& textures, const st
         for (std::size_t d = 0; d < 3; ++d)
           covariance[c][d] += static_cast<double>(weights[i]) * (static_cast<double>(texture[3 * i + c]) - mean[c]) *
                               (static_cast<double>(texture[3 * i + d]) - mean[d]);
-  Matrix rows = eigenvectors(covariance);
+  std::vector<double> values;
+  for (const auto& row : covariance) values.insert(values.end(), row.begin(), row.end());
+  const auto vectors = symmetric_eigenvectors(std::move(values), 3);
+  Matrix rows{};
+  for (std::size_t i = 0; i < 3; ++i) std::copy(vectors[i].begin(), vectors[i].end(), rows[i].begin());
   if (rows[0][0] + rows[0][1] + rows[0][2] < 0.0)
     for (double& part : rows[0]) part = -part;
   if (determinant(rows) < 0.0)

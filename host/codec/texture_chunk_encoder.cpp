@@ -9,6 +9,7 @@
 #include "host/codec/byte_writer.h"
 #include "host/codec/colour_axes.h"
 #include "host/codec/dct_stream_encoder.h"
+#include "host/codec/symmetric_eigenvectors.h"
 #include "host/codec/wavelet_stream_encoder.h"
 
 namespace multum {
@@ -170,14 +171,19 @@ double typical_weight(const TextureChunkFormat& format, const std::vector<float>
 }
 
 void write_format(ByteWriter& writer, const TextureChunkFormat& format) {
-  writer.byte(static_cast<std::uint8_t>(static_cast<int>(format.coder) | (format.linear ? 2 : 0)));
+  writer.byte(static_cast<std::uint8_t>(static_cast<int>(format.coder) | (format.linear ? 2 : 0) |
+                                        (format.basis.empty() ? 0 : 4)));
   writer.number(format.width);
   writer.number(format.height);
   writer.byte(static_cast<std::uint8_t>(format.sizes.size()));
-  writer.byte(static_cast<std::uint8_t>(format.levels.size()));
+  writer.byte(static_cast<std::uint8_t>(format.level_codes.size()));
   for (const std::size_t size : format.sizes) writer.number(size);
-  for (std::size_t l = 0; l < format.levels.size(); ++l) {
-    writer.bytes(format.levels[l]);
+  for (std::size_t l = 0; l < format.level_codes.size(); ++l) {
+    if (format.basis.empty()) {
+      writer.bytes(format.levels[l]);
+    } else {
+      for (const std::int8_t weight : format.basis[l]) writer.byte(static_cast<std::uint8_t>(weight));
+    }
     writer.byte(format.level_codes[l]);
   }
   if (format.coder == ImageCoder::kDct) writer.byte(format.side);
@@ -192,12 +198,17 @@ struct Share {
   float weight;
 };
 
-std::vector<std::vector<Share>> shares_of_images(const ParameterPyramid& pyramid, bool linear) {
-  std::vector<std::vector<Share>> shares(pyramid.image_count());
-  for (std::size_t s = 0; s < pyramid.sample_count(); ++s)
-    for (std::size_t l = 0; l < pyramid.level_count(); ++l)
-      for (const auto& term : pyramid.terms(l, s, linear)) shares[term.image].push_back({s, term.weight});
+std::vector<std::vector<Share>> shares_of_images(const ImagePlan& plan) {
+  std::vector<std::vector<Share>> shares(plan.image_count());
+  for (std::size_t s = 0; s < plan.of_samples.size(); ++s)
+    for (const auto& term : plan.of_samples[s]) shares[term.image].push_back({s, term.weight});
   return shares;
+}
+
+/// What an error of an image weighs in a sample. Of a pyramid's level the shares t of a sample's images sum to 1, so
+/// the square of the sum of their errors is at most sum t e^2; images of a basis are orthogonal.
+float error_share(const TextureChunkFormat& format, const Share& share) {
+  return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
 /// What the samples still lack, coefficient by coefficient, and what of it an image shall be.
@@ -207,18 +218,40 @@ class Residual {
 
   void add_sample(std::array<std::vector<float>, 3> coefficients) { lacking_.push_back(std::move(coefficients)); }
 
-  /// The mean over the image's samples, sum t w r / sum t w. The shares t of a sample's images sum to 1, so the square
-  /// of the sum of their errors is at most sum t e^2: `weights` becomes sum t w.
-  std::array<std::vector<float>, 3> wanted(const std::vector<Share>& shares, std::vector<float>& weights) const {
+  /// Products of any two samples, coefficients weighed by the roots of what their errors weigh: [sample][sample].
+  std::vector<double> covariance() const {
+    const std::size_t n = lacking_.size();
+    std::vector<std::vector<float>> roots;
+    for (std::size_t s = 0; s < n; ++s) {
+      roots.push_back(source_.coefficient_weights(s));
+      for (float& weight : roots.back()) weight = std::sqrt(weight);
+    }
+    std::vector<double> products(n * n);
+    for (std::size_t s = 0; s < n; ++s)
+      for (std::size_t t = 0; t <= s; ++t) {
+        double sum = 0.0;
+        for (std::size_t p = 0; p < 3; ++p)
+          for (std::size_t i = 0; i < roots[s].size(); ++i)
+            sum += static_cast<double>(roots[s][i] * lacking_[s][p][i] * roots[t][i] * lacking_[t][p][i]);
+        products[s * n + t] = products[t * n + s] = sum;
+      }
+    return products;
+  }
+
+  /// Least squares over the image's samples, each by itself: sum q w r / t / sum q w, q of error_share. `weights`
+  /// becomes the denominator.
+  std::array<std::vector<float>, 3> wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
+                                           std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();
     std::array<std::vector<float>, 3> sums;
     for (auto& plane : sums) plane.assign(size, 0.0f);
     weights.assign(size, 0.0f);
     for (const Share& share : shares) {
       const std::vector<float> of_sample = source_.coefficient_weights(share.sample);
+      const float error = error_share(format, share), factor = format.basis.empty() ? error : share.weight;
       for (std::size_t i = 0; i < size; ++i) {
-        weights[i] += share.weight * of_sample[i];
-        for (std::size_t p = 0; p < 3; ++p) sums[p][i] += share.weight * of_sample[i] * lacking_[share.sample][p][i];
+        weights[i] += error * of_sample[i];
+        for (std::size_t p = 0; p < 3; ++p) sums[p][i] += factor * of_sample[i] * lacking_[share.sample][p][i];
       }
     }
     for (std::size_t i = 0; i < size; ++i)
@@ -240,29 +273,51 @@ class Residual {
   std::vector<std::array<std::vector<float>, 3>> lacking_;
 };
 
-/// The mean of the samples' weights, and the codes of steps that follow from the levels' sums of them.
-void choose_steps(TextureChunkFormat& format, const ChunkSource& source, const ChunkSettings& settings,
-                  const std::vector<std::vector<Share>>& shares, const ParameterPyramid& pyramid) {
-  std::vector<float> mean;
-  for (std::size_t s = 0; s < pyramid.sample_count(); ++s) {
+std::vector<float> summed_weights(const ChunkSource& source) {
+  std::vector<float> sums;
+  for (std::size_t s = 0; s < source.textures.size(); ++s) {
     const auto weights = source.coefficient_weights(s);
-    mean.resize(weights.size());
-    for (std::size_t i = 0; i < weights.size(); ++i) mean[i] += weights[i];
+    sums.resize(weights.size());
+    for (std::size_t i = 0; i < weights.size(); ++i) sums[i] += weights[i];
   }
-  const bool is_dct = format.coder == ImageCoder::kDct;
-  format.step_codes = is_dct ? dct_step_codes(format, mean) : wavelet_step_codes(format, mean);
-  const double all = typical_weight(format, mean), samples = static_cast<double>(pyramid.sample_count());
-  for (std::size_t l = 0; l < pyramid.level_count(); ++l) {
-    double served = 0.0, images = 0.0;  // shares, over the level's images: how many samples one serves
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-      if (pyramid.level_of(i) != l) continue;
-      images += 1.0;
-      for (const Share& share : shares[i]) served += static_cast<double>(share.weight);
-    }
-    const double weight = std::max(all / samples * served / images, 1e-12);
-    const double step = (is_dct ? kDctStep : kWaveletStep) * std::sqrt(settings.lambda / weight);
+  return sums;
+}
+
+void choose_steps(TextureChunkFormat& format, const std::vector<float>& weights) {
+  format.step_codes =
+      format.coder == ImageCoder::kDct ? dct_step_codes(format, weights) : wavelet_step_codes(format, weights);
+}
+
+/// Codes of the levels' factors, from what their images' errors weigh in all samples together.
+void choose_scales(TextureChunkFormat& format, const std::vector<float>& weights, double lambda, const ImagePlan& plan,
+                   const std::vector<std::vector<Share>>& shares) {
+  const double all = typical_weight(format, weights), samples = static_cast<double>(plan.of_samples.size());
+  const std::size_t levels = plan.levels.back() + 1;
+  std::vector<double> served(levels), images(levels);  // how many samples an image serves
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    images[plan.levels[i]] += 1.0;
+    for (const Share& share : shares[i]) served[plan.levels[i]] += static_cast<double>(error_share(format, share));
+  }
+  for (std::size_t l = 0; l < levels; ++l) {
+    const double weight = std::max(all / samples * served[l] / images[l], 1e-12);
+    const double step = (format.coder == ImageCoder::kDct ? kDctStep : kWaveletStep) * std::sqrt(lambda / weight);
     format.level_codes.push_back(code_of(step, 64));
   }
+}
+
+/// The block's first eigenvectors, each scaled so that its largest weight is 127.
+std::vector<std::vector<std::int8_t>> learnt_basis(const Residual& residual, std::size_t samples, std::size_t images) {
+  const auto vectors = symmetric_eigenvectors(residual.covariance(), samples);
+  std::vector<std::vector<std::int8_t>> basis;
+  for (std::size_t k = 0; k < std::min(images, samples); ++k) {
+    double largest = 0.0;
+    for (const double part : vectors[k])
+      if (std::abs(part) > std::abs(largest)) largest = part;
+    basis.emplace_back();
+    for (const double part : vectors[k])
+      basis.back().push_back(static_cast<std::int8_t>(std::lround(127.0 * part / largest)));
+  }
+  return basis;
 }
 
 }  // namespace
@@ -277,11 +332,8 @@ std::vector<std::uint8_t> encode_chunk(const ChunkSource& source, const ChunkSet
   format.levels = settings.levels;
   format.linear = settings.linear;
   format.side = static_cast<std::uint8_t>(settings.side);
-  const auto pyramid = format.pyramid();
-  MULTUM_CHECK(pyramid.has_value() && pyramid->sample_count() == source.textures.size());
-  const auto shares = shares_of_images(*pyramid, format.linear);
-  choose_steps(format, source, settings, shares, *pyramid);
-
+  const std::vector<float> weights = summed_weights(source);
+  choose_steps(format, weights);
   const ColourAxes axes = colour_axes(source.textures, source.texel_weights);
   format.rotation = axes.quaternion;
   const auto rows = format.rotation_rows();
@@ -306,11 +358,16 @@ std::vector<std::uint8_t> encode_chunk(const ChunkSource& source, const ChunkSet
     }
     residual.add_sample(std::move(coefficients));
   }
-  for (std::size_t i = 0; i < pyramid->image_count(); ++i) {
-    std::vector<float> weights;
-    auto wanted = residual.wanted(shares[i], weights);
-    const std::size_t level = pyramid->level_of(i);
-    residual.subtract(shares[i], coding->add(std::move(wanted), std::move(weights), pyramid->parent_of(i), level,
+  if (format.levels.empty()) format.basis = learnt_basis(residual, source.textures.size(), settings.basis_images);
+  const auto plan = format.plan();
+  MULTUM_CHECK(plan.has_value() && plan->of_samples.size() == source.textures.size());
+  const auto shares = shares_of_images(*plan);
+  choose_scales(format, weights, settings.lambda, *plan, shares);
+  for (std::size_t i = 0; i < plan->image_count(); ++i) {
+    std::vector<float> of_image;
+    auto wanted = residual.wanted(format, shares[i], of_image);
+    const std::size_t level = plan->levels[i];
+    residual.subtract(shares[i], coding->add(std::move(wanted), std::move(of_image), plan->parents[i], level,
                                              format.level_scale(level)));
   }
   ByteWriter writer;

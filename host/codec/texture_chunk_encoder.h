@@ -29,7 +29,10 @@ struct ChunkSource {
 struct ChunkSettings {
   ImageCoder coder = ImageCoder::kDct;
   std::size_t side = 16;  // of cosine blocks: 8, 16 or 32
+  /// The pyramid's, as ParameterPyramid::of has them. None: a basis of at most `basis_images` images is learnt from the
+  /// block instead (Karhunen-Loeve transform over the samples).
   std::vector<ParameterPyramid::Halvings> levels;
+  std::size_t basis_images = 8;
   bool linear = false;
   double lambda = 1.0;  // weighed squared error that one bit is worth, above 0
 };

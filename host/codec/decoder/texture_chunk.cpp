@@ -21,24 +21,24 @@ std::unique_ptr<TextureChunk> TextureChunk::decode(std::span<const std::uint8_t>
   ByteReader reader(bytes);
   auto format = read_chunk_format(reader, problem);
   if (!format) return nullptr;
-  auto pyramid = format->pyramid();
-  std::unique_ptr<TextureChunk> chunk(new TextureChunk(std::move(*format), std::move(*pyramid)));
+  auto plan = format->plan();
+  std::unique_ptr<TextureChunk> chunk(new TextureChunk(std::move(*format), std::move(*plan)));
   const TextureChunkFormat& f = chunk->format_;
-  const ParameterPyramid& images = chunk->pyramid_;
+  const ImagePlan& images = chunk->plan_;
   const auto coded = reader.bytes(reader.left());
   if (f.coder == ImageCoder::kDct) {
     DctStreamDecoder decoder(grid_of(f), coded);
     for (std::size_t i = 0; i < images.image_count() && !decoder.exhausted(); ++i) {
-      const auto parent = images.parent_of(i);
+      const auto parent = images.parents[i];
       chunk->dct_images_.push_back(
-          decoder.next_image(parent ? &chunk->dct_images_[*parent] : nullptr, images.level_of(i)));
+          decoder.next_image(parent ? &chunk->dct_images_[*parent] : nullptr, images.levels[i]));
     }
     chunk->was_cut_short_ = decoder.exhausted();
     chunk->dct_images_.resize(images.image_count());
   } else {
     WaveletStreamDecoder decoder(f.width, f.height, coded);
     for (std::size_t i = 0; i < images.image_count() && !decoder.exhausted(); ++i) {
-      const auto parent = images.parent_of(i);
+      const auto parent = images.parents[i];
       chunk->wavelet_images_.push_back(decoder.next_image(parent ? &chunk->wavelet_images_[*parent] : nullptr));
     }
     chunk->was_cut_short_ = decoder.exhausted();
@@ -54,13 +54,12 @@ std::vector<float> TextureChunk::texture(std::size_t sample) const {
   std::vector<float> colours(3 * texels), samples(texels);
   for (std::size_t p = 0; p < 3; ++p) {
     std::fill(samples.begin(), samples.end(), kOffsetUnit * static_cast<float>(format_.offsets[p]));
-    for (std::size_t level = 0; level < pyramid_.level_count(); ++level)
-      for (const auto& term : pyramid_.terms(level, sample, format_.linear)) {
-        const float scale = term.weight * format_.level_scale(level);
-        if (format_.coder == ImageCoder::kDct)
-          add_samples(dct_images_[term.image], grid_of(format_), p, steps, scale, samples);
-        else add_samples(wavelet_images_[term.image][p], steps, scale, samples);
-      }
+    for (const auto& term : plan_.of_samples[sample]) {
+      const float scale = term.weight * format_.level_scale(plan_.levels[term.image]);
+      if (format_.coder == ImageCoder::kDct)
+        add_samples(dct_images_[term.image], grid_of(format_), p, steps, scale, samples);
+      else add_samples(wavelet_images_[term.image][p], steps, scale, samples);
+    }
     for (std::size_t i = 0; i < texels; ++i)
       for (std::size_t c = 0; c < 3; ++c) colours[3 * i + c] += rows[p][c] * samples[i];
   }

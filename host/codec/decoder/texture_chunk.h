@@ -18,7 +18,7 @@ class TextureChunk {
   static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem);
 
   const TextureChunkFormat& format() const { return format_; }
-  std::size_t sample_count() const { return pyramid_.sample_count(); }
+  std::size_t sample_count() const { return plan_.of_samples.size(); }
 
   /// The texture of a sample, [height][width][3]: red, green, blue as gamma-coded values, 255 for a radiance of 1, with
   /// whatever error the coder left; not clamped.
@@ -28,11 +28,10 @@ class TextureChunk {
   bool was_cut_short() const { return was_cut_short_; }
 
  private:
-  TextureChunk(TextureChunkFormat format, ParameterPyramid pyramid)
-      : format_(std::move(format)), pyramid_(std::move(pyramid)) {}
+  TextureChunk(TextureChunkFormat format, ImagePlan plan) : format_(std::move(format)), plan_(std::move(plan)) {}
 
   TextureChunkFormat format_;
-  ParameterPyramid pyramid_;
+  ImagePlan plan_;
   std::vector<CoefficientBlocks> dct_images_;  // one of these two has the images
   std::vector<WaveletImage> wavelet_images_;
   bool was_cut_short_ = false;

@@ -50,6 +50,31 @@ std::array<std::array<float, 3>, 3> TextureChunkFormat::rotation_rows() const {
   return result;
 }
 
+std::optional<ImagePlan> TextureChunkFormat::plan() const {
+  ImagePlan plan;
+  if (!basis.empty()) {
+    plan.of_samples.resize(basis[0].size());
+    for (std::size_t i = 0; i < basis.size(); ++i) {
+      plan.levels.push_back(i);
+      plan.parents.push_back(i > 0 ? std::optional<std::size_t>(0) : std::nullopt);
+      for (std::size_t s = 0; s < basis[i].size(); ++s)
+        if (basis[i][s] != 0) plan.of_samples[s].push_back({i, static_cast<float>(basis[i][s]) / 127.0f});
+    }
+    return plan;
+  }
+  const auto pyramid = ParameterPyramid::of(sizes, levels);
+  if (!pyramid) return {};
+  for (std::size_t i = 0; i < pyramid->image_count(); ++i) {
+    plan.levels.push_back(pyramid->level_of(i));
+    plan.parents.push_back(pyramid->parent_of(i));
+  }
+  plan.of_samples.resize(pyramid->sample_count());
+  for (std::size_t s = 0; s < plan.of_samples.size(); ++s)
+    for (std::size_t l = 0; l < pyramid->level_count(); ++l)
+      for (const auto& term : pyramid->terms(l, s, linear)) plan.of_samples[s].push_back(term);
+  return plan;
+}
+
 std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::string& problem) {
   const auto refuse = [&](const char* what) {
     problem = what;
@@ -57,24 +82,40 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   };
   TextureChunkFormat format;
   const std::uint8_t kind = reader.byte();
-  if (kind > 3) return refuse("the chunk has an unknown coder or unknown flags");
+  if (kind > 7 || (kind & 6) == 6) return refuse("the chunk has an unknown coder or unknown flags");
   format.coder = static_cast<ImageCoder>(kind & 1);
   format.linear = (kind & 2) != 0;
   format.width = reader.number(TextureChunkFormat::kSideMax);
   format.height = reader.number(TextureChunkFormat::kSideMax);
   if (format.width < 1 || format.height < 1) return refuse("a texture's sides are not 1 to 16384 texels");
   const std::size_t dimensions = reader.byte(), levels = reader.byte();
-  if (dimensions > ParameterPyramid::kDimensionsMax || levels > ParameterPyramid::kLevelsMax)
-    return refuse("the pyramid has more than 8 dimensions or 32 levels");
-  for (std::size_t d = 0; d < dimensions; ++d) format.sizes.push_back(reader.number(ParameterPyramid::kSamplesMax));
+  if (dimensions < 1 || dimensions > ParameterPyramid::kDimensionsMax)
+    return refuse("the block has no dimension or above 8");
+  std::size_t samples = 1;
+  for (std::size_t d = 0; d < dimensions; ++d) {
+    format.sizes.push_back(reader.number(ParameterPyramid::kSamplesMax));
+    if (format.sizes.back() < 1 || (samples *= format.sizes.back()) > ParameterPyramid::kSamplesMax)
+      return refuse("the block has no sample, or more than 65536");
+  }
+  if (levels < 1 || levels > TextureChunkFormat::kBasisMax) return refuse("the chunk has no image, or above 64 levels");
   for (std::size_t l = 0; l < levels; ++l) {
-    format.levels.emplace_back();
-    for (std::size_t d = 0; d < dimensions; ++d) format.levels.back().push_back(reader.byte());
+    if ((kind & 4) != 0) {
+      const auto weights = reader.bytes(samples);
+      format.basis.emplace_back(weights.begin(), weights.end());
+    } else {
+      format.levels.emplace_back();
+      for (std::size_t d = 0; d < dimensions; ++d) format.levels.back().push_back(reader.byte());
+    }
     format.level_codes.push_back(reader.byte());
   }
-  const auto pyramid = reader.failed() ? std::nullopt : format.pyramid();
-  if (!pyramid) return refuse("the levels are no pyramid over the block");
-  if (pyramid->image_count() > TextureChunkFormat::kTexelsMax / (format.width * format.height))
+  if (reader.failed()) return refuse("the chunk ends within its head");
+  std::size_t images = levels;
+  if ((kind & 4) == 0) {
+    const auto pyramid = ParameterPyramid::of(format.sizes, format.levels);
+    if (!pyramid) return refuse("the levels are no pyramid over the block");
+    images = pyramid->image_count();
+  }
+  if (images > TextureChunkFormat::kTexelsMax / (format.width * format.height))
     return refuse("the images have more than 2^28 texels together");
   if (format.coder == ImageCoder::kDct) {
     format.side = reader.byte();

@@ -14,15 +14,28 @@ namespace multum {
 
 enum class ImageCoder : std::uint8_t { kDct = 0, kWavelet = 1 };
 
+/// Which images add up to which samples.
+struct ImagePlan {
+  std::vector<std::size_t> levels;                              // of each image
+  std::vector<std::optional<std::size_t>> parents;              // that an image refines, coded before it
+  std::vector<std::vector<ParameterPyramid::Term>> of_samples;  // of each sample
+
+  std::size_t image_count() const { return levels.size(); }
+};
+
 struct TextureChunkFormat {
   static constexpr std::size_t kSideMax = 16384;
   /// Texels of all images together; what a chunk may ask of a decoder's time and memory is bounded by it.
   static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
+  static constexpr std::size_t kBasisMax = 64;  // images of a basis
 
   ImageCoder coder = ImageCoder::kDct;
   std::size_t width = 1, height = 1;  // texels, up to kSideMax
   std::vector<std::size_t> sizes;     // samples along each dimension of the block
   std::vector<ParameterPyramid::Halvings> levels;
+  /// In place of a pyramid: what each of a few images weighs in each sample, in 1/127, [image][sample]. A level has
+  /// one.
+  std::vector<std::vector<std::int8_t>> basis;
   bool linear = false;     // images are interpolated over parameters, not taken from the nearest
   std::uint8_t side = 16;  // of cosine blocks
   /// A rotation of colours as a quaternion w, x, y, z in 1/32767, and the offset of each rotated plane in 1/64.
@@ -40,7 +53,8 @@ struct TextureChunkFormat {
   float level_scale(std::size_t level) const;
   /// Row p: what red, green and blue weigh in plane p. Orthonormal; colour c is the sum of column c times the planes.
   std::array<std::array<float, 3>, 3> rotation_rows() const;
-  std::optional<ParameterPyramid> pyramid() const { return ParameterPyramid::of(sizes, levels); }
+  /// Nothing where the levels are no pyramid over the block.
+  std::optional<ImagePlan> plan() const;
 };
 
 /// Reads a head. Nothing where it is wrong: `problem` then says how.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/codec/colour_axes.h"
+#include "host/codec/symmetric_eigenvectors.h"
 #include "host/codec/texture_chunk_encoder.h"
 #include "tests/unit/codec/codec_test_data.h"
 
@@ -115,6 +116,58 @@ TEST(TextureChunk, LinearReconstructionFollowsRampsBetter) {
   EXPECT_LT(error_of(*chunk, source), nearest);
 }
 
+TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
+  // Samples that are multiples of one texture: one image of a basis says what a pyramid needs differences for.
+  ChunkSource source = test_source({8}, ImageCoder::kDct, 8, 18);
+  for (std::size_t s = 1; s < 8; ++s)
+    for (std::size_t i = 0; i < source.textures[s].size(); ++i)
+      source.textures[s][i] = source.textures[0][i] * (0.4f + 0.08f * static_cast<float>(s));
+  ChunkSettings settings;
+  settings.side = 8;
+  settings.lambda = 30.0;
+  settings.levels = plain_levels(source.sizes);
+  const auto pyramid = encode_chunk(source, settings);
+  settings.levels.clear();
+  settings.basis_images = 3;
+  const auto basis = encode_chunk(source, settings);
+  const auto chunk = decoded(basis);
+  EXPECT_EQ(chunk->format().basis.size(), 3u);
+  EXPECT_LT(basis.size(), 0.8 * static_cast<double>(pyramid.size()));
+  EXPECT_LT(error_of(*chunk, source), error_of(*decoded(pyramid), source));
+}
+
+TEST(TextureChunk, ALearntBasisOfAllImagesLosesNothing) {
+  const ChunkSource source = test_source({2, 3}, ImageCoder::kWavelet, 16, 19);
+  ChunkSettings settings;
+  settings.coder = ImageCoder::kWavelet;
+  settings.lambda = 0.05;
+  settings.basis_images = 100;  // no more than there are samples
+  const auto chunk = decoded(encode_chunk(source, settings));
+  EXPECT_EQ(chunk->format().basis.size(), 6u);
+  EXPECT_LT(error_of(*chunk, source), 0.5);
+}
+
+TEST(SymmetricEigenvectors, DiagonalizeAndAreSorted) {
+  SplitMix64 random(20);
+  for (const std::size_t n : {1, 2, 5, 30}) {
+    std::vector<double> matrix(n * n);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j <= i; ++j) matrix[i * n + j] = matrix[j * n + i] = random.uniform() - 0.5;
+    const auto vectors = symmetric_eigenvectors(matrix, n);
+    double before = 1e9;
+    for (std::size_t k = 0; k < n; ++k) {
+      double value = 0.0;
+      std::vector<double> image(n);
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j) image[i] += matrix[i * n + j] * vectors[k][j];
+      for (std::size_t i = 0; i < n; ++i) value += image[i] * vectors[k][i];
+      for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(image[i], value * vectors[k][i], 1e-10);
+      EXPECT_LE(value, before + 1e-12);
+      before = value;
+    }
+  }
+}
+
 TEST(TextureChunk, SameBytesEveryTime) {
   const ChunkSource source = test_source({3, 3}, ImageCoder::kDct, 16, 14);
   ChunkSettings settings;
@@ -123,11 +176,12 @@ TEST(TextureChunk, SameBytesEveryTime) {
 }
 
 TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
-  for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet}) {
+  for (const int kind : {0, 1, 2, 3}) {
+    const ImageCoder coder = kind % 2 == 0 ? ImageCoder::kDct : ImageCoder::kWavelet;
     ChunkSettings settings;
     settings.coder = coder;
     settings.lambda = 30.0;
-    settings.levels = {{2, 2}, {0, 2}, {0, 0}};
+    if (kind < 2) settings.levels = {{2, 2}, {0, 2}, {0, 0}};
     const auto bytes = encode_chunk(test_source({4, 3}, coder, settings.side, 15), settings);
     for (std::size_t cut = 0; cut < bytes.size(); cut += 1 + cut / 8) {
       std::string problem;
