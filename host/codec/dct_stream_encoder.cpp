@@ -10,6 +10,9 @@ namespace {
 
 /// Symbols of a coefficient that stands alone take about this many bits: what is worth less is not even tried.
 constexpr float kBitsLeast = 3.0f;
+/// Bits that taking a coefficient away can save, or making one smaller by a step: whose error grows by more than they
+/// are worth is not tried, which changed files of field_demo1 by less than 0.1 %.
+constexpr float kBitsOfOneMost = 14.0f, kBitsOfStepMost = 4.0f;
 
 bool all_zero(std::span<const std::int16_t> values) {
   return std::all_of(values.begin(), values.end(), [](auto value) { return value == 0; });
@@ -66,8 +69,11 @@ DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target
     for (std::size_t i = syntax_.band(k).size(); i-- > 0;) {
       const std::size_t at = syntax_.band(k)[i];
       if (values[at] == 0) continue;
+      const auto nearer = static_cast<std::int16_t>(values[at] - (values[at] > 0 ? 1 : -1));
+      const float bits = nearer == 0 ? kBitsOfOneMost : kBitsOfStepMost;
+      if (error(at, nearer) - error(at, values[at]) > bits * target.lambda) continue;
       Values candidate = values;
-      candidate[at] = static_cast<std::int16_t>(values[at] - (values[at] > 0 ? 1 : -1));
+      candidate[at] = nearer;
       keep_if_better(candidate);
     }
   for (std::size_t k = syntax_.band_count(); k-- > 0;) {

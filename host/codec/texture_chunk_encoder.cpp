@@ -259,6 +259,16 @@ class Residual {
     return sums;
   }
 
+  double error() const {
+    double sum = 0.0;
+    for (std::size_t s = 0; s < lacking_.size(); ++s) {
+      const std::vector<float> weights = source_.coefficient_weights(s);
+      for (const auto& plane : lacking_[s])
+        for (std::size_t i = 0; i < weights.size(); ++i) sum += static_cast<double>(weights[i] * plane[i] * plane[i]);
+    }
+    return sum;
+  }
+
   void subtract(const std::vector<Share>& shares, const std::array<std::vector<float>, 3>& decoded) {
     for (const Share& share : shares)
       for (std::size_t p = 0; p < 3; ++p)
@@ -322,7 +332,7 @@ std::vector<std::vector<std::int8_t>> learnt_basis(const Residual& residual, std
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_chunk(const ChunkSource& source, const ChunkSettings& settings) {
+EncodedChunk encode_chunk(const ChunkSource& source, const ChunkSettings& settings) {
   MULTUM_CHECK(settings.lambda > 0.0);
   TextureChunkFormat format;
   format.coder = settings.coder;
@@ -373,58 +383,7 @@ std::vector<std::uint8_t> encode_chunk(const ChunkSource& source, const ChunkSet
   ByteWriter writer;
   write_format(writer, format);
   writer.bytes(coding->finish());
-  return writer.written();
-}
-
-std::vector<ParameterPyramid::Halvings> plain_levels(const std::vector<std::size_t>& sizes) {
-  ParameterPyramid::Halvings top;
-  for (const std::size_t size : sizes) top.push_back(static_cast<std::uint8_t>(std::bit_width(size - 1)));
-  std::vector<ParameterPyramid::Halvings> levels = {top};
-  while (std::any_of(levels.back().begin(), levels.back().end(), [](auto times) { return times > 0; })) {
-    auto next = levels.back();
-    const auto most = *std::max_element(next.begin(), next.end());
-    for (auto& times : next)
-      if (times == most) --times;
-    levels.push_back(next);
-  }
-  return levels;
-}
-
-std::vector<ParameterPyramid::Halvings> chosen_levels(
-    const std::vector<std::size_t>& sizes,
-    const std::function<double(const std::vector<ParameterPyramid::Halvings>&)>& cost) {
-  const auto plain = plain_levels(sizes);
-  std::vector<ParameterPyramid::Halvings> levels = {plain.front()};
-  if (plain.size() > 1) levels.push_back(plain.back());
-  double least = cost(levels);
-  for (std::size_t below = 1; below < levels.size();) {
-    std::optional<ParameterPyramid::Halvings> best;
-    // Every level between the last one chosen and the finest: each dimension anywhere between both.
-    ParameterPyramid::Halvings candidate(sizes.size(), 0);
-    for (bool more = true; more;) {
-      if (candidate != levels[below - 1] && candidate != levels[below]) {
-        auto tried = levels;
-        tried.insert(tried.begin() + static_cast<std::ptrdiff_t>(below), candidate);
-        if (const double value = cost(tried); value < least) {
-          least = value;
-          best = candidate;
-        }
-      }
-      more = false;
-      for (std::size_t d = 0; d < candidate.size() && !more; ++d) {
-        if (candidate[d] < levels[below - 1][d]) {
-          ++candidate[d];
-          more = true;
-        } else {
-          candidate[d] = 0;
-        }
-      }
-    }
-    if (!best) break;
-    levels.insert(levels.begin() + static_cast<std::ptrdiff_t>(below), *best);
-    ++below;
-  }
-  return levels;
+  return {writer.written(), residual.error()};
 }
 
 }  // namespace multum

@@ -37,17 +37,15 @@ struct ChunkSettings {
   double lambda = 1.0;  // weighed squared error that one bit is worth, above 0
 };
 
-/// The chunk's bytes. Stops the program where source and settings contradict one another.
-std::vector<std::uint8_t> encode_chunk(const ChunkSource& source, const ChunkSettings& settings);
+struct EncodedChunk {
+  std::vector<std::uint8_t> bytes;
+  /// What is left of the source, squared and weighed, summed over coefficients and samples.
+  double error = 0.0;
 
-/// 1, 2, 4 ... samples along every dimension together: the plain pyramid.
-std::vector<ParameterPyramid::Halvings> plain_levels(const std::vector<std::size_t>& sizes);
+  double cost(double lambda) const { return error + 8.0 * lambda * static_cast<double>(bytes.size()); }
+};
 
-/// Chooses the order of dimensions and the levels (section 4, "Adaptive Laplacian Pyramid"): a greedy search from the
-/// single image at the top. Each step tries to insert every level that fits below the last one chosen, and keeps what
-/// makes `cost`, of whole lists of levels, least; ends where none does.
-std::vector<ParameterPyramid::Halvings> chosen_levels(
-    const std::vector<std::size_t>& sizes,
-    const std::function<double(const std::vector<ParameterPyramid::Halvings>&)>& cost);
+/// Stops the program where source and settings contradict one another.
+EncodedChunk encode_chunk(const ChunkSource& source, const ChunkSettings& settings);
 
 }  // namespace multum

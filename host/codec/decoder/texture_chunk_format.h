@@ -1,6 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The head of a texture chunk: the textures of one layer of an object over one block of parameters. It says which
-// images there are, how they are coded and how coarsely. docs/FORMAT.md, "Texture chunks".
+// Reads the head of a texture chunk: the textures of one layer of an object over one block of parameters. It says which
+// images there are, how they are coded and how coarsely. Numbers are ByteReader's; what follows the head to the chunk's
+// end is the stream of the image coder.
+//
+//      flags                 1 byte: 1 wavelets, 2 linear over parameters, 4 basis; 2 and 4 not together
+//      width, height         numbers, texels, 1 to 16384
+//      dimensions, levels    1 byte each, 1 to 8 and 1 to 32; with a basis, its images, 1 to 64
+//      sizes                 numbers: samples along each dimension
+//      of each level         halvings, 1 byte a dimension; of a basis weights, 1 signed byte a sample; then level code
+//      side                  1 byte: 8, 16 or 32; cosines alone
+//      rotation              4 times 2 bytes
+//      offsets               3 times 2 bytes
+//      step codes            1 byte each, step_code_count()
 #pragma once
 
 #include <array>

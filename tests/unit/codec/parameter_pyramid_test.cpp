@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-#include "host/codec/texture_chunk_encoder.h"
+#include "host/codec/chunk_choice.h"
 
 namespace multum {
 namespace {

@@ -3,6 +3,8 @@
 // cut streams give what is certain and then zeros; other bytes do no harm.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "host/codec/coding_ports.h"
 #include "tests/unit/codec/codec_test_data.h"
 
@@ -54,14 +56,27 @@ TEST(RangeCoder, EverySymbolComesBack) {
 }
 
 TEST(RangeCoder, CarriesRunThroughLongRowsOfOnes) {
-  // Nothing but the upper part of the interval keeps its begin just below a carry; then one step carries all the way.
-  RangeEncoder encoder;
-  for (int i = 0; i < 4000; ++i) encoder.encode(false, 65535);
-  for (int i = 0; i < 4000; ++i) encoder.encode(i % 2 != 0, i % 3 == 0 ? 65535 : 1);
-  const auto bytes = encoder.finish();
+  // Symbols that keep the number 1/2 within the interval, its begin below: the bytes written are 7f ff ff ff ... Then
+  // one symbol moves the begin beyond 1/2, and all of them change.
+  SplitMix64 random(9);
+  std::vector<Symbol> symbols;
+  std::uint64_t range = 0xffffffff, distance = std::uint64_t{1} << 31;  // of 1/2 from the interval's begin
+  const auto probability = [&] { return static_cast<std::uint32_t>(1 + random.next() % 65535); };
+  while (symbols.size() < 3000) {
+    const Symbol symbol{false, probability()};
+    const std::uint64_t bound = (range >> 16) * symbol.probability;
+    if (bound == distance) continue;
+    symbols.push_back({distance < bound, symbol.probability});
+    distance -= distance < bound ? 0 : bound;
+    range = symbols.back().bit ? bound : range - bound;
+    for (; range < (1u << 24); range <<= 8) distance <<= 8;
+  }
+  symbols.push_back({false, static_cast<std::uint32_t>(distance / (range >> 16) + 1)});
+  const auto bytes = encoded(symbols);
+  EXPECT_EQ(bytes[0], 128);
+  EXPECT_GT(std::count(bytes.begin() + 1, bytes.end(), 0), 250);
   RangeDecoder decoder(bytes);
-  for (int i = 0; i < 4000; ++i) ASSERT_FALSE(decoder.decode(65535)) << i;
-  for (int i = 0; i < 4000; ++i) ASSERT_EQ(decoder.decode(i % 3 == 0 ? 65535 : 1), i % 2 != 0) << i;
+  for (const Symbol& symbol : symbols) ASSERT_EQ(decoder.decode(symbol.probability), symbol.bit);
 }
 
 TEST(RangeCoder, AnyPrefixGivesCertainSymbolsThenZeros) {

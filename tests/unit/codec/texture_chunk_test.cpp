@@ -3,9 +3,9 @@
 // damaged, cut and hostile chunks are refused or decode to something.
 #include <gtest/gtest.h>
 
+#include "host/codec/chunk_choice.h"
 #include "host/codec/colour_axes.h"
 #include "host/codec/symmetric_eigenvectors.h"
-#include "host/codec/texture_chunk_encoder.h"
 #include "tests/unit/codec/codec_test_data.h"
 
 namespace multum {
@@ -67,7 +67,7 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
       double error_before = 1e9;
       for (const double lambda : {300.0, 20.0, 1.0}) {
         settings.lambda = lambda;
-        const auto bytes = encode_chunk(source, settings);
+        const auto bytes = encode_chunk(source, settings).bytes;
         const auto chunk = decoded(bytes);
         EXPECT_FALSE(chunk->was_cut_short());
         const double error = error_of(*chunk, source);
@@ -90,7 +90,7 @@ TEST(TextureChunk, PyramidsShareWhatSamplesHaveInCommon) {
   settings.lambda = 60.0;
   const auto cost = [&](const std::vector<ParameterPyramid::Halvings>& levels) {
     settings.levels = levels;
-    const auto bytes = encode_chunk(source, settings);
+    const auto bytes = encode_chunk(source, settings).bytes;
     return error_of(*decoded(bytes), source) * 3.0 * static_cast<double>(kChunkTexels) * 16.0 +
            8.0 * settings.lambda * static_cast<double>(bytes.size());
   };
@@ -108,12 +108,48 @@ TEST(TextureChunk, LinearReconstructionFollowsRampsBetter) {
   settings.side = 8;
   settings.lambda = 5000.0;
   settings.levels = {{3}, {2}, {1}, {0}};
-  const auto nearest = error_of(*decoded(encode_chunk(source, settings)), source);
+  const auto nearest = error_of(*decoded(encode_chunk(source, settings).bytes), source);
   settings.linear = true;
-  const auto bytes = encode_chunk(source, settings);
+  const auto bytes = encode_chunk(source, settings).bytes;
   const auto chunk = decoded(bytes);
   EXPECT_TRUE(chunk->format().linear);
   EXPECT_LT(error_of(*chunk, source), nearest);
+}
+
+TEST(TextureChunk, ErrorIsWhatIsLeft) {
+  // Blocks that end within the texture: what lies beyond its borders counts in the encoder's error, not here.
+  for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet}) {
+    const ChunkSource source = test_source({2, 2}, coder, 8, 21);
+    ChunkSettings settings;
+    settings.coder = coder;
+    settings.side = 8;
+    settings.lambda = 20.0;
+    settings.levels = plain_levels(source.sizes);
+    const EncodedChunk chunk = encode_chunk(source, settings);
+    const double left = 4.0 * 3.0 * static_cast<double>(kChunkTexels) * error_of(*decoded(chunk.bytes), source);
+    EXPECT_NEAR(chunk.error / left, 1.1, 0.15);
+  }
+}
+
+TEST(BestChunk, IsNoWorseThanAnyCandidateOfTheFirstCoder) {
+  const auto source_of = [](ImageCoder coder, std::size_t side) { return test_source({4, 2}, coder, side, 22); };
+  ChunkCandidates candidates;
+  candidates.coders = {{ImageCoder::kDct, 8}, {ImageCoder::kDct, 16}, {ImageCoder::kWavelet, 16}};
+  candidates.pyramids = {plain_levels({4, 2}), {{2, 1}, {0, 1}, {0, 0}}, {{0, 0}}};
+  candidates.basis_images = {1, 2, 4};
+  const double lambda = 40.0;
+  const EncodedChunk best = best_chunk(source_of, candidates, lambda);
+  ChunkSettings settings;
+  settings.side = 8;
+  settings.lambda = lambda;
+  for (const auto& levels : candidates.pyramids) {
+    settings.levels = levels;
+    EXPECT_LE(best.cost(lambda), encode_chunk(source_of(ImageCoder::kDct, 8), settings).cost(lambda));
+  }
+  settings.levels.clear();
+  settings.basis_images = 1;
+  EXPECT_LE(best.cost(lambda), encode_chunk(source_of(ImageCoder::kDct, 8), settings).cost(lambda));
+  EXPECT_NE(decoded(best.bytes), nullptr);
 }
 
 TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
@@ -126,10 +162,10 @@ TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
   settings.side = 8;
   settings.lambda = 30.0;
   settings.levels = plain_levels(source.sizes);
-  const auto pyramid = encode_chunk(source, settings);
+  const auto pyramid = encode_chunk(source, settings).bytes;
   settings.levels.clear();
   settings.basis_images = 3;
-  const auto basis = encode_chunk(source, settings);
+  const auto basis = encode_chunk(source, settings).bytes;
   const auto chunk = decoded(basis);
   EXPECT_EQ(chunk->format().basis.size(), 3u);
   EXPECT_LT(basis.size(), 0.8 * static_cast<double>(pyramid.size()));
@@ -142,7 +178,7 @@ TEST(TextureChunk, ALearntBasisOfAllImagesLosesNothing) {
   settings.coder = ImageCoder::kWavelet;
   settings.lambda = 0.05;
   settings.basis_images = 100;  // no more than there are samples
-  const auto chunk = decoded(encode_chunk(source, settings));
+  const auto chunk = decoded(encode_chunk(source, settings).bytes);
   EXPECT_EQ(chunk->format().basis.size(), 6u);
   EXPECT_LT(error_of(*chunk, source), 0.5);
 }
@@ -172,7 +208,7 @@ TEST(TextureChunk, SameBytesEveryTime) {
   const ChunkSource source = test_source({3, 3}, ImageCoder::kDct, 16, 14);
   ChunkSettings settings;
   settings.levels = plain_levels(source.sizes);
-  EXPECT_EQ(encode_chunk(source, settings), encode_chunk(source, settings));
+  EXPECT_EQ(encode_chunk(source, settings).bytes, encode_chunk(source, settings).bytes);
 }
 
 TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
@@ -182,7 +218,7 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
     settings.coder = coder;
     settings.lambda = 30.0;
     if (kind < 2) settings.levels = {{2, 2}, {0, 2}, {0, 0}};
-    const auto bytes = encode_chunk(test_source({4, 3}, coder, settings.side, 15), settings);
+    const auto bytes = encode_chunk(test_source({4, 3}, coder, settings.side, 15), settings).bytes;
     for (std::size_t cut = 0; cut < bytes.size(); cut += 1 + cut / 8) {
       std::string problem;
       const auto chunk = TextureChunk::decode(std::span<const std::uint8_t>(bytes).first(cut), problem);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chooses how a chunk is coded: its pyramid over parameters, or a basis learnt from the block, and its image coder, by
+// what error + lambda bits come out.
+#pragma once
+
+#include <utility>
+
+#include "host/codec/texture_chunk_encoder.h"
+
+namespace multum {
+
+/// 1, 2, 4 ... samples along every dimension together: the plain pyramid.
+std::vector<ParameterPyramid::Halvings> plain_levels(const std::vector<std::size_t>& sizes);
+
+/// Chooses the order of dimensions and the levels (Hakura et al. 2000, section 4, "Adaptive Laplacian Pyramid"): a
+/// greedy search from the single image at the top. Each step tries to insert every level that fits below the last one
+/// chosen, and keeps what makes `cost`, of whole lists of levels, least; ends where none does.
+std::vector<ParameterPyramid::Halvings> chosen_levels(
+    const std::vector<std::size_t>& sizes,
+    const std::function<double(const std::vector<ParameterPyramid::Halvings>&)>& cost);
+
+struct ChunkCandidates {
+  std::vector<std::pair<ImageCoder, std::size_t>> coders;  // and the side of cosine blocks, at least one
+  std::vector<std::vector<ParameterPyramid::Halvings>> pyramids;
+  std::vector<std::size_t> basis_images;  // rising; at least one pyramid or one of these
+};
+
+/// Textures do not depend on the coder, weights of coefficients do.
+using SourceOfLayout = std::function<ChunkSource(ImageCoder coder, std::size_t side)>;
+
+/// The chunk of least error + lambda bits. The first coder tries every pyramid and, while more images pay, every basis;
+/// a later one what was best so far, and the others only where it is better at that.
+EncodedChunk best_chunk(const SourceOfLayout& source_of, const ChunkCandidates& candidates, double lambda);
+
+}  // namespace multum
