@@ -97,6 +97,8 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
     if (format.sizes.back() < 1 || (samples *= format.sizes.back()) > ParameterPyramid::kSamplesMax)
       return refuse("the block has no sample, or more than 65536");
   }
+  if (samples * levels << (format.linear ? dimensions : 0) > TextureChunkFormat::kTermsMax)
+    return refuse("the samples are sums of more than 2^22 images together");
   if (levels < 1 || levels > TextureChunkFormat::kBasisMax) return refuse("the chunk has no image, or above 64 levels");
   for (std::size_t l = 0; l < levels; ++l) {
     if ((kind & 4) != 0) {

@@ -38,6 +38,8 @@ struct TextureChunkFormat {
   static constexpr std::size_t kSideMax = 16384;
   /// Texels of all images together; what a chunk may ask of a decoder's time and memory is bounded by it.
   static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
+  /// Images that samples are sums of, over all samples.
+  static constexpr std::size_t kTermsMax = std::size_t{1} << 22;
   static constexpr std::size_t kBasisMax = 64;  // images of a basis
 
   ImageCoder coder = ImageCoder::kDct;

@@ -249,12 +249,18 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
   }
 }
 
-TEST(TextureChunk, RefusesTooManyTexels) {
+TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
   // 16384 x 16384 texels of 65536 samples: the head alone would have a decoder take petabytes.
   const std::vector<std::uint8_t> head = {0, 0x80, 0x80, 1, 0x80, 0x80, 1, 1, 1, 0x80, 0x80, 4, 0, 64, 16};
   std::string problem;
   EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);
   EXPECT_EQ(problem, "the images have more than 2^28 texels together");
+  // One texel of 4^8 samples, between 2^8 images on each of 32 levels.
+  std::vector<std::uint8_t> sums = {2, 1, 1, 8, 32};
+  sums.insert(sums.end(), 8, 4);
+  sums.insert(sums.end(), 32 * 9, 0);
+  EXPECT_EQ(TextureChunk::decode(sums, problem), nullptr);
+  EXPECT_EQ(problem, "the samples are sums of more than 2^22 images together");
 }
 
 TEST(ColourAxes, FindTheLongestAxisAndRotate) {
