@@ -15,9 +15,9 @@
 namespace multum {
 namespace {
 
-/// Steps in units of sqrt(lambda / weight). At high rates 2.9 would be right (an error of step^2 / 12, halved twice by
-/// a bit more); these left the least error + lambda bits on field_demo1, within 1 % from 2.5 to 3.2 and from 3 to 4.
-/// Wavelet coefficients below a whole step are zero, cosines below half of it.
+/// Steps in units of sqrt(lambda / weight). At high rates 2.9 would be right, where a bit more a coefficient quarters
+/// its error of step^2 / 12. Of 2, 2.5, 2.8, 3 and of 2, 3.5, 4.5 these left the least error + lambda bits on
+/// field_demo1. Wavelet coefficients below a whole step are zero, cosines below half of it.
 constexpr double kDctStep = 2.8, kWaveletStep = 3.5;
 /// Finer steps than the first are not needed, coarser ones up to this where higher frequencies are hardly drawn.
 constexpr double kWeightRatioMin = 1.0 / 60.0;

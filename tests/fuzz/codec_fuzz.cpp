@@ -62,7 +62,7 @@ void decode_mended_index(std::vector<std::uint8_t> bytes) {
 }
 
 void decode_chunk(std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t kTexelsMax = 1 << 16;  // of one texture: larger ones are slow, not different
+  constexpr std::size_t kTexelsMax = 1 << 12;  // of one texture: larger ones are slow, not different
   std::string problem;
   ByteReader reader(bytes);
   const auto format = read_chunk_format(reader, problem);
