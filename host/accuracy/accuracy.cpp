@@ -155,13 +155,19 @@ class Comparison {
     PlaneAverages map_lobes(map_averages, channel_count_ > 0);
     std::vector<RowSums*> streamed;
     const std::vector<std::unique_ptr<FootprintTruth>> footprint_truths = make_footprint_truths();
-    for (const auto& truth : footprint_truths) streamed.push_back(truth.get());
     if (model.first_level() > 0) streamed.push_back(&map_lobes);
     model.set_map_averages(&map_lobes);
-    if (points_.samples().empty()) stream_rows(planes, {settings_.threads}, streamed, progress);
+    if (points_.samples().empty()) {
+      for (const auto& truth : footprint_truths) streamed.push_back(truth.get());
+      stream_rows(planes, {settings_.threads}, streamed, progress);
+    }
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& truth : pass.truths) streamed.push_back(truth.get());
+      // Footprints have the same directions, all of them now: of those of the pass they take its values.
+      for (std::size_t d = 0; d < footprint_truths.size() && direction == 0; ++d)
+        if (d < pass.truths.size()) pass.truths[d]->share_with(*footprint_truths[d]);
+        else streamed.push_back(footprint_truths[d].get());
       stream_rows(planes, {settings_.threads}, streamed, progress);
       streamed.clear();
       compare(device, pass, model, direction == 0, progress);

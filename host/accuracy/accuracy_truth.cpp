@@ -15,11 +15,6 @@ namespace multum {
 namespace {
 
 MULTUM_VECTOR_CLONES
-void scale_row(double* __restrict values, const double* __restrict factors, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) values[i] *= factors[i];
-}
-
-MULTUM_VECTOR_CLONES
 void multiply_colour(const double* __restrict values, const float* __restrict colour, std::size_t count,
                      double* __restrict product) {
   for (std::size_t i = 0; i < count; ++i) product[i] = values[i] * static_cast<double>(colour[i]);
@@ -138,6 +133,7 @@ void BrdfTruth::add_row(const FinestRow& row) {
       add_value((channel + 1) * rows.size() + e, row.y, coloured_.data());
     }
   }
+  if (footprints_ != nullptr) footprints_->add_values(row, rows);
 }
 
 FootprintTruth::FootprintTruth(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
@@ -147,26 +143,34 @@ FootprintTruth::FootprintTruth(const FootprintAverages& averages, std::optional<
       cosines_(std::move(cosines)),
       highlight_count_(brdf_ ? brdf_->count : 1),
       value_count_(highlight_count_ * (has_colours ? 4 : 1)),
-      rows_(brdf_ ? brdf_->count : 0, AlignedRow(static_cast<std::size_t>(averages.map_width()))),
-      cosine_row_(static_cast<std::size_t>(averages.map_width())),
-      product_(averages.row_length()),
+      rows_(highlight_count_, AlignedRow(static_cast<std::size_t>(averages.map_width()))),
+      cosine_row_(brdf_ ? static_cast<std::size_t>(averages.map_width()) : 0),
+      coloured_(has_colours ? static_cast<std::size_t>(averages.map_width()) : 0),
+      scratch_(averages.scratch_length()),
       sums_(averages.footprints().size() * value_count_) {}
 
 void FootprintTruth::add_row(const FinestRow& row) {
   if (!averages_.needs_row(row.y)) return;
-  const auto width = static_cast<std::size_t>(averages_.map_width());
   std::vector<double*> rows;
   for (AlignedRow& values : rows_) rows.push_back(values.data());
-  cosines_.evaluate(row.normals, static_cast<int>(width), {cosine_row_.data()});
-  if (brdf_) brdf_->evaluate(row.normals, static_cast<int>(width), rows);
-  for (AlignedRow& values : rows_) scale_row(values.data(), cosine_row_.data(), width);
-  if (rows.empty()) rows.push_back(cosine_row_.data());
-  for (std::size_t e = 0; e < rows.size(); ++e) {
-    std::copy_n(rows[e], width, product_.data());
-    averages_.add_row(row.y, product_.data(), sums_.data() + e, value_count_);
-    for (std::size_t channel = 0; channel < 3 && value_count_ > highlight_count_; ++channel) {
-      multiply_colour(rows[e], row.albedo[channel], width, product_.data());
-      averages_.add_row(row.y, product_.data(), sums_.data() + (channel + 1) * rows.size() + e, value_count_);
+  (brdf_ ? *brdf_ : cosines_).evaluate(row.normals, averages_.map_width(), rows);
+  add_values(row, rows);
+}
+
+void FootprintTruth::add_values(const FinestRow& row, const std::vector<double*>& values) {
+  if (!averages_.needs_row(row.y)) return;
+  const double* factors = nullptr;
+  if (brdf_) {
+    cosines_.evaluate(row.normals, averages_.map_width(), {cosine_row_.data()});
+    factors = cosine_row_.data();
+  }
+  for (std::size_t e = 0; e < values.size(); ++e) {
+    averages_.add_row(row.y, values[e], factors, scratch_.data(), sums_.data() + e, value_count_);
+    for (std::size_t channel = 0; channel < 3 && !coloured_.empty(); ++channel) {
+      multiply_colour(values[e], row.albedo[channel], static_cast<std::size_t>(averages_.map_width()),
+                      coloured_.data());
+      averages_.add_row(row.y, coloured_.data(), factors, scratch_.data(),
+                        sums_.data() + (channel + 1) * values.size() + e, value_count_);
     }
   }
 }

@@ -81,18 +81,6 @@ double highlight_scale(const Highlight& highlight);
 /// Of shortened normals, one value (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 
-/// Value e of each; with colours also times channel c, as value (1 + c) * count + e.
-class BrdfTruth : public TexelSums {
- public:
-  BrdfTruth(const TexelAverages& averages, BrdfValues values, bool has_colours);
-  void add_row(const FinestRow& row) override;
-
- private:
-  const BrdfValues brdf_;
-  std::vector<AlignedRow> rows_;  // [exponent]
-  AlignedRow coloured_;           // a row
-};
-
 /// Averages over footprints of a BRDF times n . l, the pixel's own reference: value e of each highlight; with colours
 /// also times channel c, as value (1 + c) * count + e.
 class FootprintTruth : public RowSums {
@@ -101,6 +89,8 @@ class FootprintTruth : public RowSums {
   FootprintTruth(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
                  bool has_colours);
   void add_row(const FinestRow& row) override;
+  /// The same of values that are at hand: of each highlight, or of Lambert.
+  void add_values(const FinestRow& row, const std::vector<double*>& values);
   double at(std::size_t footprint, std::size_t value) const { return sums_[footprint * value_count_ + value]; }
 
  private:
@@ -108,10 +98,25 @@ class FootprintTruth : public RowSums {
   const std::optional<BrdfValues> brdf_;
   const BrdfValues cosines_;
   const std::size_t highlight_count_, value_count_;
-  std::vector<AlignedRow> rows_;  // [highlight]
-  AlignedRow cosine_row_;
-  AlignedRow product_;        // a row, with room for FootprintAverages
-  std::vector<double> sums_;  // [footprint][value]
+  std::vector<AlignedRow> rows_;      // [highlight], or Lambert's
+  AlignedRow cosine_row_, coloured_;  // a row each
+  AlignedRow scratch_;                // for FootprintAverages
+  std::vector<double> sums_;          // [footprint][value]
+};
+
+/// Value e of each; with colours also times channel c, as value (1 + c) * count + e.
+class BrdfTruth : public TexelSums {
+ public:
+  BrdfTruth(const TexelAverages& averages, BrdfValues values, bool has_colours);
+  void add_row(const FinestRow& row) override;
+  /// Gives its values, which are those of `footprints` too, on to it, so that they are evaluated once. Not owned.
+  void share_with(FootprintTruth& footprints) { footprints_ = &footprints; }
+
+ private:
+  const BrdfValues brdf_;
+  std::vector<AlignedRow> rows_;  // [exponent]
+  AlignedRow coloured_;           // a row
+  FootprintTruth* footprints_ = nullptr;
 };
 
 /// The planes themselves: values 0 to 2 the normal, 3 to 5 the colour if there are any.

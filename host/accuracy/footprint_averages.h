@@ -29,14 +29,15 @@ class FootprintAverages {
 
   const std::vector<Footprint>& footprints() const { return footprints_; }
   int map_width() const { return map_width_; }
-  /// Doubles of a row with the room that add_row() needs behind it.
-  std::size_t row_length() const { return 2 * (static_cast<std::size_t>(map_width_) + 1); }
+  /// Doubles that add_row() works with.
+  std::size_t scratch_length() const { return static_cast<std::size_t>(map_width_); }
   bool needs_row(int y) const {
     return line_begin_[static_cast<std::size_t>(y)] < line_begin_[static_cast<std::size_t>(y) + 1];
   }
-  /// Adds row y of the plane, of which row[0..map_width()) is given, to sums[footprint * stride]; the rest of `row` is
-  /// written over. Sums begin as 0 and are averages after the last row.
-  void add_row(int y, double* row, double* sums, std::size_t stride) const;
+  /// Adds row y of the plane, values[0..map_width()) times, unless null, `factors`, to sums[footprint * stride]. Sums
+  /// begin as 0 and are averages after the last row. `scratch`: scratch_length() doubles.
+  void add_row(int y, const double* values, const double* factors, double* scratch, double* sums,
+               std::size_t stride) const;
 
  private:
   // A line's part in a row: weight_turns times the sum of the row, plus weight_end times the integral up to `end` and
@@ -52,6 +53,8 @@ class FootprintAverages {
     Line line;
   };
   struct End;
+  template <typename Value>
+  void add_values(int y, const Value& value, double* before, double* sums, std::size_t stride) const;
   End end_at(double x) const;
   void append_lines(std::uint32_t footprint, std::uint64_t seed, std::vector<RowLine>& lines) const;
 

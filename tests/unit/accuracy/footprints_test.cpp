@@ -115,7 +115,7 @@ TEST(Footprints, AreFilteredAsTheGlDoes) {
 
 // Points of the definition lie 1/400 of a side apart, on values as random as can be: their own error is up to 0.002.
 TEST(Footprints, AveragesAreThoseOfTheDefinition) {
-  for (const PlaneSize size : {PlaneSize{32, 32}, PlaneSize{45, 13}, PlaneSize{1, 1}}) {
+  for (const PlaneSize size : {PlaneSize{32, 32}, PlaneSize{45, 13}, PlaneSize{1, 1}, PlaneSize{100, 3}}) {
     const reference::ValuePlane plane = random_plane(size, 5);
     for (const WrapMode mode : kWrapModes) {
       SCOPED_TRACE(wrap_mode_name(mode));
@@ -123,15 +123,20 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
       const FootprintAverages averages(choose_footprints(size.width, size.height, settings), size.width, size.height,
                                        settings);
       std::vector<double> sums(2 * averages.footprints().size());
-      std::vector<double> row(averages.row_length());
+      std::vector<double> doubled(sums.size());  // the same of a product
+      std::vector<double> scratch(averages.scratch_length());
+      const std::vector<double> twos(static_cast<std::size_t>(size.width), 2.0);
       for (int y = 0; y < size.height; ++y) {
-        std::copy_n(plane.values.begin() + std::ptrdiff_t{y} * size.width, size.width, row.begin());
-        if (averages.needs_row(y)) averages.add_row(y, row.data(), sums.data(), 2);
+        const double* row = plane.values.data() + std::ptrdiff_t{y} * size.width;
+        if (!averages.needs_row(y)) continue;
+        averages.add_row(y, row, nullptr, scratch.data(), sums.data(), 2);
+        averages.add_row(y, twos.data(), row, scratch.data(), doubled.data(), 2);
       }
       for (std::size_t i = 0; i < averages.footprints().size(); ++i) {
         const Footprint& one = averages.footprints()[i];
         EXPECT_NEAR(sums[2 * i], rectangle_average(plane, rectangle_of(one), {mode, mode}, 400), 0.003)
             << "octave " << one.octave;
+        EXPECT_NEAR(doubled[2 * i], 2.0 * sums[2 * i], 1e-12);
         EXPECT_EQ(sums[2 * i + 1], 0.0) << "of another value";
       }
     }
