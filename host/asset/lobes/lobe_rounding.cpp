@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/parallel.h"
+#include "host/base/vector_clones.h"
 
 namespace multum {
 namespace {
@@ -20,6 +21,7 @@ constexpr float kAmplitudeMin = static_cast<float>(kSnormStep);
 
 // Step 1, snorm16: whole steps that sum to 32767, the largest remainders rounded up (ties: the lower lobe). Amplitudes
 // that are no shares stay as they are, for verify_movmf() to tell.
+MULTUM_VECTOR_CLONES
 void round_amplitudes_snorm(const MovmfLevel& level, std::size_t first, std::size_t count,
                             std::array<Block, kLobeCountMax>& amplitudes) {
   const std::size_t lobe_count = level.lobes.size();

@@ -18,6 +18,7 @@
 #include "host/asset/lobes/lobe_rounding.h"
 #include "host/base/error.h"
 #include "host/base/processes/parallel.h"
+#include "host/base/vector_clones.h"
 
 namespace multum {
 namespace {
@@ -34,8 +35,7 @@ float step_value(int step) { return static_cast<float>(step / static_cast<double
 // than 2^-17 from every integer.
 float z_snorm(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
-  const int rest = kSnormSteps * kSnormSteps - i * i - j * j;
-  if (rest <= 0) return 0.0f;
+  const int rest = std::max(kSnormSteps * kSnormSteps - i * i - j * j, 0);
   const double root = std::sqrt(static_cast<double>(rest));
   const int below = static_cast<int>(root);
   return step_value(below < root ? below + 1 : below);
@@ -63,6 +63,17 @@ void quantize_direction(glm::vec3& n, Representation representation, StorageEnco
   n.z = finest_third(n.x, n.y, representation, encoding);
 }
 
+// The same of many unit vectors, without a branch. Of a value that is cut to no step, wide registers make -0 where it
+// is negative: 0 as elsewhere.
+MULTUM_VECTOR_CLONES
+void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float x = step_value(nearest_step(std::clamp(normals[i].x, -1.0f, 1.0f)));
+    const float y = step_value(nearest_step(std::clamp(normals[i].y, -1.0f, 1.0f)));
+    normals[i] = {x + 0.0f, y + 0.0f, z_snorm(x, y)};
+  }
+}
+
 // Lobes of a = 1, as those of other levels.
 void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, Representation representation,
                            StorageEncoding encoding) {
@@ -76,6 +87,8 @@ void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, Representation
 void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, StorageEncoding encoding) {
   if (rows.has_roughness)
     quantize_lobes_of_one(rows.normals.data() + begin, end - begin, rows.representation, encoding);
+  else if (rows.representation == Representation::kMovmf && encoding == StorageEncoding::kSnorm16)
+    quantize_directions_snorm(rows.normals.data() + begin, end - begin);
   else
     for (std::size_t i = begin; i < end; ++i) quantize_direction(rows.normals[i], rows.representation, encoding);
   if (encoding == StorageEncoding::kFloat) return;

@@ -23,6 +23,7 @@
 #include "host/asset/lobes/movmf_mipmap.h"
 #include "host/base/error.h"
 #include "host/base/processes/parallel.h"
+#include "host/base/vector_clones.h"
 
 namespace multum {
 namespace {
@@ -159,9 +160,9 @@ inline void bracket_steps(double value, double& inner, double& outer) {
   outer = static_cast<double>(static_cast<float>(up * kSnormStep));
 }
 
-// Steps 2 and 3: r becomes what is stored.
+// Steps 2 and 3: r becomes what is stored. Inlined into each of the clones that follow.
 template <bool kSingleDirection>
-void round_gathered(Gathered& lobes) {
+[[gnu::always_inline]] inline void round_gathered(Gathered& lobes) {
   const std::size_t count = lobes.count;
   for (std::size_t i = 0; i < count; ++i) {
     const double a = lobes.amplitude[i], length = lobes.length[i];
@@ -200,10 +201,29 @@ void round_gathered(Gathered& lobes) {
   }
 }
 
+MULTUM_VECTOR_CLONES
+void round_single(Gathered& lobes) { round_gathered<true>(lobes); }
+MULTUM_VECTOR_CLONES
+void round_spread(Gathered& lobes) { round_gathered<false>(lobes); }
+
+// Makes r of a r.
+MULTUM_VECTOR_CLONES
+void divide(Gathered& lobes, const Block& divisor) {
+  const std::size_t count = lobes.count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = lobes.x[i] / divisor[i], y = lobes.y[i] / divisor[i], z = lobes.z[i] / divisor[i];
+    lobes.x[i] = x;
+    lobes.y[i] = y;
+    lobes.z[i] = z;
+    lobes.length[i] = std::sqrt(x * x + y * y + z * z);
+  }
+}
+
+// Of a negative value that is cut to a whole step, wide registers make -0, and others 0: both are stored as 0.
 void scatter(const Gathered& rounded, glm::vec4* lobes) {
   for (std::size_t i = 0; i < rounded.count; ++i)
-    lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]), static_cast<float>(rounded.y[i]),
-                               static_cast<float>(rounded.z[i]), static_cast<float>(rounded.amplitude[i])};
+    lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]) + 0.0f, static_cast<float>(rounded.y[i]) + 0.0f,
+                               static_cast<float>(rounded.z[i]) + 0.0f, static_cast<float>(rounded.amplitude[i])};
 }
 
 // Steps 2 and 3 for a block of one lobe.
@@ -223,21 +243,15 @@ void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t c
     divisor[all.count] = static_cast<double>(lobe.w);
     all.index[all.count++] = i;
   }
-  const std::size_t gathered = all.count;
-  for (std::size_t i = 0; i < gathered; ++i) {
-    all.x[i] /= divisor[i];
-    all.y[i] /= divisor[i];
-    all.z[i] /= divisor[i];
-    all.length[i] = std::sqrt(all.x[i] * all.x[i] + all.y[i] * all.y[i] + all.z[i] * all.z[i]);
-  }
+  divide(all, divisor);
   for (std::size_t i = 0; i < all.count; ++i) {
     glm::vec4& lobe = lobes[all.index[i]];
     if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
     else if (all.length[i] < 2.0) single.add(all, i);
     else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // no number, or no mean
   }
-  round_gathered<true>(single);
-  round_gathered<false>(spread);
+  round_single(single);
+  round_spread(spread);
   scatter(single, lobes);
   scatter(spread, lobes);
 }

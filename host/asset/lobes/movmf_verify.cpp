@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -15,12 +16,16 @@
 #include "host/asset/lobes/movmf_reader.h"
 #include "host/asset/verify_scan.h"
 #include "host/base/processes/parallel.h"
+#include "host/base/vector_clones.h"
 
 namespace multum {
 
 struct MovmfScan::Lobes {
   std::size_t nonfinite = 0;
   WorstTexel sum_error, negative_amplitude, long_mean, missing_variance, weight_range;
+
+  bool any_is_worse(const MovmfLevel& rows, std::size_t begin, std::size_t end, StorageEncoding encoding) const;
+  bool any_is_worse(const MovmfFinest& rows, StorageEncoding encoding) const;
 };
 
 namespace {
@@ -28,10 +33,63 @@ namespace {
 // How far sums of a and lengths of r may be from exact: what an encoding's rounding allows (docs/FORMAT.md).
 float amplitude_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3f : 2e-6f; }
 // |a r| exceeds a by at most one outward step a component.
-float length_excess(StorageEncoding encoding, float a) {
-  if (encoding == StorageEncoding::kSnorm16) return 2.0f / 32767.0f;
-  if (encoding == StorageEncoding::kHalf) return a * 2.0e-3f + 1e-7f;
-  return a * 1e-6f + 1e-9f;
+struct LengthExcess {
+  float of_amplitude, constant;
+
+  float of(float a) const { return a * of_amplitude + constant; }
+};
+LengthExcess length_excess(StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) return {0.0f, 2.0f / 32767.0f};
+  if (encoding == StorageEncoding::kHalf) return {2.0e-3f, 1e-7f};
+  return {1e-6f, 1e-9f};
+}
+
+// The worst lobes so far. The two floats are exact: so is what they were found from.
+struct WorstLobe {
+  double sum_error;
+  float negative_amplitude, long_mean;
+  LengthExcess excess;
+};
+
+// Texels that are looked at together: hardly any is worse than all before it, and where none is there is nothing to
+// note.
+constexpr std::size_t kScanBlock = 256;
+
+// 1 where a lobe is worse than the worst so far, or not finite.
+inline int is_worse_lobe(float x, float y, float z, float a, const WorstLobe& worst) {
+  const float sum = std::abs(x) + std::abs(y) + std::abs(z) + std::abs(a);
+  const float over = std::sqrt(x * x + y * y + z * z) - a - worst.excess.of(a);
+  return static_cast<int>(!(sum < HUGE_VALF)) | static_cast<int>(-a > worst.negative_amplitude) |
+         static_cast<int>(over > worst.long_mean);
+}
+
+// Of `count` texels, at most kScanBlock, of a lobe; adds their amplitudes to `sums`.
+MULTUM_VECTOR_CLONES
+int any_worse_lobe(const glm::vec4* lobes, std::size_t count, const WorstLobe& worst, double* sums) {
+  const WorstLobe limits = worst;
+  int found = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    found |= is_worse_lobe(lobes[i].x, lobes[i].y, lobes[i].z, lobes[i].w, limits);
+    sums[i] += static_cast<double>(lobes[i].w);
+  }
+  return found;
+}
+
+// Of lobes of amplitude 1.
+MULTUM_VECTOR_CLONES
+int any_worse_normal(const glm::vec3* normals, std::size_t count, const WorstLobe& worst) {
+  const WorstLobe limits = worst;
+  int found = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    found |= is_worse_lobe(normals[i].x, normals[i].y, normals[i].z, 1.0f, limits);
+  return found;
+}
+
+MULTUM_VECTOR_CLONES
+int any_worse_sum(const double* sums, std::size_t count, double worst) {
+  int found = 0;
+  for (std::size_t i = 0; i < count; ++i) found |= static_cast<int>(std::abs(sums[i] - 1.0) > worst);
+  return found;
 }
 
 // Weights are 0 to 1, so that those of a lobe are 0 to a, but for what rounds both: halfs, and snorm16's amplitudes,
@@ -86,12 +144,45 @@ std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& see
 MovmfScan::MovmfScan(const MovmfMipmap& header) : header_(header), lobes_(std::make_unique<Lobes>()) {}
 MovmfScan::~MovmfScan() = default;
 
+bool MovmfScan::Lobes::any_is_worse(const MovmfLevel& rows, std::size_t begin, std::size_t end,
+                                    StorageEncoding encoding) const {
+  const WorstLobe worst{sum_error.value, static_cast<float>(negative_amplitude.value),
+                        static_cast<float>(long_mean.value), length_excess(encoding)};
+  std::array<double, kScanBlock> sums{};
+  int found = 0;
+  for (const auto& lobe : rows.lobes) found |= any_worse_lobe(lobe.data() + begin, end - begin, worst, sums.data());
+  return (found | any_worse_sum(sums.data(), end - begin, worst.sum_error)) != 0;
+}
+
+// Their sums are 1.
+bool MovmfScan::Lobes::any_is_worse(const MovmfFinest& rows, StorageEncoding encoding) const {
+  const WorstLobe worst{sum_error.value, static_cast<float>(negative_amplitude.value),
+                        static_cast<float>(long_mean.value), length_excess(encoding)};
+  return any_worse_normal(rows.normals.data(), rows.normals.size(), worst) != 0;
+}
+
+// Gaussians and features are looked at one by one.
+bool MovmfScan::has_lobes_alone() const {
+  return header_.header.representation != Representation::kGmm && !header_.has_colours() &&
+         header_.header.weight_count == 0;
+}
+
 void MovmfScan::add(int level, int first_row, const MovmfLevel& rows) {
+  const std::size_t texels = texel_count(rows.width, rows.height);
+  for (std::size_t begin = 0; begin < texels; begin += kScanBlock) {
+    const std::size_t end = std::min(begin + kScanBlock, texels);
+    if (!has_lobes_alone() || lobes_->any_is_worse(rows, begin, end, header_.header.encoding))
+      add_texels(level, first_row, rows, begin, end);
+  }
+}
+
+void MovmfScan::add_texels(int level, int first_row, const MovmfLevel& rows, std::size_t begin, std::size_t end) {
   Lobes& scan = *lobes_;
   const bool gaussians = header_.header.representation == Representation::kGmm;
   const StorageEncoding encoding = header_.header.encoding;
+  const LengthExcess excess = length_excess(encoding);
   const auto width = static_cast<std::size_t>(rows.width);
-  for (std::size_t i = 0; i < texel_count(rows.width, rows.height); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     const TexelPlace place{level, static_cast<int>(i % width), first_row + static_cast<int>(i / width)};
     double sum = 0.0;
     for (const auto& lobe : rows.lobes) {
@@ -103,7 +194,7 @@ void MovmfScan::add(int level, int first_row, const MovmfLevel& rows) {
       sum += static_cast<double>(v.w);
       scan.negative_amplitude.offer(-static_cast<double>(v.w), place);
       const float length = gaussians ? std::hypot(v.x, v.y) : glm::length(glm::vec3(v));
-      scan.long_mean.offer(static_cast<double>(length - v.w - length_excess(encoding, v.w)), place);
+      scan.long_mean.offer(static_cast<double>(length - v.w - excess.of(v.w)), place);
       if (gaussians) scan.missing_variance.offer(missing_variance(encoding, v), place);
     }
     scan.sum_error.offer(std::abs(sum - 1.0), place);
@@ -119,6 +210,7 @@ void MovmfScan::add(int level, int first_row, const MovmfLevel& rows) {
 
 // Every texel is whole in one lobe: the others' zeros are not looked at.
 void MovmfScan::add_finest(int first_row, const MovmfFinest& rows) {
+  if (has_lobes_alone() && !lobes_->any_is_worse(rows, header_.header.encoding)) return;
   MovmfFinest whole = rows;
   std::fill(whole.lobe.begin(), whole.lobe.end(), std::uint8_t{0});
   add(0, first_row, expand(whole, 1));

@@ -29,6 +29,9 @@ class MovmfScan {
 
  private:
   struct Lobes;
+  bool has_lobes_alone() const;
+  void add_texels(int level, int first_row, const MovmfLevel& rows, std::size_t begin, std::size_t end);
+
   const MovmfMipmap header_;
   std::unique_ptr<Lobes> lobes_;
 };
