@@ -5,7 +5,7 @@
     tools/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/TARGETS.md
 
 Each map is baked whole, for each target; a file that is no normal map is left out, as `multum bake` refuses it. With
---resume, rows of --state that are there already are not baked again.
+--resume, rows of --state that are there already are not baked again; with --bake-nothing the page is made of those alone.
 """
 
 import argparse
@@ -87,13 +87,15 @@ def document(arguments, rows, machine):
     for target in arguments.targets:
         own = [row for row in rows if row["target"] == target]
         met = sum(row["met"] for row in own)
+        untried = len({row["map"] for row in rows}) - len(own)
         kinds = {}
         for row in own:
             if row["met"]:
                 kind = cell(row)[0].split(",")[0]
                 kinds[kind] = kinds.get(kind, 0) + 1
+        left = f", {untried} not tried" if untried else ""
         refused = "" if met == len(own) else ", refused on the others, which say the best that was reached"
-        text += (f"- {100 * target:g} %: met on {met} of {len(own)} maps ({100 * met / max(1, len(own)):.0f} %)"
+        text += (f"- {100 * target:g} %: met on {met} of {len(own)} maps ({100 * met / max(1, len(own)):.0f} %){left}"
                  f"{refused}. Chosen: "
                  + ", ".join(f"{kind} ({count})" for kind, count in sorted(kinds.items(), key=lambda k: -k[1])) + ".\n")
     return text + "\n" + table(rows, arguments.targets) + "\n"
@@ -107,14 +109,17 @@ def main():
     parser.add_argument("--targets", type=float, nargs="+", default=[0.2, 0.1])
     parser.add_argument("--state", help="JSON file of rows, written as they are made")
     parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--bake-nothing", action="store_true", help="make the page of the rows of --state")
     parser.add_argument("-o", "--output", required=True)
     committed_tree.add_option(parser)
     arguments = parser.parse_args()
     commit = committed_tree.stated_commit(arguments.allow_dirty)
-    rows = json.load(open(arguments.state)) if arguments.resume and os.path.exists(arguments.state) else []
+    rows = (json.load(open(arguments.state))
+            if (arguments.resume or arguments.bake_nothing) and os.path.exists(arguments.state) else [])
     done = {(row["map"], row["target"]) for row in rows}
     with tempfile.TemporaryDirectory() as folder:
-        for path in sorted(p for p in arguments.maps.iterdir() if is_normal_map(p)):
+        maps = [] if arguments.bake_nothing else arguments.maps.iterdir()
+        for path in sorted(p for p in maps if is_normal_map(p)):
             for target in arguments.targets:
                 if (path.name, target) in done:
                     continue
