@@ -5,7 +5,8 @@
     tools/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/TARGETS.md
 
 Each map is baked whole, for each target; a file that is no normal map is left out, as `multum bake` refuses it. With
---resume, rows of --state that are there already are not baked again; with --bake-nothing the page is made of those alone.
+--resume, rows of --state that are there already are not baked again; with --bake-nothing the page is made of those
+alone.
 """
 
 import argparse
