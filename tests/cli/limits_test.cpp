@@ -38,7 +38,7 @@ class LimitsTest : public CliTest {
 // large" where a full disk says "No space left on device".
 TEST_F(LimitsTest, FilesThatCannotGrow) {
   build_kernels();
-  for (const int kibibytes : {800, 900, 1000}) {
+  for (const int kibibytes : {780, 800, 820}) {
     SCOPED_TRACE(std::to_string(kibibytes) + " KiB");
     std::vector<std::string> shell = {"bash", "-c",
                                       "trap '' XFSZ; ulimit -f " + std::to_string(kibibytes) + "; exec \"$@\"", "bash"};
