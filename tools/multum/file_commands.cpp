@@ -18,6 +18,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/shown_text.h"
+#include "host/codec/field_unpacking.h"
 #include "host/opencl/device.h"
 #include "host/testmap/four_quarter_map.h"
 #include "tools/command_line/choices.h"
@@ -137,6 +138,10 @@ int print_pyramid(const std::string& path) {
 }
 
 int run_info(const std::string& path) {
+  if (is_packed_field(path)) {
+    write_shown(stdout, packed_field_text(path));
+    return 0;
+  }
   if (is_pyramid_file(path)) return print_pyramid(path);
   const BakedHeader file = read_baked_header(path);
   const BakedProvenance& from = file.provenance;
@@ -160,9 +165,18 @@ int run_info(const std::string& path) {
   return 0;
 }
 
+// What verify prints, of files of either sort.
+std::vector<VerifyFinding> findings_of(const std::string& path, int threads) {
+  if (!is_packed_field(path)) return verify_baked(path, threads);
+  std::vector<VerifyFinding> findings;
+  for (const PackedFinding& finding : verify_packed_field(path))
+    findings.push_back({finding.section, finding.passed, finding.detail});
+  return findings;
+}
+
 int run_verify(const std::string& path, const CommonOptions& common) {
   bool all_passed = true;
-  for (const VerifyFinding& finding : verify_baked(path, apply(common))) {
+  for (const VerifyFinding& finding : findings_of(path, apply(common))) {
     print_shown(stdout, "%-6s %-10s %s\n", finding.passed ? "ok" : "FAILED", finding.check.c_str(),
                 finding.detail.c_str());
     all_passed = all_passed && finding.passed;
@@ -209,16 +223,17 @@ int run_devices(const std::string& json_path) {
 
 void add_info_command(CLI::App& app, int* exit_code) {
   auto path = std::make_shared<std::string>();
-  CLI::App* info = app.add_subcommand("info", "print the header of a baked file");
-  info->add_option("file", *path, "a baked file, *.ndf.exr")->required();
+  CLI::App* info = app.add_subcommand("info", "print the header of a baked file or a packed field");
+  info->add_option("file", *path, "a baked file, *.ndf.exr, or a packed field, *.mpt")->required();
   info->callback([path, exit_code] { *exit_code = run_info(*path); });
 }
 
 void add_verify_command(CLI::App& app, int* exit_code) {
   auto path = std::make_shared<std::string>();
   auto common = std::make_shared<CommonOptions>();
-  CLI::App* verify = app.add_subcommand("verify", "check a baked file: structure, finite values, sums, checksums");
-  verify->add_option("file", *path, "a baked file, *.ndf.exr")->required();
+  CLI::App* verify =
+      app.add_subcommand("verify", "check a baked file or a packed field: structure, finite values, sums, checksums");
+  verify->add_option("file", *path, "a baked file, *.ndf.exr, or a packed field, *.mpt")->required();
   add_common_options(*verify, *common);
   verify->callback([path, common, exit_code] { *exit_code = run_verify(*path, *common); });
 }

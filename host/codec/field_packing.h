@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Packs the textures of a parameterised animation, a folder that multum infer wrote, into one file (Hakura et al. 2000,
+// section 4): every layer of every object over every block of the parameters is a chunk, all coded for one worth of a
+// bit, which is searched for until the file has the size, or the error, that was asked for.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/progress.h"
+
+namespace multum {
+
+/// At most one of the four is given; none: a ratio of 384.
+struct FieldTarget {
+  std::optional<double> ratio;   // bytes of raw 24-bit frames over the file's, at least
+  std::optional<double> bytes;   // of the file, at most
+  std::optional<double> mse;     // estimated, that coding adds to drawn frames, at most; 8-bit units at gamma 2.2
+  std::optional<double> lambda;  // squared error that a bit is worth, summed over pixels and colours
+};
+
+struct FieldPackSettings {
+  std::string folder, output;  // output *.mpt
+  FieldTarget target;
+  int block = 8;    // samples of a chunk along a parameter, at most
+  int threads = 0;  // <= 0: all; the bytes are the same
+};
+
+struct PackedChunkReport {
+  std::string object, layer;
+  std::size_t block = 0, bytes = 0;
+  double mse = 0.0;  // its share of the estimate
+};
+
+struct FieldPackReport {
+  std::uint64_t bytes = 0, description_bytes = 0, raw_bytes = 0;  // raw: of 24-bit frames
+  double lambda = 0.0, mse = 0.0;
+  int rounds = 0;  // of coding everything
+  std::vector<PackedChunkReport> chunks;
+};
+
+/// The file appears whole, by rename. Throws Error: kUsage for a target that cannot be met, kInput for a folder that
+/// cannot be read, kEnvironment; Cancelled.
+FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress);
+
+}  // namespace multum

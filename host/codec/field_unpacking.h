@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads packed fields, whole or section by section, checks them, and unpacks them to a folder like that of multum
+// infer.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "host/base/progress.h"
+#include "host/codec/decoder/packed_index.h"
+#include "host/codec/decoder/texture_chunk.h"
+#include "host/codec/field_description.h"
+
+namespace multum {
+
+/// Whether the file begins as packed fields do. False also when it cannot be read.
+bool is_packed_field(const std::string& path);
+
+/// Index and description of a file; chunks are read as they are asked for. Not for two threads at once.
+class PackedFieldFile {
+ public:
+  /// Throws Error(kInput) naming the file and what is wrong: another format, cut short, a damaged index or description.
+  explicit PackedFieldFile(const std::string& path);
+
+  const FieldDescription& description() const { return description_; }
+  const PackedIndex& index() const { return index_; }
+  /// "section 3 (chunk: layer 'diffuse' of object 'walls', block 0)", for messages.
+  std::string section_name(std::size_t section) const;
+  /// Bytes of a section. Throws Error(kInput) naming it where they are damaged.
+  std::vector<std::uint8_t> section(std::size_t section);
+  /// Null where the file has no chunk for the block: nothing is seen in it. Throws Error(kInput) naming the section
+  /// where it is damaged, or of another size than its description says.
+  std::unique_ptr<TextureChunk> chunk(std::size_t layer, std::size_t block);
+
+ private:
+  std::vector<std::uint8_t> bytes_at(std::uint64_t offset, std::uint64_t count);
+  void read_index();
+
+  std::string path_;
+  std::ifstream stream_;
+  std::uint64_t size_ = 0;
+  PackedIndex index_;
+  FieldDescription description_;
+};
+
+struct UnpackReport {
+  std::size_t textures = 0, chunks = 0;
+  std::vector<std::string> damaged;  // what is wrong with each chunk that was left out
+};
+
+/// Writes textures with all mip levels, and last the manifest, to `folder`, which is made. Textures of damaged chunks
+/// are left out: their objects have none there. Throws Error; Cancelled, and then no manifest is there.
+UnpackReport unpack_field(const std::string& path, const std::string& folder, int threads, Progress* progress);
+
+struct PackedFinding {
+  bool passed = true;
+  std::string section, detail;
+};
+
+/// Decodes every section. Throws Error(kInput) where not even index and description can be read.
+std::vector<PackedFinding> verify_packed_field(const std::string& path);
+
+/// What a person wants to know of it, a line each.
+std::string packed_field_text(const std::string& path);
+
+}  // namespace multum

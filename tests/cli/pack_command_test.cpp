@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum pack, unpack, info, verify, on a small inferred animation: what comes back, what is asked for and met, the
+// same bytes for any number of threads, and what damage costs.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "host/asset/inferred/inferred_texture.h"
+#include "host/base/error.h"
+#include "host/codec/field_packing.h"
+#include "host/codec/field_unpacking.h"
+#include "host/image/files/exr_layers.h"
+#include "tests/cli/program.h"
+#include "tests/cli/traced_scene.h"
+
+namespace multum::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PackCommandTest : public CliTest {
+ protected:
+  void SetUp() override {
+    TracedScene scene;
+    scene.views = 3;
+    fs::create_directory(path("renders"));
+    write_traced_folder(path("renders"), scene);
+    ASSERT_EQ(multum({"animation", path("renders"), "-o", path("animation.toml")}).exit_code, 0);
+    ASSERT_EQ(multum({"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa", "--no-frames",
+                      "--no-comparison"})
+                  .exit_code,
+              0);
+  }
+  ProgramResult pack(const std::string& file, std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"pack", path("out"), "-o", path(file)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return multum(arguments);
+  }
+  ProgramResult unpack(const std::string& file, const std::string& folder) const {
+    return multum({"unpack", path(file), "-o", path(folder)});
+  }
+  std::vector<float> frame(const std::string& folder, const std::string& sample) const {
+    const std::string picture = path("frame.exr");
+    const ProgramResult result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "sample", path(folder),
+                                              "--at", sample, "-o", picture, "--context", "osmesa"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const ExrLayers drawn = read_exr_channels(picture, {"R", "G", "B"});
+    std::vector<float> values;
+    for (const char* c : {"R", "G", "B"})
+      values.insert(values.end(), drawn.channels.at(c).begin(), drawn.channels.at(c).end());
+    return values;
+  }
+  // Mean squared difference of what both folders draw, 8-bit units at gamma 2.2, over all samples.
+  double drawn_mse(const std::string& folder) const {
+    double sum = 0.0, count = 0.0;
+    for (const char* sample : {"0,0", "0,1", "1,0", "1,1", "2,0", "2,1"}) {
+      const std::vector<float> a = frame("out", sample), b = frame(folder, sample);
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        const double d = static_cast<double>(std::min(255.0f, gamma_coded(a[i])) - std::min(255.0f, gamma_coded(b[i])));
+        sum += d * d;
+      }
+      count += static_cast<double>(a.size());
+    }
+    return sum / count;
+  }
+  // The section of a chunk of this object and layer.
+  std::size_t chunk_of(const std::string& file, const std::string& text) const {
+    const PackedFieldFile packed(path(file));
+    for (std::size_t i = 0; i < packed.index().sections().size(); ++i)
+      if (packed.section_name(i).find(text) != std::string::npos) return i;
+    ADD_FAILURE() << "no section is " << text;
+    return 0;
+  }
+  void flip_byte(const std::string& file, std::size_t at) const {
+    std::string bytes = read_bytes(path(file));
+    bytes.at(at) = static_cast<char>(bytes[at] ^ 0x40);
+    write_bytes(path(file), bytes);
+  }
+};
+
+TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
+  const ProgramResult packed = pack("fine.mpt", {"--lambda", "1"});
+  ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  ASSERT_EQ(pack("coarse.mpt", {"--lambda", "300"}).exit_code, 0);
+  EXPECT_LT(fs::file_size(path("coarse.mpt")), fs::file_size(path("fine.mpt")) / 2);
+  ASSERT_EQ(unpack("fine.mpt", "fine").exit_code, 0);
+  ASSERT_EQ(unpack("coarse.mpt", "coarse").exit_code, 0);
+  const double fine = drawn_mse("fine"), coarse = drawn_mse("coarse");
+  EXPECT_LT(fine, 2.0);
+  EXPECT_GT(coarse, 2.0 * fine);
+  // The manifest is the same but for names of textures and what was found while it was made.
+  const InferredManifest before = read_inferred_manifest(path("out/inferred.json"));
+  const InferredManifest after = read_inferred_manifest(path("fine/inferred.json"));
+  EXPECT_EQ(after.parameters, before.parameters);
+  EXPECT_EQ(after.geometry_hash, before.geometry_hash);
+  ASSERT_EQ(after.samples.size(), before.samples.size());
+  ASSERT_EQ(after.objects.size(), before.objects.size());
+  for (std::size_t k = 0; k < before.objects.size(); ++k) {
+    ASSERT_EQ(after.objects[k].layers.size(), before.objects[k].layers.size());
+    for (std::size_t l = 0; l < before.objects[k].layers.size(); ++l) {
+      const auto& was = before.objects[k].layers[l].textures;
+      const auto& is = after.objects[k].layers[l].textures;
+      // Samples that shared a texture share one.
+      for (std::size_t s = 0; s < was.size(); ++s)
+        for (std::size_t t = 0; t < was.size(); ++t) EXPECT_EQ(is[s] == is[t], was[s] == was[t]);
+    }
+  }
+  const ProgramResult info = multum({"info", path("fine.mpt")});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  expect_says(info.out, {"packed field", "6 of view, light", "layer 'view_dependent' of object 'board', block 0"});
+  const ProgramResult verified = multum({"verify", path("fine.mpt")});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+}
+
+// The estimate is of what the coder loses in drawn frames: within half of what frames lose.
+TEST_F(PackCommandTest, TargetsAreMet) {
+  ASSERT_EQ(pack("any.mpt", {"--lambda", "30"}).exit_code, 0);
+  const auto bytes = fs::file_size(path("any.mpt")) * 3 / 4;
+  ASSERT_EQ(pack("bytes.mpt", {"--bytes", std::to_string(bytes)}).exit_code, 0);
+  EXPECT_LE(fs::file_size(path("bytes.mpt")), bytes);
+  EXPECT_GT(fs::file_size(path("bytes.mpt")), bytes * 9 / 10);
+  const double raw = 6.0 * 96 * 72 * 3, ratio = raw / static_cast<double>(bytes);
+  ASSERT_EQ(pack("ratio.mpt", {"--ratio", fmt::format("{:.3f}", ratio)}).exit_code, 0);
+  EXPECT_GE(raw / static_cast<double>(fs::file_size(path("ratio.mpt"))), ratio - 0.001);
+  EXPECT_LT(raw / static_cast<double>(fs::file_size(path("ratio.mpt"))), 1.1 * ratio);
+  ASSERT_EQ(pack("error.mpt", {"--mse-max", "6"}).exit_code, 0);
+  ASSERT_EQ(unpack("error.mpt", "error").exit_code, 0);
+  EXPECT_NEAR(drawn_mse("error") / 6.0, 1.0, 0.5);
+  expect_refusal(pack("none.mpt", {"--bytes", "200"}), kUsage, {"200 bytes", "cannot be met"});
+  expect_refusal(pack("none.mpt", {"--bytes", "20000", "--ratio", "5"}), kUsage, {"--ratio"});
+  EXPECT_FALSE(fs::exists(path("none.mpt")));
+}
+
+TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {
+  ASSERT_EQ(pack("one.mpt", {"--lambda", "50", "--threads", "1"}).exit_code, 0);
+  ASSERT_EQ(pack("two.mpt", {"--lambda", "50", "--threads", "2"}).exit_code, 0);
+  EXPECT_EQ(read_bytes(path("one.mpt")), read_bytes(path("two.mpt")));
+  ASSERT_EQ(pack("blocks.mpt", {"--lambda", "1", "--block", "2"}).exit_code, 0);
+  const PackedFieldFile packed(path("blocks.mpt"));
+  for (const PackedLayer& layer : packed.description().layers)
+    EXPECT_EQ(layer.blocks.size(), layer.name == "diffuse" ? 1u : 2u) << layer.name;
+  ASSERT_EQ(unpack("blocks.mpt", "blocks").exit_code, 0);
+  EXPECT_LT(drawn_mse("blocks"), 2.0);
+}
+
+TEST_F(PackCommandTest, ADamagedChunkCostsThatChunkAndIsNamed) {
+  ASSERT_EQ(pack("field.mpt", {"--lambda", "50"}).exit_code, 0);
+  const std::string name = "layer 'diffuse' of object 'ground'";
+  const std::size_t number = chunk_of("field.mpt", name);
+  const auto offset = PackedFieldFile(path("field.mpt")).index().sections()[number].offset;
+  flip_byte("field.mpt", offset + 30);
+  const ProgramResult verified = multum({"verify", path("field.mpt")});
+  expect_refusal(verified, kVerification, {"field.mpt"});
+  std::size_t failed = 0;
+  for (std::size_t at = 0; (at = verified.out.find("FAILED", at)) != std::string::npos; ++at) ++failed;
+  EXPECT_EQ(failed, 1u) << verified.out;
+  expect_says(verified.out, {fmt::format("FAILED section {}", number), name});
+  expect_refusal(unpack("field.mpt", "rest"), kVerification, {"field.mpt", fmt::format("section {}", number), name});
+  for (const InferredObject& object : read_inferred_manifest(path("rest/inferred.json")).objects)
+    for (const InferredLayer& layer : object.layers)
+      for (const std::string& texture : layer.textures) {
+        EXPECT_EQ(texture.empty(), object.name == "ground" && layer.name == "diffuse");
+        if (!texture.empty()) {
+          EXPECT_NO_THROW(read_inferred_texture(path("rest/" + texture)));
+        }
+      }
+}
+
+TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
+  ASSERT_EQ(pack("field.mpt", {"--lambda", "50"}).exit_code, 0);
+  const std::string whole = read_bytes(path("field.mpt"));
+  const auto refused = [&](const std::string& bytes, const std::vector<std::string>& parts) {
+    write_bytes(path("bad.mpt"), bytes);
+    expect_refusal(unpack("bad.mpt", "bad"), kInput, parts);
+    EXPECT_FALSE(fs::exists(path("bad"))) << "nothing is written of what is refused";
+  };
+  refused(whole.substr(0, whole.size() - 10), {"bad.mpt", fmt::format("has {} bytes", whole.size() - 10), "section"});
+  refused(whole.substr(0, 20), {"bad.mpt", "cut short within its index"});
+  refused(whole + "x", {"bad.mpt", fmt::format("its index says {}", whole.size())});
+  refused("MPTF", {"bad.mpt", "cut short"});
+  refused("some text, longer than a head", {"bad.mpt", "no packed field"});
+  std::string damaged = whole;
+  damaged[12] = static_cast<char>(damaged[12] ^ 1);
+  refused(damaged, {"bad.mpt", "index is damaged"});
+  damaged = whole;
+  const std::size_t description = PackedFieldFile(path("field.mpt")).index().sections().front().offset;
+  damaged[description + 40] = static_cast<char>(damaged[description + 40] ^ 1);
+  refused(damaged, {"bad.mpt", "section 0 (description)", "checksum"});
+  expect_refusal(unpack("none.mpt", "bad"), kInput, {"none.mpt", "cannot be read"});
+  fs::remove(path("out/matrices/v01_p00_board.fmx"));
+  expect_refusal(pack("again.mpt", {"--lambda", "50"}), kInput, {"v01_p00_board.fmx"});
+  fs::remove(path("out/inferred.json"));
+  expect_refusal(pack("again.mpt", {"--lambda", "50"}), kInput, {"inferred.json"});
+  EXPECT_FALSE(fs::exists(path("again.mpt")));
+}
+
+TEST_F(PackCommandTest, CancelledLeavesNothing) {
+  // Stops when the first of the chunks is done, or is to be.
+  const auto stops_in = [](const std::string& stage, std::uint64_t units) {
+    return Progress(
+        [=](const ProgressEvent& event) { return !(event.stage.starts_with(stage) && event.units_done >= units); });
+  };
+  FieldPackSettings settings;
+  settings.folder = path("out");
+  settings.output = path("field.mpt");
+  settings.target.lambda = 50.0;
+  for (const std::uint64_t units : {0u, 1u}) {
+    Progress progress = stops_in("code", units);
+    EXPECT_THROW(pack_field(settings, &progress), Cancelled);
+  }
+  Progress reading = stops_in("read", 0);
+  EXPECT_THROW(pack_field(settings, &reading), Cancelled);
+  for (const auto& entry : fs::directory_iterator(path("")))
+    EXPECT_EQ(entry.path().filename().string().find(".mpt"), std::string::npos) << entry.path();
+  pack_field(settings, nullptr);
+  Progress unpacking = stops_in("unpack", 1);
+  EXPECT_THROW(unpack_field(settings.output, path("unpacked"), 1, &unpacking), Cancelled);
+  EXPECT_FALSE(fs::exists(path("unpacked/inferred.json")));
+}
+
+}  // namespace
+}  // namespace multum::testing
