@@ -401,6 +401,7 @@ void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& pat
 
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress) {
   MULTUM_CHECK(settings.block >= 1);
+  check_paths_differ({settings.folder + "/" + kInferredManifestName}, {settings.output});
   check_writable(settings.output);
   progress_start(progress, 0);
   progress_stage(progress, "read");

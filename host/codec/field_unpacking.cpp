@@ -148,11 +148,11 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
                                  .lexically_normal()
                                  .lexically_relative(std::filesystem::absolute(folder).lexically_normal())
                                  .string();
-  make_folder(folder + "/textures");
   const std::string manifest_path = folder + "/" + kInferredManifestName;
-  check_paths_differ({path}, {manifest_path});
   std::error_code error;
-  std::filesystem::remove(manifest_path, error);  // never beside textures that are not its own
+  if (std::filesystem::exists(manifest_path, error))  // it may be the only one of textures that took hours
+    throw Error(ErrorCode::kUsage, manifest_path + ": is there already; unpack to a folder without one");
+  make_folder(folder + "/textures");
   progress_start(progress, file.index().sections().size());
   progress_stage(progress, "unpack");
   UnpackReport report;

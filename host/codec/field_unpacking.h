@@ -51,7 +51,8 @@ struct UnpackReport {
 };
 
 /// Writes textures with all mip levels, and last the manifest, to `folder`, which is made. Textures of damaged chunks
-/// are left out: their objects have none there. Throws Error; Cancelled, and then no manifest is there.
+/// are left out: their objects have none there. Throws Error, also where a manifest is there already; Cancelled, and
+/// then none is.
 UnpackReport unpack_field(const std::string& path, const std::string& folder, int threads, Progress* progress);
 
 struct PackedFinding {

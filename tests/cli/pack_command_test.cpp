@@ -190,6 +190,10 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   damaged[description + 40] = static_cast<char>(damaged[description + 40] ^ 1);
   refused(damaged, {"bad.mpt", "section 0 (description)", "checksum"});
   expect_refusal(unpack("none.mpt", "bad"), kInput, {"none.mpt", "cannot be read"});
+  const std::string manifest = read_bytes(path("out/inferred.json"));
+  expect_refusal(unpack("field.mpt", "out"), kUsage, {"out/inferred.json", "there already"});
+  expect_refusal(pack("out/inferred.json", {"--lambda", "50"}), kUsage, {"inferred.json"});
+  EXPECT_EQ(read_bytes(path("out/inferred.json")), manifest);
   fs::remove(path("out/matrices/v01_p00_board.fmx"));
   expect_refusal(pack("again.mpt", {"--lambda", "50"}), kInput, {"v01_p00_board.fmx"});
   fs::remove(path("out/inferred.json"));
