@@ -262,6 +262,7 @@ const steps = {
       return (one.clientHeight - 2 * parseFloat(style.paddingTop)) / parseFloat(style.lineHeight);
     });
     assert.ok(lines > 1.5, `${lines} lines of two`);
+    await page.unrouteAll({ behavior: "ignoreErrors" }); // the page goes on asking while it closes
     await page.context().close();
   },
 
