@@ -54,12 +54,22 @@ float z_float(double root) {
   return static_cast<double>(z) < root ? std::nextafter(z, 2.0f) : z;
 }
 
+// Is x^2 + y^2 above 1, of whole steps, exactly?
+bool is_beyond_rim(float x, float y) {
+  const int i = nearest_step(x), j = nearest_step(y);
+  return i * i + j * j > kSnormSteps * kSnormSteps;
+}
+
 void quantize_direction(glm::vec3& n, Representation representation, StorageEncoding encoding) {
+  const glm::vec2 exact(std::clamp(n.x, -1.0f, 1.0f), std::clamp(n.y, -1.0f, 1.0f));
   for (int c = 0; c < 2; ++c) {
-    const float value = std::clamp(n[c], -1.0f, 1.0f);
-    if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(value));
-    else n[c] = encoding == StorageEncoding::kHalf ? as_half(value) : value;
+    if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(exact[c]));
+    else n[c] = encoding == StorageEncoding::kHalf ? as_half(exact[c]) : exact[c];
   }
+  // The third of a Gaussian is x^2 + y^2, which snorm16 has up to 1: beyond the rim x and y are rounded inwards
+  // instead, as those of other levels are (gmm_quantize.cpp).
+  if (representation == Representation::kGmm && encoding == StorageEncoding::kSnorm16 && is_beyond_rim(n.x, n.y))
+    for (int c = 0; c < 2; ++c) n[c] = step_value(static_cast<int>(static_cast<double>(exact[c]) * kSnormSteps));
   n.z = finest_third(n.x, n.y, representation, encoding);
 }
 

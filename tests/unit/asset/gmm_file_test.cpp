@@ -233,5 +233,27 @@ TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   }
 }
 
+// Of horizontal normals, where rounding to nearest may leave x^2 + y^2 more above 1 than the third can hold.
+TEST(GmmFinestTest, NormalsAtTheRimStayWithinIt) {
+  MovmfFinest rows{20000, 1, {}, {}, {}};
+  rows.representation = Representation::kGmm;
+  for (int i = 0; i < rows.width; ++i) {
+    const double turn = 2.0 * M_PI * i / rows.width;
+    rows.normals.emplace_back(std::cos(turn), std::sin(turn), 1.0);
+  }
+  rows.lobe.resize(rows.normals.size());
+  const MovmfFinest before = rows;
+  quantize_movmf(rows, StorageEncoding::kSnorm16, 1);
+  for (std::size_t i = 0; i < rows.normals.size(); ++i) {
+    const double x = std::round(static_cast<double>(rows.normals[i].x) * 32767.0),
+                 y = std::round(static_cast<double>(rows.normals[i].y) * 32767.0);
+    EXPECT_LE(x * x + y * y, 32767.0 * 32767.0);
+    for (int c = 0; c < 2; ++c) EXPECT_NEAR(rows.normals[i][c], before.normals[i][c], 1.01f / 32767.0f);
+  }
+  const MovmfFinest once = rows;
+  quantize_movmf(rows, StorageEncoding::kSnorm16, 1);
+  EXPECT_EQ(rows.normals, once.normals);
+}
+
 }  // namespace
 }  // namespace multum
