@@ -14,8 +14,7 @@ MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTAL
 # A number with a unit that only a measurement gives.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
 LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mip": "averaged normals"}
-FILTERS = {"taps": "2 taps, each shaded: the default filter", "trilinear": "trilinear filter",
-           "anisotropic": "16 x anisotropic filter"}
+FILTERS = {"taps": "2 taps, each shaded: the default filter", "trilinear": "trilinear filter"}
 
 
 class Unreadable(Exception):
@@ -46,17 +45,6 @@ def best_rival(row):
 # ---- the picture
 
 
-def filter_of(scene):
-    """What multum-view was told, in words; untold it is the default."""
-    return "16 x anisotropic, the driver's" if "--anisotropy" in scene else "2 taps, each shaded; docs/FILTER.md"
-
-
-def samples_of(made_of):
-    if made_of.get("noise") is None:
-        return f"{made_of['samples']} samples per pixel"
-    return f"{made_of['samples']} samples per pixel, noise {percent(made_of['noise'])} of itself"
-
-
 def picture(figures, _root):
     made_of = figures["picture"]
     source, errors = made_of["map"], made_of["errors"]
@@ -67,8 +55,8 @@ def picture(figures, _root):
 narrow and bright; Toksvig, whose far highlight is wide and dull]({made_of["image"]})
 
 *Relative L1 error (sum of absolute differences from the reference, over the sum of the reference): {views}.
-Same material (Blinn-Phong, s = 100), light and filter ({filter_of(made_of["scene"])}) for all;
-reference: {samples_of(made_of)}.
+Same material (Blinn-Phong, s = 100), light and filter (2 taps, each shaded; docs/FILTER.md) for all;
+reference: {made_of["samples"]} samples per pixel, noise {percent(made_of["noise"])} of itself.
 Normal map: {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
 
@@ -86,8 +74,6 @@ def maps(figures, _root):
     lines = ["| median relative L1 error (quartiles) | real maps | " + " | ".join(LABELS.values()) + " |",
              "|---|---|" + "---|" * len(LABELS)]
     for name, words in FILTERS.items():
-        if name not in errors:
-            continue
         rows = errors[name].values()
         lines.append(f"| {words} | {len(rows)} | " +
                      " | ".join(quartiles([error_of(row, method) for row in rows]) for method in LABELS) + " |")
@@ -95,9 +81,7 @@ def maps(figures, _root):
 
 
 def default_errors(figures):
-    """By multum-view's own filter; measurements from before there was one have the trilinear filter's."""
-    errors = figures["maps"]["errors"]
-    return errors["taps"] if "taps" in errors else errors["trilinear"]
+    return figures["maps"]["errors"]["taps"]
 
 
 def nearest_of(figures, _root):
