@@ -14,10 +14,10 @@ import json
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import tempfile
-import time
 
 import committed_tree
 
@@ -31,25 +31,28 @@ def is_normal_map(path):
     return re.search(r"(_n|_normal|-normal|_nm|_norm|flakes5n)\.\w+$|^pm_", path.name) is not None
 
 
+def processor_seconds_of_children():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def bake(multum, path, target, brdf, folder):
     """One bake; None for a file that is no normal map."""
     output = os.path.join(folder, "target.ndf.exr")
     report = os.path.join(folder, "target.json")
-    started = time.monotonic()
+    before = processor_seconds_of_children()
     run = subprocess.run([multum, "bake", str(path), "-o", output, "--report", report, "--target-error", str(target),
                           "--brdf", brdf], capture_output=True, text=True)
-    seconds = time.monotonic() - started
+    seconds = processor_seconds_of_children() - before
     found = CHOICE.search(run.stdout + run.stderr)
     if run.returncode not in (0, 5) or found is None:
         if run.returncode == 3:
             return None
         sys.exit(f"{path}: exit code {run.returncode}\n{run.stdout}{run.stderr}")
-    row = {"map": path.name, "target": target, "met": run.returncode == 0, "seconds": seconds, **found.groupdict()}
+    row = {"map": path.name, "target": target, "met": run.returncode == 0, "processor_seconds": seconds,
+           **found.groupdict()}
     if row["met"]:
-        said = json.load(open(report))
-        row["bake_seconds"] = sum(s["seconds"] for s in said["stages"] if s["name"] not in ("choose", "measure"))
-        row["picture"] = said.get("picture_error")
-        row["file_bytes"] = os.path.getsize(output)
+        row["picture"] = json.load(open(report)).get("picture_error")
         os.remove(output)
     return row
 
@@ -66,12 +69,14 @@ def cell(row):
 
 def table(rows, targets):
     kinds = ("settings", "reached, %", "picture, %")
-    head = ["map"] + [f"{100 * t:g} %: {what}" for t in targets for what in kinds] + ["s"]
+    head = ["map"] + [f"{100 * t:g} %: {what}" for t in targets for what in kinds] + ["processor, s"]
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     for name in sorted({row["map"] for row in rows}):
         own = {row["target"]: row for row in rows if row["map"] == name}
         cells = [c for t in targets for c in (cell(own[t]) if t in own else ["-"] * 3)]
-        lines.append("| " + " | ".join([name] + cells + [f"{sum(r['seconds'] for r in own.values()):.0f}"]) + " |")
+        seconds = [row.get("processor_seconds") for row in own.values()]
+        spent = "-" if None in seconds else f"{sum(seconds):.0f}"
+        lines.append("| " + " | ".join([name] + cells + [spent]) + " |")
     return "\n".join(lines)
 
 
@@ -81,8 +86,8 @@ def document(arguments, rows, machine):
             "cheapest settings whose error, with its 95 % interval, is at most "
             "E on the whole map. Error: relative L1 of pixels that cover 1 texel to the whole map, by footprints "
             "that had no part in the choice (docs/ALGORITHMS.md, \"Measured error\"). Picture: multum-view's plane "
-            "that runs to the horizon, beside its reference. s: seconds of all bakes, choosing and drawing included, "
-            "beside other programs.\n\nTo ask before a bake: `multum tradeoff MAP -o "
+            "that runs to the horizon, beside its reference. Processor: seconds of both bakes, choosing, drawing and "
+            "compiling kernels included.\n\nTo ask before a bake: `multum tradeoff MAP -o "
             "costs.html` shows what every setting costs for a map (docs/TRADEOFF.md), `multum plan scene.toml` what a "
             "scene needs of its maps (docs/SCENE.md).\n\n")
     for target in arguments.targets:
@@ -127,14 +132,15 @@ def main():
                 row = bake(arguments.multum, path, target, arguments.brdf, folder)
                 if row is None:
                     continue
-                rows.append(row)
-                print(f"{path.name} {target:g}: {' '.join(cell(row))} in {row['seconds']:.1f} s", flush=True)
+                rows.append({"commit": commit, **row})
+                print(f"{path.name} {target:g}: {' '.join(cell(row))} in {row['processor_seconds']:.1f} s", flush=True)
                 if arguments.state:
                     json.dump(rows, open(arguments.state, "w"))
     version = subprocess.run([arguments.multum, "--version"], capture_output=True, text=True).stdout.strip()
     device = subprocess.run([arguments.multum, "devices"], capture_output=True, text=True).stdout.splitlines()
     name = re.sub(r"^\d+\s+|\s+\(.*", "", device[0]) if device else "no device"
-    machine = f"{version}, {commit}, on {name}"
+    commits = sorted({row["commit"] for row in rows})
+    machine = f"{version}, {', '.join(commits)}, on {name}"
     pathlib.Path(arguments.output).write_text(document(arguments, rows, machine))
 
 
