@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "host/base/error.h"
 #include "host/opencl/launch_shape.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
@@ -12,6 +13,8 @@ namespace {
 
 constexpr std::size_t kPartialSums = 5;  // of movmf_em_chunks.cl
 constexpr std::size_t kWeightedPlanes = 4;
+// Of a window in four colours all: the device goes from one to the next by itself.
+constexpr std::size_t kStepsQueuedMax = 4;
 
 std::size_t group_count(std::size_t texels) { return (texels + MULTUM_GROUP - 1) / MULTUM_GROUP; }
 
@@ -67,6 +70,15 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
   packing_.lobes = 1;
 }
 
+MovmfEmStep::~MovmfEmStep() {
+  if (lists_.empty()) return;  // or a fit was cancelled, or failed
+  try {
+    device_.finish();
+  } catch (const Error&) {
+    // What failed is thrown already.
+  }
+}
+
 std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bool has_features) const {
   const bool uses_binned = schedule.uses(FitMethod::kBinned), uses_texels = schedule.uses(FitMethod::kTexels);
   const bool uses_em = uses_binned || uses_texels || schedule.uses(FitMethod::kChunks);
@@ -99,11 +111,15 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
                       Progress* progress) {
   if (texels.empty()) return;
   const std::size_t texel_count = texels.size();
-  upload_texels(fit, std::move(texels));
+  upload_texels(fit, std::move(texels), progress);
   if (method == FitMethod::kChoice) choose(fit, windows);
   else run_em(method, fit, texel_count, windows, progress);
   if (windows.wants_features) fit_features(method, fit, texel_count, windows);
+}
+
+void MovmfEmStep::finish(Progress* progress) {
   device_.finish();
+  lists_.clear();
   progress_advance(progress, 0);
 }
 
@@ -142,23 +158,22 @@ void MovmfEmStep::refine(FitMethod method, MultumMovmfFit fit, std::vector<int> 
                          Progress* progress) {
   MULTUM_CHECK(method != FitMethod::kChunks);
   if (texels.empty()) return;
-  upload_texels(fit, std::move(texels));
+  upload_texels(fit, std::move(texels), progress);
   pack(method, fit, windows);
   const KernelVariant& variant = method == FitMethod::kBinned ? binned_ : fast_;
   lazy_kernel(method == FitMethod::kBinned ? refine_binned_kernel_ : refine_kernel_, "movmf_refine", "movmf_refine",
               variant)
       .launch({static_cast<std::size_t>(fit.slot_count) / static_cast<std::size_t>(variant.vector_width)}, samples_,
               sample_counts_, list_, windows.lobes.buffer(), windows.refined.buffer(), fit);
-  device_.finish();
-  progress_advance(progress, 0);
 }
 
-void MovmfEmStep::upload_texels(MultumMovmfFit& fit, std::vector<int> texels) {
+void MovmfEmStep::upload_texels(MultumMovmfFit& fit, std::vector<int> texels, Progress* progress) {
+  if (lists_.size() >= kStepsQueuedMax) finish(progress);
   const std::size_t slots = group_count(texels.size()) * MULTUM_GROUP;
   texels.resize(slots, -1);
   fit.slot_count = static_cast<int>(slots);
   ensure(device_, list_, slots * sizeof(int), "texel list");
-  device_.write(list_, texels.data(), slots * sizeof(int));
+  device_.queue_write(list_, lists_.emplace_back(std::move(texels)).data(), slots * sizeof(int));
 }
 
 void MovmfEmStep::pack(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows) {

@@ -30,21 +30,26 @@ struct StepWindows {
 class MovmfEmStep {
  public:
   MovmfEmStep(Device& device, const MovmfSettings& settings, bool weighted);
+  ~MovmfEmStep();
+  MovmfEmStep(const MovmfEmStep&) = delete;
+  MovmfEmStep& operator=(const MovmfEmStep&) = delete;
 
   /// Programs that run() needs for the levels of `schedule`, finest levels first.
   std::vector<ProgramChoice> programs(const MipSchedule& schedule, bool has_features) const;
-  /// Fits the texels (places in the window, as step_texels() gives them). kChunks passes over the map once an
-  /// iteration, in bands of what `normals` holds at most. Throws Cancelled.
+  /// Queues the fit of the texels (places in the window, as step_texels() gives them). kChunks passes over the map once
+  /// an iteration, in bands of what `normals` holds at most. Throws Cancelled.
   void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
-  /// Refines the lobes of texels that are fitted, as are those beside them, into the window of refined ones
-  /// (movmf_refine.cl); lobes stay as they are, so that it does not matter which of them are. kTexels and kBinned.
+  /// Queues the refinement of the lobes of texels that are fitted, as are those beside them, into the window of refined
+  /// ones (movmf_refine.cl); lobes stay as they are, so that it does not matter which of them are. kTexels and kBinned.
   /// Throws Cancelled.
   void refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
+  /// Waits until all that is queued is done. Throws Cancelled.
+  void finish(Progress* progress);
 
  private:
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   Kernel& lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
-  void upload_texels(MultumMovmfFit& fit, std::vector<int> texels);
+  void upload_texels(MultumMovmfFit& fit, std::vector<int> texels, Progress* progress);
   void choose(const MultumMovmfFit& fit, StepWindows& windows);
   void run_em(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, StepWindows& windows,
               Progress* progress);
@@ -69,6 +74,7 @@ class MovmfEmStep {
   Kernel binned_pack_kernel_, em_binned_kernel_, em_binned_team_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
   Kernel feature_partial_kernel_, feature_sum_kernel_, feature_binned_kernel_;
+  std::vector<std::vector<int>> lists_;  // of queued steps, from which the device still reads
   DeviceBuffer list_, chosen_, start_, samples_, sample_counts_, feature_samples_, partial_;
 };
 

@@ -70,6 +70,11 @@ struct BufferRange {
   std::size_t begin, count;
 };
 
+struct BufferMove {
+  BufferRange from;
+  std::size_t to;  // first byte
+};
+
 /// A kernel of one program variant. Arguments are buffers or plain structs and numbers, in the kernel's order.
 class Kernel {
  public:
@@ -137,6 +142,8 @@ class Device {
   /// Copy to and from the buffer's beginning, after the launches before.
   void write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   void read(const DeviceBuffer& buffer, void* data, std::size_t byte_count);
+  /// As write(), without waiting: `data` must stay as it is until the queue has finished.
+  void queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   /// Calls `body` with where the ranges' bytes can be read, on CPUs without a copy. Waits for the launches before.
   using Bytes = std::vector<unsigned char*>;
   using WithBytes = std::function<void(const Bytes& bytes)>;
@@ -144,8 +151,8 @@ class Device {
   /// Maps the ranges for writing: what `body` leaves there is in the buffers for the launches that follow. What it does
   /// not write may hold anything afterwards. Neither may be called from a `body`.
   void write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
-  /// Moves bytes within the buffer to a lower place; the two ranges may overlap.
-  void move_down(const BufferRange& from, std::size_t to);
+  /// Moves bytes within their buffers to a lower place, which may overlap where they are; no two moves may meet.
+  void move_down(const std::vector<BufferMove>& moves);
   void fill_zero(DeviceBuffer& buffer);
 
   /// Begins to build these programs side by side, in their order, those that the cache lacks; kernel() waits for its

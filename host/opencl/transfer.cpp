@@ -3,7 +3,6 @@
 // memory, from which the device copies by itself: the host fills one buffer while the other one is on its way.
 #include <algorithm>
 #include <cstring>
-#include <memory>
 #include <utility>
 
 #include "host/base/error.h"
@@ -67,29 +66,39 @@ Device::Bytes places_in(unsigned char* bytes, const std::vector<BufferRange>& ra
 
 cl_mem memory_of(const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); }
 
-// A range of a CPU's buffer as the host sees it, until it goes.
-class MappedRange {
+// Ranges of CPUs' buffers as the host sees them, until it goes; of one that is empty nothing. They are mapped together,
+// so that the host waits once for the launches before; the launches that follow wait in the queue.
+class MappedRanges {
  public:
-  MappedRange(const DeviceState& state, cl_mem memory, std::size_t begin, std::size_t count)
-      : queue_(state.queue), memory_(memory) {
-    cl_int status = CL_SUCCESS;
-    bytes_ = clEnqueueMapBuffer(queue_, memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, begin, count, 0, nullptr, nullptr,
-                                &status);
-    check_cl(status, "clEnqueueMapBuffer");
+  explicit MappedRanges(const DeviceState& state) : queue_(state.queue) {}
+  ~MappedRanges() {
+    for (const auto& [memory, bytes] : mapped_) clEnqueueUnmapMemObject(queue_, memory, bytes, 0, nullptr, nullptr);
+    clFlush(queue_);
   }
-  ~MappedRange() {
-    clEnqueueUnmapMemObject(queue_, memory_, bytes_, 0, nullptr, nullptr);
-    clFinish(queue_);
-  }
-  MappedRange(const MappedRange&) = delete;
-  MappedRange& operator=(const MappedRange&) = delete;
+  MappedRanges(const MappedRanges&) = delete;
+  MappedRanges& operator=(const MappedRanges&) = delete;
 
-  unsigned char* bytes() const { return static_cast<unsigned char*>(bytes_); }
+  void add(cl_mem memory, std::size_t begin, std::size_t count) {
+    void* bytes = nullptr;
+    if (count > 0) {
+      cl_int status = CL_SUCCESS;
+      bytes = clEnqueueMapBuffer(queue_, memory, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, begin, count, 0, nullptr,
+                                 nullptr, &status);
+      check_cl(status, "clEnqueueMapBuffer");
+      mapped_.emplace_back(memory, bytes);
+    }
+    bytes_.push_back(static_cast<unsigned char*>(bytes));
+  }
+  /// Waits until the host may read and write them.
+  const Device::Bytes& bytes() const {
+    check_cl(clFinish(queue_), "clFinish");
+    return bytes_;
+  }
 
  private:
   cl_command_queue queue_;
-  cl_mem memory_;
-  void* bytes_;
+  std::vector<std::pair<cl_mem, void*>> mapped_;
+  Device::Bytes bytes_;
 };
 
 }  // namespace
@@ -114,6 +123,15 @@ void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_coun
   state().count_upload(byte_count);
 }
 
+void Device::queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
+  MULTUM_CHECK(byte_count <= buffer.byte_count_);
+  if (byte_count == 0) return;
+  check_cl(clEnqueueWriteBuffer(state().queue, memory_of(buffer.memory_), CL_FALSE, 0, byte_count, data, 0, nullptr,
+                                nullptr),
+           "clEnqueueWriteBuffer");
+  state().count_upload(byte_count);
+}
+
 void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count) {
   MULTUM_CHECK(byte_count <= buffer.byte_count_);
   if (byte_count == 0) return;
@@ -123,30 +141,15 @@ void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count
   state().count_download(byte_count);
 }
 
-namespace {
-
-// Ranges of CPUs' buffers: `map(i)` maps one that holds anything.
-template <typename Map>
-void with_mapped(const std::vector<BufferRange>& ranges, const Map& map, const Device::WithBytes& body) {
-  std::vector<std::unique_ptr<MappedRange>> mapped;
-  Device::Bytes places;
-  for (const BufferRange& range : ranges) {
-    mapped.push_back(range.count == 0 ? nullptr : map(range));
-    places.push_back(range.count == 0 ? nullptr : mapped.back()->bytes());
-  }
-  body(places);
-}
-
-}  // namespace
-
 void Device::read_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body) {
   for (const BufferRange& range : ranges) MULTUM_CHECK(range.begin + range.count <= range.buffer->byte_count_);
   const std::size_t total = total_of(ranges);
   if (total == 0) return;
-  const auto map = [&](const BufferRange& range) {
-    return std::make_unique<MappedRange>(state(), memory_of(range.buffer->memory_), range.begin, range.count);
-  };
-  if (is_mapped(state())) return with_mapped(ranges, map, body);
+  if (is_mapped(state())) {
+    MappedRanges mapped(state());
+    for (const BufferRange& range : ranges) mapped.add(memory_of(range.buffer->memory_), range.begin, range.count);
+    return body(mapped.bytes());
+  }
   const Bytes places = places_in(next_staging(state(), total).bytes, ranges);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     if (ranges[i].count == 0) continue;
@@ -178,33 +181,39 @@ void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithByte
   flush();  // the last copy's end is the end of all: the queue keeps its order
 }
 
-void Device::move_down(const BufferRange& from, std::size_t to) {
-  MULTUM_CHECK(to <= from.begin && from.begin + from.count <= from.buffer->byte_count_);
-  if (from.count == 0 || to == from.begin) return;
-  const cl_mem memory = memory_of(from.buffer->memory_);
-  const std::size_t distance = from.begin - to;
+void Device::move_down(const std::vector<BufferMove>& moves) {
+  for (const auto& [from, to] : moves)
+    MULTUM_CHECK(to <= from.begin && from.begin + from.count <= from.buffer->byte_count_);
   if (is_mapped(state())) {
-    const MappedRange mapped(state(), memory, to, distance + from.count);
-    std::memmove(mapped.bytes(), mapped.bytes() + distance, from.count);
+    MappedRanges mapped(state());
+    for (const auto& [from, to] : moves) mapped.add(memory_of(from.buffer->memory_), to, from.begin - to + from.count);
+    const Bytes& bytes = mapped.bytes();
+    for (std::size_t i = 0; i < moves.size(); ++i)
+      std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
     return;
   }
   // In pieces that do not overlap what they are copied to, one after another.
-  for (std::size_t done = 0; done < from.count; done += distance)
-    check_cl(clEnqueueCopyBuffer(state().queue, memory, memory, from.begin + done, to + done,
-                                 std::min(distance, from.count - done), 0, nullptr, nullptr),
-             "clEnqueueCopyBuffer");
+  for (const auto& [from, to] : moves) {
+    const cl_mem memory = memory_of(from.buffer->memory_);
+    const std::size_t distance = from.begin - to;
+    for (std::size_t done = 0; distance > 0 && done < from.count; done += distance)
+      check_cl(clEnqueueCopyBuffer(state().queue, memory, memory, from.begin + done, to + done,
+                                   std::min(distance, from.count - done), 0, nullptr, nullptr),
+               "clEnqueueCopyBuffer");
+  }
 }
 
 void Device::fill_zero(DeviceBuffer& buffer) {
   if (buffer.byte_count_ == 0) return;
-  const auto memory = static_cast<cl_mem>(buffer.memory_.get());
   if (is_mapped(state())) {
-    const MappedRange mapped(state(), memory, 0, buffer.byte_count_);
-    std::memset(mapped.bytes(), 0, buffer.byte_count_);
+    MappedRanges mapped(state());
+    mapped.add(memory_of(buffer.memory_), 0, buffer.byte_count_);
+    std::memset(mapped.bytes()[0], 0, buffer.byte_count_);
     return;
   }
   const unsigned char zero = 0;
-  check_cl(clEnqueueFillBuffer(state().queue, memory, &zero, 1, 0, buffer.byte_count_, 0, nullptr, nullptr),
+  check_cl(clEnqueueFillBuffer(state().queue, memory_of(buffer.memory_), &zero, 1, 0, buffer.byte_count_, 0, nullptr,
+                               nullptr),
            "clEnqueueFillBuffer");
 }
 

@@ -80,7 +80,7 @@ TEST_P(TransferTest, BytesMoveDownOverThemselves) {
     Bytes expected(256);
     std::iota(expected.begin(), expected.end(), static_cast<unsigned char>(0));
     std::memmove(&expected[3], &expected[3 + distance], 100);
-    device_.move_down({&buffer, 3 + distance, 100}, 3);
+    device_.move_down({{{&buffer, 3 + distance, 100}, 3}});
     EXPECT_EQ(all_of(buffer), expected) << distance;
   }
 }
