@@ -3,7 +3,7 @@
 """Writes index.html into a folder that tools/demo has filled: pictures, errors, times. Standard library only.
 
 Reads steps.tsv (kind, name, milliseconds, command: one line a step), NAME.bake.json of each bake and NAME.view.json of
-each view; a view's pictures are NAME_truth.png, NAME_multum.png and so on. The page refers to nothing outside the
+each view; a view's pictures are NAME_reference.png, NAME_multum.png and so on. The page refers to nothing outside the
 folder.
 
   tools/demo_page.py FOLDER
@@ -16,7 +16,7 @@ import sys
 from report_page import STYLE, chart, key, machine, percent, table, text
 
 METHODS = {
-    "truth": ("reference", "the finest map, sampled many times a pixel: slow, and what the others aim at"),
+    "reference": ("reference", "the finest map, sampled many times a pixel: slow, and what the others aim at"),
     "multum": ("multum", "the baked distribution of normals"),
     "mip": ("averages", "averaged normals: the plain mip pyramid of most engines"),
     "toksvig": ("Toksvig", "averaged normals with a wider highlight where they disagree"),
@@ -135,8 +135,8 @@ def make_page(folder, steps, bakes, views):
         shown = {one["name"]: one for one in views[first]["pictures"]}
         hero = '<div class="pictures first">' + "".join(
             picture(folder, first, m, f'<b>{text(METHODS[m][0])}</b>: {text(METHODS[m][1])}', "")
-            for m in ("truth", "multum", "mip") if m in shown) + "</div>"
-    methods = [m for m in METHODS if m != "truth"]
+            for m in ("reference", "multum", "mip") if m in shown) + "</div>"
+    methods = [m for m in METHODS if m != "reference"]
     summary = []
     for name, view in views.items():
         error = {one["name"]: one["relative_l1"] for one in view["pictures"] if "relative_l1" in one}

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <memory>
 
-#include "host/accuracy/accuracy_truth.h"
+#include "host/accuracy/accuracy_reference.h"
 #include "host/base/error.h"
 #include "host/base/processes/parallel.h"
 
@@ -20,7 +20,7 @@ namespace {
 //
 // Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i with w_i the texels of cell i (Cochran 1977, section
 // 9A.7); the error is their ratio R. Its variance is that of sum_i w_i e_i with e_i = d_i - R t_i (the delta method,
-// Cochran section 6.4; where a texel has no such point, e_i = 0, section 5A.14), over the sum of truth squared:
+// Cochran section 6.4; where a texel has no such point, e_i = 0, section 5A.14), over the sum of reference squared:
 //
 //   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
 //
@@ -132,8 +132,8 @@ void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model
   taps.finish_point();
 }
 
-// One measurement: the truth of as many directions as memory has room for, compared with the model; then of the next.
-// Footprints, which are few, come with the first.
+// One measurement: the reference of as many directions as memory has room for, compared with the model; then of the
+// next. Footprints, which are few, come with the first.
 class Comparison {
  public:
   Comparison(const AccuracySettings& settings, const MeasuredPlaces& places, const AccuracyModel& model,
@@ -154,26 +154,26 @@ class Comparison {
     const TexelAverages map_averages(places_.model_texels, model.first_level());
     PlaneAverages map_lobes(map_averages, channel_count_ > 0);
     std::vector<RowSums*> streamed;
-    const std::vector<std::unique_ptr<FootprintTruth>> footprint_truths = make_footprint_truths();
+    const std::vector<std::unique_ptr<FootprintReference>> footprint_references = make_footprint_references();
     if (model.first_level() > 0) streamed.push_back(&map_lobes);
     model.set_map_averages(&map_lobes);
     if (points_.samples().empty()) {
-      for (const auto& truth : footprint_truths) streamed.push_back(truth.get());
+      for (const auto& reference : footprint_references) streamed.push_back(reference.get());
       stream_rows(planes, {settings_.threads}, streamed, progress);
     }
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
-      for (const auto& truth : pass.truths) streamed.push_back(truth.get());
+      for (const auto& reference : pass.references) streamed.push_back(reference.get());
       // Footprints have the same directions, all of them now: of those of the pass they take its values.
-      for (std::size_t d = 0; d < footprint_truths.size() && direction == 0; ++d)
-        if (d < pass.truths.size()) pass.truths[d]->share_with(*footprint_truths[d]);
-        else streamed.push_back(footprint_truths[d].get());
+      for (std::size_t d = 0; d < footprint_references.size() && direction == 0; ++d)
+        if (d < pass.references.size()) pass.references[d]->share_with(*footprint_references[d]);
+        else streamed.push_back(footprint_references[d].get());
       stream_rows(planes, {settings_.threads}, streamed, progress);
       streamed.clear();
       compare(device, pass, model, direction == 0, progress);
-      direction += pass.truths.size();
+      direction += pass.references.size();
     }
-    if (has_footprints()) compare_footprints(device, footprint_truths, model);
+    if (has_footprints()) compare_footprints(device, footprint_references, model);
     model.set_map_averages(nullptr);
   }
 
@@ -205,10 +205,10 @@ class Comparison {
   }
 
  private:
-  // Half vectors before lights, in `directions` and in `truths`.
+  // Half vectors before lights, in `directions` and in `references`.
   struct Pass {
     ShadingDirections directions;
-    std::vector<std::unique_ptr<BrdfTruth>> truths;
+    std::vector<std::unique_ptr<BrdfReference>> references;
   };
 
   bool has_footprints() const { return !places_.footprints.footprints().empty(); }
@@ -219,18 +219,19 @@ class Comparison {
   // take 33 MB, with colours four times that; with every texel of a map of 1024 x 1024 three values take 34 MB.
   // Does not depend on the number of threads: sums are added up pass by pass.
   Pass next_pass(std::size_t first) const {
-    constexpr std::size_t kTruthBytesMax = std::size_t{256} << 20;
+    constexpr std::size_t kReferenceBytesMax = std::size_t{256} << 20;
     Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
     std::size_t bytes = 0;
     for (std::size_t d = first; d < direction_count(); ++d) {
       const bool is_light = d >= half_count();
       const std::size_t value_count = is_light ? 1 : highlights_.size();
       bytes += averages_.slot_count() * value_count * (1 + channel_count_) * sizeof(double);
-      if (!pass.truths.empty() && bytes > kTruthBytesMax) break;
+      if (!pass.references.empty() && bytes > kReferenceBytesMax) break;
       const glm::dvec3& omega =
           is_light ? settings_.directions.lights[d - half_count()] : settings_.directions.half_vectors[d];
       (is_light ? pass.directions.lights : pass.directions.half_vectors).push_back(omega);
-      pass.truths.push_back(std::make_unique<BrdfTruth>(averages_, brdf_values(omega, is_light), channel_count_ > 0));
+      pass.references.push_back(
+          std::make_unique<BrdfReference>(averages_, brdf_values(omega, is_light), channel_count_ > 0));
     }
     return pass;
   }
@@ -241,24 +242,24 @@ class Comparison {
   }
 
   // Half vectors before lights.
-  std::vector<std::unique_ptr<FootprintTruth>> make_footprint_truths() const {
-    std::vector<std::unique_ptr<FootprintTruth>> truths;
-    if (!has_footprints()) return truths;
+  std::vector<std::unique_ptr<FootprintReference>> make_footprint_references() const {
+    std::vector<std::unique_ptr<FootprintReference>> references;
+    if (!has_footprints()) return references;
     const AccuracyDirections& directions = settings_.directions;
     for (std::size_t d = 0; d < half_count(); ++d) {
       const glm::dvec3& light = directions.lights[static_cast<std::size_t>(directions.half_vector_lights[d])];
-      truths.push_back(std::make_unique<FootprintTruth>(places_.footprints,
-                                                        brdf_values(directions.half_vectors[d], false),
-                                                        brdf_values(light, true), channel_count_ > 0));
+      references.push_back(std::make_unique<FootprintReference>(places_.footprints,
+                                                                brdf_values(directions.half_vectors[d], false),
+                                                                brdf_values(light, true), channel_count_ > 0));
     }
     for (const glm::dvec3& light : directions.lights)
-      truths.push_back(std::make_unique<FootprintTruth>(places_.footprints, std::nullopt, brdf_values(light, true),
-                                                        channel_count_ > 0));
-    return truths;
+      references.push_back(std::make_unique<FootprintReference>(places_.footprints, std::nullopt,
+                                                                brdf_values(light, true), channel_count_ > 0));
+    return references;
   }
 
   // footprint_sums_[BRDF][footprint].
-  void compare_footprints(Device& device, const std::vector<std::unique_ptr<FootprintTruth>>& truths,
+  void compare_footprints(Device& device, const std::vector<std::unique_ptr<FootprintReference>>& references,
                           const AccuracyModel& model) {
     const std::vector<Footprint>& footprints = places_.footprints.footprints();
     const FootprintSettings settings = footprint_settings(settings_);
@@ -286,30 +287,30 @@ class Comparison {
       for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
         shading->shade(points, static_cast<int>(way), channel, settings_.threads, values);
         const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
-        add_footprints(truths, point_begin, values, channel, first_brdf);
+        add_footprints(references, point_begin, values, channel, first_brdf);
       }
   }
 
   // Of one channel, or plain for -1.
-  void add_footprints(const std::vector<std::unique_ptr<FootprintTruth>>& truths,
+  void add_footprints(const std::vector<std::unique_ptr<FootprintReference>>& references,
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
                       std::size_t first_brdf) {
     const std::size_t highlight_count = highlights_.size();
     const std::size_t value_count = half_count() * highlight_count + settings_.directions.lights.size();
-    for (std::size_t d = 0; d < truths.size(); ++d) {
+    for (std::size_t d = 0; d < references.size(); ++d) {
       const bool is_light = d >= half_count();
       const std::size_t own_count = is_light ? 1 : highlight_count;
       for (std::size_t e = 0; e < own_count; ++e) {
         const std::size_t value = is_light ? half_count() * highlight_count + d - half_count() : e * half_count() + d;
         std::vector<ErrorSum>& sums = footprint_sums_[first_brdf + (is_light ? highlight_count : e)];
         for (std::size_t i = 0; i < sums.size(); ++i) {
-          const double truth =
-              truths[d]->at(i, static_cast<std::size_t>(1 + channel) * own_count + e) * value_scale(is_light, e);
+          const double reference =
+              references[d]->at(i, static_cast<std::size_t>(1 + channel) * own_count + e) * value_scale(is_light, e);
           double shaded = 0.0;
           for (std::size_t p = point_begin[i]; p < point_begin[i + 1]; ++p)
             shaded += static_cast<double>(values[p * value_count + value]);
           shaded /= static_cast<double>(point_begin[i + 1] - point_begin[i]);
-          sums[i] += {std::abs(shaded - truth), truth, 1.0};
+          sums[i] += {std::abs(shaded - reference), reference, 1.0};
         }
       }
     }
@@ -356,26 +357,27 @@ class Comparison {
     const std::size_t value_count = pass_half_count * highlight_count + pass.directions.lights.size();
     sums.assign(points.size() * plain_count_, {});
     for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, settings_.threads, [&](int, int begin, int end) {
-      for (std::size_t d = 0; d < pass.truths.size(); ++d) {
+      for (std::size_t d = 0; d < pass.references.size(); ++d) {
         const bool is_light = d >= pass_half_count;
         const std::size_t own_count = is_light ? 1 : highlight_count;
         const std::size_t first_value = static_cast<std::size_t>(1 + channel) * own_count;
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
           for (std::size_t e = 0; e < own_count; ++e) {
-            const double truth = truth_at(*pass.truths[d], points[i], first_value + e) * value_scale(is_light, e);
+            const double reference =
+                reference_at(*pass.references[d], points[i], first_value + e) * value_scale(is_light, e);
             const std::size_t value =
                 is_light ? pass_half_count * highlight_count + d - pass_half_count : e * pass_half_count + d;
             const auto shaded = static_cast<double>(values[i * value_count + value]);
-            sums[i * plain_count_ + (is_light ? highlight_count : e)] += {std::abs(shaded - truth), truth, 1.0};
+            sums[i * plain_count_ + (is_light ? highlight_count : e)] += {std::abs(shaded - reference), reference, 1.0};
           }
       }
     });
   }
 
-  static double truth_at(const TexelSums& truth, const SamplePoint& point, std::size_t value) {
+  static double reference_at(const TexelSums& reference, const SamplePoint& point, std::size_t value) {
     double sum = 0.0;
     for (std::size_t t = 0; t < static_cast<std::size_t>(point.tap_count); ++t)
-      sum += point.weights[t] * truth.at(point.slots[t], value);
+      sum += point.weights[t] * reference.at(point.slots[t], value);
     return sum;
   }
 

@@ -42,7 +42,7 @@ struct AccuracyRow {
   int level;
   AccuracyPoint point;
   AccuracyBrdf brdf;
-  double error;  // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the truth is less
+  double error;  // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the reference is less
   // Half width of the 95 % interval of `error`: 0 where all texels were measured, at least kIntervalMin where they were
   // sampled, kIntervalUnstated in rows of a file whose header has none.
   double confidence;

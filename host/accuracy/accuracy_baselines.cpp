@@ -94,20 +94,20 @@ std::vector<BaselineRow> measure_baselines(const NormalMap& map, const std::vect
     const PlaneSize size = {mip_level_size(map.width, level), mip_level_size(map.height, level)};
     const LinearPlanes planes = level_planes(finest, full, size, threads);
     for (double s : exponents) {
-      double truth_sum = 0.0, difference[4] = {0.0, 0.0, 0.0, 0.0};
+      double reference_sum = 0.0, difference[4] = {0.0, 0.0, 0.0, 0.0};
       for (const glm::dvec3& h : accuracy_directions().half_vectors) {
-        Plane truth(finest.nx.size());
-        for (std::size_t i = 0; i < truth.size(); ++i)
-          truth[i] = blinn_phong(h.x * finest.nx[i] + h.y * finest.ny[i] + h.z * finest.nz[i], s);
-        truth = average_over_texels(truth, full, size, threads);
-        for (std::size_t i = 0; i < truth.size(); ++i) {
-          truth_sum += truth[i];
+        Plane reference(finest.nx.size());
+        for (std::size_t i = 0; i < reference.size(); ++i)
+          reference[i] = blinn_phong(h.x * finest.nx[i] + h.y * finest.ny[i] + h.z * finest.nz[i], s);
+        reference = average_over_texels(reference, full, size, threads);
+        for (std::size_t i = 0; i < reference.size(); ++i) {
+          reference_sum += reference[i];
           for (std::size_t b = 0; b < 4; ++b)
-            difference[b] += std::abs(model(kBaselines[b], planes, i, h, s) - truth[i]);
+            difference[b] += std::abs(model(kBaselines[b], planes, i, h, s) - reference[i]);
         }
       }
       for (std::size_t b = 0; b < 4; ++b)
-        rows.push_back({level, kBaselines[b], s, truth_sum > 0.0 ? difference[b] / truth_sum : 0.0});
+        rows.push_back({level, kBaselines[b], s, reference_sum > 0.0 ? difference[b] / reference_sum : 0.0});
     }
   }
   return rows;

@@ -11,7 +11,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/accuracy/accuracy_truth.h"
+#include "host/accuracy/accuracy_reference.h"
 #include "host/accuracy/highlight.h"
 #include "host/accuracy/kept_texels.h"
 #include "host/accuracy/point_taps.h"

@@ -16,14 +16,14 @@ namespace multum {
 /// point, or of many.
 struct ErrorSum {
   double difference = 0.0;
-  double truth = 0.0;
+  double reference = 0.0;
   double count = 0.0;  // of values
   void operator+=(const ErrorSum& other) {
     difference += other.difference;
-    truth += other.truth;
+    reference += other.reference;
     count += other.count;
   }
-  ErrorSum times(double weight) const { return {weight * difference, weight * truth, weight * count}; }
+  ErrorSum times(double weight) const { return {weight * difference, weight * reference, weight * count}; }
 };
 
 /// What differences are in parts of: the reference, or where that is next to nothing, since no light and no eye is
@@ -31,8 +31,8 @@ struct ErrorSum {
 /// anything.
 class ErrorBase {
  public:
-  explicit ErrorBase(const ErrorSum& all) : is_floor_(all.truth < kFloor * all.count) {}
-  double of(const ErrorSum& sum) const { return is_floor_ ? kFloor * sum.count : sum.truth; }
+  explicit ErrorBase(const ErrorSum& all) : is_floor_(all.reference < kFloor * all.count) {}
+  double of(const ErrorSum& sum) const { return is_floor_ ? kFloor * sum.count : sum.reference; }
 
  private:
   static constexpr double kFloor = 0.01 / 3.14159265358979323846;

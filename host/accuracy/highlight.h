@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Describes a BRDF whose highlights errors are measured for: f of n . h alone, without what depends on other angles
-// (Fresnel, shadowing), as the truth takes it and as the shading kernels do. Coloured f are taken grey, by their mean.
+// (Fresnel, shadowing), as the reference takes it and as the shading kernels do. Coloured f are taken grey, by their
+// mean.
 #pragma once
 
 #include "host/accuracy/accuracy_brdf.h"

@@ -55,7 +55,7 @@ class HighlightError {
       for (std::size_t d = 0; d < kDirections; ++d) {
         double sum = 0.0;
         for (const glm::dvec3& n : normals) sum += highlight(n, kSharpness[s], directions_[d]);
-        truth_[s][d] = sum / static_cast<double>(normals.size());
+        reference_[s][d] = sum / static_cast<double>(normals.size());
       }
   }
 
@@ -70,8 +70,8 @@ class HighlightError {
           const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
           model += lobe.amplitude * density(kappa_of_mean_cosine(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
         }
-        difference += std::abs(model - truth_[s][d]);
-        total += truth_[s][d];
+        difference += std::abs(model - reference_[s][d]);
+        total += reference_[s][d];
       }
       error += difference / total;
     }
@@ -91,7 +91,7 @@ class HighlightError {
     return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0));
   }
   std::vector<glm::dvec3> directions_;
-  std::array<std::array<double, kDirections>, 3> truth_;
+  std::array<std::array<double, kDirections>, 3> reference_;
 };
 
 void rate(std::vector<Fit>& fits, const HighlightError& error, int threads) {

@@ -79,7 +79,7 @@ double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
 }
 
 struct ErrorSums {
-  double difference = 0.0, truth = 0.0;
+  double difference = 0.0, reference = 0.0;
 };
 
 }  // namespace
@@ -217,14 +217,14 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& giv
       if (by.exponent && std::isfinite(*by.exponent)) by.exponent = std::min(*by.exponent, exponent_max_[t]);
     for (std::size_t s = 0; s < shadings.size(); ++s)
       for (const glm::dvec3& w : directions) {
-        glm::dvec3 truth(0.0);
+        glm::dvec3 reference(0.0);
         for (std::size_t n = 0; n < texel.normals.size(); ++n)
-          truth += shade_normal(texel.normals[n], shadings[s], w) * weight_of(texel.weights, n, shadings[s]) *
-                   (coloured ? texel.colours[n] : glm::dvec3(1.0));
-        truth /= static_cast<double>(texel.normals.size());
-        const glm::dvec3 off = glm::abs(model(t, shadings[s], w) - truth);
+          reference += shade_normal(texel.normals[n], shadings[s], w) * weight_of(texel.weights, n, shadings[s]) *
+                       (coloured ? texel.colours[n] : glm::dvec3(1.0));
+        reference /= static_cast<double>(texel.normals.size());
+        const glm::dvec3 off = glm::abs(model(t, shadings[s], w) - reference);
         sums[t][s].difference += off.x + off.y + off.z;
-        sums[t][s].truth += truth.x + truth.y + truth.z;
+        sums[t][s].reference += reference.x + reference.y + reference.z;
       }
   });
   double worst = 0.0;
@@ -234,11 +234,11 @@ double LobeErrors::error_of(const Model& model, const std::vector<ShadedBy>& giv
       if (survey_.texels[t].level < settings_.first_level) continue;
       ErrorSums& level = levels[survey_.texels[t].level];
       level.difference += sums[t][s].difference;
-      level.truth += sums[t][s].truth;
+      level.reference += sums[t][s].reference;
     }
     double of_levels = 0.0;
     for (const auto& [level, sum] : levels)
-      if (sum.truth > 0.0) of_levels += sum.difference / sum.truth / static_cast<double>(levels.size());
+      if (sum.reference > 0.0) of_levels += sum.difference / sum.reference / static_cast<double>(levels.size());
     worst = std::max(worst, of_levels);
   }
   return worst;

@@ -39,8 +39,8 @@ struct LobeErrorSettings {
 /// max(n . l, 0) of a vMF lobe of mean vector r, as runtime_gl/shaders/common/movmf_shading.glsl has it.
 double lobe_lambert(const glm::dvec3& r, const glm::dvec3& light);
 
-/// Relative L1, sum |model - truth| / sum truth over texels and directions, of each level, all alike, of the worst of
-/// `shadings`. `lobe_count` 0: the mean normal's direction, as if nothing were under the texel.
+/// Relative L1, sum |model - reference| / sum reference over texels and directions, of each level, all alike, of the
+/// worst of `shadings`. `lobe_count` 0: the mean normal's direction, as if nothing were under the texel.
 class LobeErrors {
  public:
   /// `survey` must outlive it.

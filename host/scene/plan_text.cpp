@@ -218,7 +218,7 @@ Json view_json(const SceneDescription& scene, const SceneObject& object, const O
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
                // What multum-view takes: beyond, no texel is to be told from the next anyway.
                {"repeat", std::clamp(kPlaneSize * object.distance_min / nearest / width, 1e-6, 1e6)}};
-  // What --compare reads the truth from.
+  // What --compare reads the reference from.
   view["source"] = absolute(map.job.input);
   const char* const roughness = map.job.roughness_is_gloss ? "gloss" : "roughness";
   for (const auto& [key, path] : {std::pair{"albedo", &map.job.albedo}, std::pair{roughness, &map.job.roughness},

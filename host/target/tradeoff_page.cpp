@@ -136,8 +136,8 @@ std::string tradeoff_page(const TradeoffJob& job, const TradeoffResult& result) 
   json["view"] = {{"width", job.width}, {"height", job.height}, {"samples", job.samples}};
   json["has_others"] = !job.viewer.empty() && std::any_of(result.rows.begin(), result.rows.end(),
                                                           [](const TradeoffRow& row) { return !row.is_measured; });
-  if (!result.truth.empty()) {
-    json["truth_picture"] = encode_base64(result.truth);
+  if (!result.reference.empty()) {
+    json["reference_picture"] = encode_base64(result.reference);
     for (std::size_t i = 0; i < result.rows.size(); ++i)
       if (is_shown(result.rows[i])) json["rows"][i]["picture"] = encode_base64(result.rows[i].picture);
   }

@@ -262,16 +262,17 @@ class Sweep {
   // two frames is less of what else the machine did.
   void draw(const std::string& baked, const View& view, TradeoffRow& row) {
     progress_stage(progress_, "draw " + row.options);
-    const nlohmann::json with_truth = run_view(baked, view,
-                                               {"--pictures", scratch_ / "picture", "--compare", "truth", "--truth-of",
-                                                "pixel", "--samples", fmt::format("{}", job_.samples)});
-    result_.renderer = with_truth.at("context").get<std::string>();
-    row.rendered = own_picture(with_truth).at("relative_l1").get<double>();
+    const nlohmann::json with_reference =
+        run_view(baked, view,
+                 {"--pictures", scratch_ / "picture", "--compare", "reference", "--reference-of", "pixel", "--samples",
+                  fmt::format("{}", job_.samples)});
+    result_.renderer = with_reference.at("context").get<std::string>();
+    row.rendered = own_picture(with_reference).at("relative_l1").get<double>();
     const nlohmann::json again = run_view(baked, view, {});
-    row.frame_ms = std::min(own_picture(with_truth).at("frame_time_ms").get<double>(),
+    row.frame_ms = std::min(own_picture(with_reference).at("frame_time_ms").get<double>(),
                             own_picture(again).at("frame_time_ms").get<double>());
     row.picture = read_bytes(scratch_ / "picture_multum.png");
-    if (result_.truth.empty()) result_.truth = read_bytes(scratch_ / "picture_truth.png");
+    if (result_.reference.empty()) result_.reference = read_bytes(scratch_ / "picture_reference.png");
   }
 
   // What it reports.

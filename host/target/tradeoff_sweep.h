@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures what accuracy costs in time, on this machine, for one map: bakes it with every kind of setting, measures the
-// error against the truth, and draws it. Bakes are whole and real; pictures and frame times are multum-view's, a child
-// process.
+// error against the reference, and draws it. Bakes are whole and real; pictures and frame times are multum-view's, a
+// child process.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ struct TradeoffJob {
   std::string decode = "child";   // of multum-view, too
   std::string scratch;            // a folder for baked files and pictures, made and removed again
   int width = 320, height = 240;  // of pictures
-  int samples = 64;               // a pixel of the truth
+  int samples = 64;               // a pixel of the reference
   std::optional<double> error;    // what to pick settings for: one of both, or none
   std::optional<double> bake_seconds;
   // Budgets: rows say whether they keep to all that are set, and only those may be chosen.
@@ -41,7 +41,7 @@ struct TradeoffRow {
   std::string view;                    // of `multum-view`; empty: none beside the BRDF
   ReachedError reached;                // of pixels, with its interval
   std::vector<FootprintError> errors;  // the same of every BRDF that bakes measure, as it is drawn here
-  double rendered = -1.0;              // of the picture, against one of the same filter's truth; < 0: not drawn
+  double rendered = -1.0;              // of the picture, against one of the same filter's reference; < 0: not drawn
   // Of fitting or averaging, and writing; reading is the same for all: elapsed, and of processors
   // (host/base/run_times.h)
   double bake_seconds = 0.0, bake_processor_seconds = 0.0;
@@ -75,7 +75,7 @@ void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise);
 
 struct TradeoffResult {
   std::vector<TradeoffRow> rows;
-  std::string truth;                  // PNG bytes of the picture that all are compared with; empty: none
+  std::string reference;              // PNG bytes of the picture that all are compared with; empty: none
   std::string device;                 // that baked
   std::string renderer;               // that drew
   int width = 0, height = 0;          // of the map

@@ -46,7 +46,7 @@ TexelPlane weight_plane(const NormalImage& image) {
 
 ShaderParts reference_shader_parts(NormalMaterial::Sampling sampling) {
   using Sampling = NormalMaterial::Sampling;
-  ShaderParts parts{{"MULTUM_TRUTH"}, {shader_common_footprint_glsl, shader_surface_normals_glsl}};
+  ShaderParts parts{{"MULTUM_REFERENCE"}, {shader_common_footprint_glsl, shader_surface_normals_glsl}};
   if (sampling == Sampling::kInterpolated) parts.flags.push_back("MULTUM_INTERPOLATED");
   if (sampling == Sampling::kBlended || sampling == Sampling::kFootprint) parts.flags.push_back("MULTUM_DRAWN_TEXEL");
   if (sampling == Sampling::kFootprint) parts.flags.push_back("MULTUM_FOOTPRINT");

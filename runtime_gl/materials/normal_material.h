@@ -52,7 +52,7 @@ class NormalMaterial : public Material {
   /// Of what is mipmapped.
   void set_baseline(Baseline baseline);
 
-  const char* name() const override { return slopes_.has_value() ? "baseline" : "truth"; }
+  const char* name() const override { return slopes_.has_value() ? "baseline" : "reference"; }
   ShaderParts shader_parts() const override;
   bool samples_light() const override { return !slopes_.has_value(); }
   bool samples_footprint() const override { return sampling_ == Sampling::kFootprint; }

@@ -98,19 +98,19 @@ FloatImage PyramidRenderer::draw_phong(const Mesh& mesh, const PhongLights& ligh
   return draw_with(shader, mesh, scene);
 }
 
-double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& truths) {
-  MULTUM_CHECK(!pictures.empty() && pictures.size() == truths.size());
+double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& references) {
+  MULTUM_CHECK(!pictures.empty() && pictures.size() == references.size());
   const auto count = static_cast<double>(pictures.size());
   double variance = 0.0, light = 0.0;
   std::size_t values = 0;
-  for (std::size_t i = 0; i < truths[0].rgba.size(); ++i) {
+  for (std::size_t i = 0; i < references[0].rgba.size(); ++i) {
     if (i % 4 == 3) continue;
     double sum = 0.0, square = 0.0;
     for (std::size_t k = 0; k < pictures.size(); ++k) {
-      const double off = static_cast<double>(pictures[k].rgba[i]) - static_cast<double>(truths[k].rgba[i]);
+      const double off = static_cast<double>(pictures[k].rgba[i]) - static_cast<double>(references[k].rgba[i]);
       sum += off;
       square += off * off;
-      light += static_cast<double>(truths[k].rgba[i]) / count;
+      light += static_cast<double>(references[k].rgba[i]) / count;
     }
     variance += std::max(square / count - sum * sum / (count * count), 0.0);
     ++values;

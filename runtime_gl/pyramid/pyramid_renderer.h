@@ -90,7 +90,7 @@ FloatImage supersampled(int side, const Draw& draw) {
 }
 
 /// How much pictures flicker beside what they should be, over several shifts: the root of the mean, over pixels, of the
-/// variance over shifts of picture - truth, in parts of the truth's mean value. Black truths give 0.
-double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& truths);
+/// variance over shifts of picture - reference, in parts of the reference's mean value. Black references give 0.
+double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& references);
 
 }  // namespace multum::gl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the error of a picture against the truth.
+// Measures the error of a picture against the reference.
 #pragma once
 
 #include "runtime_gl/gl/framebuffer.h"
@@ -8,14 +8,14 @@ namespace multum::gl {
 
 /// Over the RGB of all pixels, linear.
 struct PictureError {
-  double relative_l1 = 0.0;  // sum |picture - truth| / sum truth; 0.05 = 5 %
+  double relative_l1 = 0.0;  // sum |picture - reference| / sum reference; 0.05 = 5 %
   double rmse = 0.0;         // square root of the mean squared difference
 };
 
-PictureError picture_error(const FloatImage& picture, const FloatImage& truth);
+PictureError picture_error(const FloatImage& picture, const FloatImage& reference);
 
-/// |picture - truth| times `gain`, alpha 1.
-FloatImage difference_image(const FloatImage& picture, const FloatImage& truth, float gain = 1.0f);
+/// |picture - reference| times `gain`, alpha 1.
+FloatImage difference_image(const FloatImage& picture, const FloatImage& reference, float gain = 1.0f);
 constexpr float kDifferenceGain = 4.0f;  // of differences to look at
 
 }  // namespace multum::gl

@@ -3,7 +3,7 @@
 //   MULTUM_BY_NORMAL   coordinates are those of the normal in a reflectance map; else the surface's own
 //   MULTUM_LEVEL       the level as common/pyramid.glsl chooses it; MULTUM_FINEST: always 0; else as the driver does
 //   MULTUM_SHOW_LEVEL  the level itself instead: red as we choose it, green as the driver does, before it is clamped
-//   MULTUM_PHONG       no map at all: Blinn-Phong under distant lights for a distant viewer, the truth of such maps
+//   MULTUM_PHONG       no map at all: Blinn-Phong under distant lights for a distant viewer, the reference of such maps
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;

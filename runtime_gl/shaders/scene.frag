@@ -3,8 +3,8 @@
 // its lights by light/ (common/reflection.glsl says how they meet). All vectors are taken to tangent space, where the
 // map's normals live.
 //
-// Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_TRUTH averages it over
-// samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
+// Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE averages it
+// over samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
 // MULTUM_SHADE_TAPS: each tap of the texture's filter is shaded by itself, and what comes of them averaged.
 in vec3 v_position;
 in vec3 v_normal;

@@ -95,7 +95,7 @@ TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
                  {"exit.obj: ", "decodes", "exit code 7", "assimp"});
   expect_refused({"multum-view", baked, "--mesh", path("hang.glb"), "--decode", "child:1"}, kInput,
                  {"hang.glb: ", "decodes", "more than 1 s"});
-  expect_refused({"multum-view", baked, "--source", map_named("exit.png"), "--compare", "truth"}, kInput,
+  expect_refused({"multum-view", baked, "--source", map_named("exit.png"), "--compare", "reference"}, kInput,
                  {"exit.png: ", "decodes", "exit code 7"});
 }
 

@@ -62,7 +62,7 @@ TEST_F(MaterialsCommandTest, TheViewerWarnsOfOtherMapsThanTheBakeHad) {
                         "-o",
                         path("a.png"),
                         "--compare",
-                        "truth",
+                        "reference",
                         "--source",
                         path("map_normal.png"),
                         "--roughness",

@@ -113,12 +113,13 @@ class SceneCommandTest : public CliTest {
   // Relative L1 of a plan's picture against normals shaded one by one.
   double error_of_picture(const std::string& plan, double repeat) const {
     std::vector<std::string> command = viewer(plan);
-    command.insert(command.end(), {"-o", path("truth.exr"), "--report", path("truth.json"), "--compare", "truth"});
-    // The maps that the truth is drawn from are named in the plan.
+    command.insert(command.end(),
+                   {"-o", path("reference.exr"), "--report", path("reference.json"), "--compare", "reference"});
+    // The maps that the reference is drawn from are named in the plan.
     command.insert(command.end(), {"--samples", "64", "--repeat", fmt::format("{:.9g}", repeat)});
     const ProgramResult drawn = run_program(command);
     EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-    return json("truth.json")["pictures"].back()["relative_l1"];
+    return json("reference.json")["pictures"].back()["relative_l1"];
   }
 
   // Of the picture that was drawn last.
@@ -190,7 +191,7 @@ class SceneCommandTest : public CliTest {
                  stated, planned);
     // What `stated` was measured of is these very bakes. What is not: normals shaded one by one, which the scene's may
     // not be farther from.
-    if (!is_fresnel_fixed) {  // else the truth has it fixed too
+    if (!is_fresnel_fixed) {  // else the reference has it fixed too
       const double own = error_of_picture(path(c.name + "/plan.json"), repeat),
                    usual = error_of_picture(path(c.name + "/default.json"), repeat);
       EXPECT_LT(own, usual + 0.012);  // 5.5 and 4.5 % of diffuse light, else the same

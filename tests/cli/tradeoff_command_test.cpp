@@ -182,7 +182,7 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
   EXPECT_EQ(page_data(page)["setting_count"], rows.size()) << "one number everywhere";
   if (const std::optional<std::string> shown = rendered_page(page)) {
     for (const char* part :
-         {"<h2>Pictures</h2>", "<b>truth</b>", "src=\"data:image/png;base64,iVBOR", "% off</b>: --ndf"})
+         {"<h2>Pictures</h2>", "<b>reference</b>", "src=\"data:image/png;base64,iVBOR", "% off</b>: --ndf"})
       EXPECT_TRUE(contains(*shown, part)) << part;
   }
   EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--brdf", "lambert"})).exit_code, kUsage);

@@ -193,7 +193,7 @@ bool holds(const ShaderSources& sources, const std::string& word) {
 TEST_F(BrdfTest, AVariantHoldsWhatItNeeds) {
   const TestMap map = make_flat_map(4);
   const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
-  const NormalMaterial truth(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
+  const NormalMaterial reference(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
   RenderScene scene;
   const ShaderSources phong = scene_shader_sources(lobes, scene);
   for (const char* word :
@@ -203,7 +203,7 @@ TEST_F(BrdfTest, AVariantHoldsWhatItNeeds) {
        {"float multum_movmf_torrance_sparrow(", "float multum_ggx(", "float multum_term(", "MULTUM_POINT_LIGHTS 1",
         "float multum_moments_lean(", "uniform sampler2D u_normals", "vec3 multum_irradiance(", "vec3 multum_schlick("})
     EXPECT_FALSE(holds(phong, word)) << word;
-  EXPECT_FALSE(holds(scene_shader_sources(truth, scene), "uniform sampler2D u_lobes"));
+  EXPECT_FALSE(holds(scene_shader_sources(reference, scene), "uniform sampler2D u_lobes"));
   scene.brdf.kind = BrdfKind::kLambert;
   scene.lights.clear();
   scene.point_lights.emplace_back();

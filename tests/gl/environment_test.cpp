@@ -69,7 +69,7 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
     const MovmfMaterial material(context_->functions(), map.mipmap, 1.0f);
     return renderer_->draw(*mesh_, material, scene_).image;
   }
-  FloatImage truth(const TestMap& map, int samples) {
+  FloatImage reference(const TestMap& map, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_reference(*mesh_, material, scene_, {samples}).image;
   }
@@ -173,7 +173,7 @@ TEST_P(EnvironmentTest, BruteForceIsTheSumOverTheTexels) {
     scene_.brdf.exponent = 40.0f;
     scene_.brdf.specular = glm::vec3(kind == BrdfKind::kGgx ? 1.0f : 0.2f);
     scene_.brdf.f0 = glm::vec3(0.6f);
-    const FloatImage image = truth(flat, 64);
+    const FloatImage image = reference(flat, 64);
     const glm::mat4 matrix = view_projection(scene_.camera, kWidth, kHeight, glm::vec2(0.0f));
     double off = 0.0, total = 0.0;
     for (const glm::ivec2 pixel : {glm::ivec2(12, 9), glm::ivec2(3, 12), glm::ivec2(20, 5), glm::ivec2(14, 7)}) {
@@ -205,7 +205,7 @@ TEST_P(EnvironmentTest, ConstantLightIsFilteredExactly) {
     scene_.brdf.exponent = 30.0f;
     scene_.brdf.sigma = 0.2f;
     scene_.brdf.f0 = glm::vec3(0.3f);
-    const FloatImage exact = truth(map, 256);  // counts the two kinds of texels to about 1.5 %
+    const FloatImage exact = reference(map, 256);  // counts the two kinds of texels to about 1.5 %
     for (const EnvironmentMode mode : {EnvironmentMode::kHarmonics, EnvironmentMode::kPrefiltered})
       EXPECT_LT(picture_error(lobes(map, mode), exact).relative_l1, 0.03)
           << "BRDF " << static_cast<int>(kind) << " mode " << static_cast<int>(mode);
@@ -233,19 +233,19 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
     return light_of(lobes(map, mode)) / light_of(exact);
   };
   scene_.brdf.specular = glm::vec3(0.0f);
-  const FloatImage diffuse = truth(map, 512);
+  const FloatImage diffuse = reference(map, 512);
   EXPECT_LT(error(EnvironmentMode::kHarmonics, diffuse), 0.03);
   EXPECT_NEAR(light(EnvironmentMode::kHarmonics, diffuse), 1.0, 0.005);  // 0.05 %
   scene_.brdf.diffuse = glm::vec3(0.0f);
   scene_.brdf.specular = glm::vec3(1.0f);
   scene_.brdf.exponent = 12.0f;
-  const FloatImage broad = truth(map, 512);
+  const FloatImage broad = reference(map, 512);
   EXPECT_LT(error(EnvironmentMode::kHarmonics, broad), 0.065);   // 5.2 %
   EXPECT_LT(error(EnvironmentMode::kPrefiltered, broad), 0.06);  // 4.7 %
   EXPECT_NEAR(light(EnvironmentMode::kHarmonics, broad), 1.0, 0.02);
   EXPECT_NEAR(light(EnvironmentMode::kPrefiltered, broad), 1.0, 0.05);
   scene_.brdf.exponent = 100.0f;
-  const FloatImage sharp = truth(map, 512);
+  const FloatImage sharp = reference(map, 512);
   EXPECT_LT(error(EnvironmentMode::kPrefiltered, sharp), 0.12);  // 10.4 %
   EXPECT_NEAR(light(EnvironmentMode::kPrefiltered, sharp), 1.0, 0.05);
   // Harmonics to order 8 are too smooth for it: what the other way is for.
@@ -257,7 +257,7 @@ TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
   make_glossy(30000.0f);
   const TestMap flat = make_flat_map(4);
-  EXPECT_LT(picture_error(lobes(flat, EnvironmentMode::kPrefiltered), truth(flat, 64)).relative_l1, 0.03);  // 2.0 %
+  EXPECT_LT(picture_error(lobes(flat, EnvironmentMode::kPrefiltered), reference(flat, 64)).relative_l1, 0.03);  // 2.0 %
 }
 
 // Where normals spread the highlight wide, it is 3 x 3 lookups: 8.2 % off. Of parts that lie close together, 13.6 %.
@@ -265,7 +265,7 @@ TEST_P(EnvironmentTest, WideHighlightsAreFollowed) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "once is enough: the pictures are equal";
   make_glossy(40.0f);
   const TestMap noise = make_noise_map(16, 0.3f, WrapMode::kPeriodic);
-  EXPECT_LT(picture_error(lobes(noise, EnvironmentMode::kPrefiltered), truth(noise, 256)).relative_l1, 0.10);
+  EXPECT_LT(picture_error(lobes(noise, EnvironmentMode::kPrefiltered), reference(noise, 256)).relative_l1, 0.10);
 }
 
 // The BRDF's width is in the lengths of rough normals, and no matter of diffuse light.

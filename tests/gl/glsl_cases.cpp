@@ -165,7 +165,7 @@ void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// The paper's rule is kept for comparison: it may be off from the truth, and not from its own formula.
+// The paper's rule is kept for comparison: it may be off from the reference, and not from its own formula.
 void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double s : {1.0, 100.0, 1e5})

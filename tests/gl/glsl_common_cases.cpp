@@ -369,7 +369,7 @@ int wrapped(int i, int size, int mode) {
 
 ShaderHarnessInput footprint_variant(int sample, int wrap) {
   ShaderHarnessInput variant;
-  variant.flags = {"MULTUM_TRUTH"};
+  variant.flags = {"MULTUM_REFERENCE"};
   variant.formulas = shader_common_footprint_glsl;
   variant.set_uniforms = [=](const ShaderProgram& program) {
     program.set("u_sample", sample);

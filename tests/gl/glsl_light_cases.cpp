@@ -188,7 +188,7 @@ std::uint32_t lowbias(std::uint32_t x) {
 
 ShaderHarnessInput sampling_variant(const Texture& map, float exponent) {
   ShaderHarnessInput variant;
-  variant.flags = {"MULTUM_TRUTH", "MULTUM_BLINN_PHONG", "MULTUM_ENVIRONMENT_SAMPLES 4"};
+  variant.flags = {"MULTUM_REFERENCE", "MULTUM_BLINN_PHONG", "MULTUM_ENVIRONMENT_SAMPLES 4"};
   variant.formulas = std::string(shader_light_environment_frame_glsl) + shader_light_environment_samples_glsl +
                      "vec4 test_add(vec3 n, vec3 l, vec3 v, float alpha) {\n  multum_environment_frame = mat3(1.0);\n"
                      "  MultumReflection sum = MultumReflection(vec3(0.0), vec3(0.0));\n"

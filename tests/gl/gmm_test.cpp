@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planar Gaussians drawn: against the truth where the model is exact or nearly so, on both contexts.
+// Planar Gaussians drawn: against the reference where the model is exact or nearly so, on both contexts.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -37,7 +37,7 @@ class GmmTest : public testing::TestWithParam<ContextBackend> {
   FloatImage lobes(const TestMap& map, const RenderScene& scene) {
     return renderer_->draw(*mesh_, *make_lobe_material(context_->functions(), map.mipmap, 1.0f), scene).image;
   }
-  FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
+  FloatImage reference(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_reference(*mesh_, material, scene, {samples}).image;
   }
@@ -50,30 +50,30 @@ INSTANTIATE_TEST_SUITE_P(Backends, GmmTest, testing::ValuesIn(test_backends()),
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
 // Upright normals: the shape of Blinn-Phong as a Gaussian is all that differs, 6 % at s = 20 and 1 % at 100.
-TEST_P(GmmTest, AFlatMapIsNearTheTruth) {
+TEST_P(GmmTest, AFlatMapIsNearTheReference) {
   const TestMap map = make_flat_map(16);
   RenderScene scene;
   scene.uv_scale = 60.0f;
   scene.lights = {{{0.0f, 1.0f, 0.4f}, glm::vec3(3.0f)}, {{-0.4f, 0.5f, 1.0f}, glm::vec3(1.0f)}};
   for (const auto& [exponent, bound] : {std::pair{20.0f, 0.06}, {100.0f, 0.02}, {500.0f, 0.02}}) {
     scene.brdf.exponent = exponent;
-    EXPECT_LT(picture_error(gaussians(map, scene), truth(map, scene, 16)).relative_l1, bound) << exponent;
+    EXPECT_LT(picture_error(gaussians(map, scene), reference(map, scene, 16)).relative_l1, bound) << exponent;
   }
 }
 
 // Two tilts of 25 degrees in equal shares: two Gaussians, where averages have one. Facets are foreshortened.
-TEST_P(GmmTest, TwoTiltsAreNearTheTruth) {
+TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, true);
     const RenderScene scene = distant_scene();
-    EXPECT_LT(picture_error(gaussians(map, scene), truth(map, scene, 512)).relative_l1, 0.05);
+    EXPECT_LT(picture_error(gaussians(map, scene), reference(map, scene, 512)).relative_l1, 0.05);
   }
 }
 
-// Fresnel, shadowing, and Lambert alone: against lobes, which have both, and against the truth. Its noise of 512
+// Fresnel, shadowing, and Lambert alone: against lobes, which have both, and against the reference. Its noise of 512
 // samples a pixel is 0.4 % (Lambert's error). That a Gaussian is not quite the shape of Torrance and Sparrow's facets
-// makes 2.1 % of their error, on a flat map too (AFlatMapIsNearTheTruth).
-TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheTruth) {
+// makes 2.1 % of their error, on a flat map too (AFlatMapIsNearTheReference).
+TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
   const TestMap map = make_two_tilt_map(16, 15.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
   for (const auto& [kind, bound] :
@@ -82,12 +82,12 @@ TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheTruth) {
     scene.brdf.sigma = 0.1f;
     const FloatImage found = gaussians(map, scene);
     EXPECT_LT(picture_error(found, lobes(map, scene)).relative_l1, 0.06) << static_cast<int>(kind);
-    EXPECT_LT(picture_error(found, truth(map, scene, 512)).relative_l1, bound) << static_cast<int>(kind);
+    EXPECT_LT(picture_error(found, reference(map, scene, 512)).relative_l1, bound) << static_cast<int>(kind);
   }
   // The highlight by itself, 3.8 % off: most of the light is diffuse.
   scene.brdf.diffuse = glm::vec3(0.0f);
   scene.brdf.f0 = glm::vec3(0.3f);
-  EXPECT_LT(picture_error(gaussians(map, scene), truth(map, scene, 512)).relative_l1, 0.06);
+  EXPECT_LT(picture_error(gaussians(map, scene), reference(map, scene, 512)).relative_l1, 0.06);
 }
 
 // Levels that are left to the normal map come from there; from the first that is stored on nothing changes.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of maps whose mixtures are exact: the baked map's picture must be the truth's, on both back-ends.
+// Pictures of maps whose mixtures are exact: the baked map's picture must be the reference's, on both back-ends.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
     drop_finer_levels(map.mipmap, first_level);
     return movmf(map, scene, formula);
   }
-  FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
+  FloatImage reference(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_reference(*mesh_, material, scene, {samples}).image;
   }
@@ -66,7 +66,7 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
   std::unique_ptr<Renderer> renderer_;
 };
 
-TEST_P(RenderTest, FlatMapEqualsTruthFromNearAndFar) {
+TEST_P(RenderTest, FlatMapEqualsReferenceFromNearAndFar) {
   const TestMap map = make_flat_map(16);
   for (const float exponent : {5.0f, 100.0f, 5000.0f}) {
     RenderScene scene;  // the default view runs from magnified to far
@@ -76,18 +76,18 @@ TEST_P(RenderTest, FlatMapEqualsTruthFromNearAndFar) {
     const FloatImage drawn = movmf(map, scene);
     EXPECT_LT(picture_error(drawn, baseline(map, scene, Baseline::kMip)).relative_l1, 1e-4) << exponent;
     EXPECT_LT(picture_error(drawn, baseline(map, scene, Baseline::kToksvig)).relative_l1, 1e-4) << exponent;
-    // At s = 5000 a pixel of this small picture is as wide as the highlight, which the truth averages and no filter of
-    // normals does.
+    // At s = 5000 a pixel of this small picture is as wide as the highlight, which the reference averages and no filter
+    // of normals does.
     const double bound = exponent < 1000.0f ? 0.005 : 0.05;
-    EXPECT_LT(picture_error(drawn, truth(map, scene, 16)).relative_l1, bound) << exponent;
+    EXPECT_LT(picture_error(drawn, reference(map, scene, 16)).relative_l1, bound) << exponent;
   }
 }
 
-TEST_P(RenderTest, TwoTiltsEqualTruthWhereMipsFail) {
+TEST_P(RenderTest, TwoTiltsEqualReferenceWhereMipsFail) {
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, false);
     const RenderScene scene = distant_scene();
-    const FloatImage exact = truth(map, scene, 1024);
+    const FloatImage exact = reference(map, scene, 1024);
     // The lobes are exact; 1024 samples count the two kinds of texels to about 1 %.
     EXPECT_LT(picture_error(movmf(map, scene), exact).relative_l1, 0.02);
     EXPECT_GT(picture_error(baseline(map, scene, Baseline::kMip), exact).relative_l1, 0.10);
@@ -95,7 +95,7 @@ TEST_P(RenderTest, TwoTiltsEqualTruthWhereMipsFail) {
 }
 
 // The filter's weights are known where what is filtered is linear: colours under a flat map.
-TEST_P(RenderTest, TheTruthOfTexelsIsWhatTheFilterAverages) {
+TEST_P(RenderTest, TheReferenceOfTexelsIsWhatTheFilterAverages) {
   for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp, WrapMode::kMirror, WrapMode::kBlack}) {
     TestMap map = make_flat_map(24);  // levels of 12, 6, 3 and 1
     map.image.wrap_s = map.image.wrap_t = wrap;
@@ -111,7 +111,8 @@ TEST_P(RenderTest, TheTruthOfTexelsIsWhatTheFilterAverages) {
       const FloatImage filtered = baseline(map, scene, Baseline::kMip);
       EXPECT_LT(picture_error(drawn, filtered).relative_l1, 0.01) << wrap_mode_name(wrap) << ", " << filter.taps;
       if (filter.taps == 1) {
-        EXPECT_GT(picture_error(truth(map, scene, 64), filtered).relative_l1, 0.03) << "the pixel's truth is another";
+        EXPECT_GT(picture_error(reference(map, scene, 64), filtered).relative_l1, 0.03)
+            << "the pixel's reference is another";
       }
     }
   }
@@ -139,9 +140,9 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
   RenderScene scene = distant_scene();
   scene.brdf.specular = glm::vec3(0.0f);
   scene.lights = {{{0.2f, 0.0f, 1.0f}, glm::vec3(3.0f)}};  // reaches both tilts
-  EXPECT_LT(picture_error(movmf(map, scene), truth(map, scene, 256)).relative_l1, 0.03);
+  EXPECT_LT(picture_error(movmf(map, scene), reference(map, scene, 256)).relative_l1, 0.03);
   scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // reaches the red tilt alone
-  const FloatImage exact = truth(map, scene, 1024);
+  const FloatImage exact = reference(map, scene, 1024);
   const FloatImage drawn = movmf(map, scene);
   EXPECT_LT(picture_error(drawn, exact).relative_l1, 0.02);
   const std::size_t centre = 4 * (kRenderHeight / 2 * kRenderWidth + kRenderWidth / 2);
@@ -166,7 +167,7 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   scene.camera.target = {0.0f, 30.0f, 0.0f};
   scene.camera.up = {0.0f, 1.0f, 0.0f};
   scene.lights = {{{0.0f, 1.0f, 0.5f}, glm::vec3(3.0f)}};
-  for (const FloatImage& image : {movmf(map, scene), truth(map, scene, 1), baseline(map, scene, Baseline::kMip)}) {
+  for (const FloatImage& image : {movmf(map, scene), reference(map, scene, 1), baseline(map, scene, Baseline::kMip)}) {
     const std::size_t upper = 4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth / 2);
     const std::size_t lower = 4 * (kRenderHeight * 3 / 4 * kRenderWidth + kRenderWidth / 2);
     EXPECT_GT(image.rgba[upper], 4.0f * image.rgba[lower]);
@@ -234,7 +235,7 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
   EXPECT_THROW(MomentMaterial(context_->functions(), cut, 1.0f), Error);
 }
 
-TEST_P(RenderTest, WrapModesEqualTruth) {
+TEST_P(RenderTest, WrapModesEqualReference) {
   // Seen from straight above, a corner of the map in the middle of the picture: the map's last row and column lie at
   // x = -10 and y = 40, and three of the picture's quarters are beyond the border.
   RenderScene scene;
@@ -247,7 +248,7 @@ TEST_P(RenderTest, WrapModesEqualTruth) {
   std::vector<FloatImage> exact;
   for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kMirror, WrapMode::kClamp, WrapMode::kBlack}) {
     const TestMap map = make_wave_map(64, wrap);
-    exact.push_back(truth(map, scene, 64));
+    exact.push_back(reference(map, scene, 64));
     const FloatImage drawn = movmf(map, scene);
     EXPECT_LT(picture_error(drawn, exact.back()).relative_l1, 0.02) << wrap_mode_name(wrap);
     for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
@@ -348,7 +349,7 @@ TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
     for (const BrdfKind kind : {BrdfKind::kBlinnPhong, BrdfKind::kTorranceSparrow}) {
       RenderScene scene = distant_scene();
       scene.brdf.kind = kind;
-      std::vector<FloatImage> pictures = {movmf(map, scene), truth(map, scene, 2)};
+      std::vector<FloatImage> pictures = {movmf(map, scene), reference(map, scene, 2)};
       if (kind == BrdfKind::kBlinnPhong) pictures.push_back(movmf(map, scene, LobeFormula::kPaper));
       for (const Baseline which : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian})
         pictures.push_back(baseline(map, scene, which));
@@ -383,11 +384,11 @@ TEST_P(RenderTest, EveryLobeCountDraws) {
 TEST_P(RenderTest, SameInputGivesSameBytes) {
   const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false);
   EXPECT_EQ(movmf(map, distant_scene()).rgba, movmf(map, distant_scene()).rgba);
-  EXPECT_EQ(truth(map, distant_scene(), 8).rgba, truth(map, distant_scene(), 8).rgba);
+  EXPECT_EQ(reference(map, distant_scene(), 8).rgba, reference(map, distant_scene(), 8).rgba);
 }
 
 TEST_P(RenderTest, NearerSurfacesHideWhatLiesBehind) {
-  // Two parallel quads, the farther one drawn first: the truth's sum must hold the nearer one alone.
+  // Two parallel quads, the farther one drawn first: the reference's sum must hold the nearer one alone.
   MeshData two = make_quad(60.0f);
   for (std::size_t i = 0; i < 4; ++i) {
     two.vertices.push_back(two.vertices[i]);
@@ -524,11 +525,11 @@ TEST(Material, RefusesFinestLevelsWithoutTheirNormalMap) {
 }
 
 TEST(PictureError, CountsRgbOnly) {
-  const FloatImage truth{2, 1, {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f}};
-  FloatImage picture = truth;
+  const FloatImage reference{2, 1, {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f}};
+  FloatImage picture = reference;
   picture.rgba[0] = 1.6f;
   picture.rgba[3] = 9.0f;
-  const PictureError error = picture_error(picture, truth);
+  const PictureError error = picture_error(picture, reference);
   EXPECT_NEAR(error.relative_l1, 0.1, 1e-7);
   EXPECT_NEAR(error.rmse, 0.6 / std::sqrt(6.0), 1e-7);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical harmonics drawn, beside the truth, lobes, and each other, on both contexts: no GL error, layers of an array
-// as they were uploaded, levels left to the normal map, borders that are black.
+// Spherical harmonics drawn, beside the reference, lobes, and each other, on both contexts: no GL error, layers of an
+// array as they were uploaded, levels left to the normal map, borders that are black.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ class ShRenderTest : public testing::TestWithParam<ContextBackend> {
     material.set_cosine(cosine);
     return renderer_->draw(*mesh_, material, scene).image;
   }
-  FloatImage truth(const TestMap& map, const RenderScene& scene, int samples) {
+  FloatImage reference(const TestMap& map, const RenderScene& scene, int samples) {
     const NormalMaterial material(context_->functions(), map.image, NormalMaterial::Sampling::kNearest, 1.0f);
     return renderer_->draw_reference(*mesh_, material, scene, {samples}).image;
   }
@@ -71,11 +71,12 @@ INSTANTIATE_TEST_SUITE_P(Contexts, ShRenderTest, testing::ValuesIn(test_backends
   return backend.param == ContextBackend::kOsmesa ? "Osmesa" : "Egl";
 });
 
-// Highlights as broad as the order: nearer with each order, and near the truth; sharp ones are blurred, which is told.
+// Highlights as broad as the order: nearer with each order, and near the reference; sharp ones are blurred, which is
+// told.
 TEST_P(ShRenderTest, OrdersDrawWhatTheyHave) {
   const TestMap map = make_two_tilt_map(32, 25.0, StorageEncoding::kFloat, false);
   const RenderScene broad = scene_of(10.0f), sharp = scene_of(200.0f);
-  const FloatImage exact = truth(map, broad, 256), exact_sharp = truth(map, sharp, 256);
+  const FloatImage exact = reference(map, broad, 256), exact_sharp = reference(map, sharp, 256);
   const auto at = [&](int order, const RenderScene& scene, const FloatImage& expected) {
     return error(draw(make_harmonics(map.image, order, StorageEncoding::kFloat), scene), expected);
   };
@@ -168,13 +169,13 @@ TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
   EXPECT_GT(error(draw(make_harmonics(map.image, 1, StorageEncoding::kFloat), scene), exact), 0.01);
 }
 
-// The mean of what lights the normals is what lobes take (movmf_shading.glsl): at least as near the truth as the
+// The mean of what lights the normals is what lobes take (movmf_shading.glsl): at least as near the reference as the
 // others.
 TEST_P(ShRenderTest, TheHighlightsCosineIsTheNearest) {
   const TestMap map = make_noise_map(64, 1.5f, WrapMode::kPeriodic);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);
   const RenderScene scene = scene_of(10.0f);
-  const FloatImage exact = truth(map, scene, 256);
+  const FloatImage exact = reference(map, scene, 256);
   const double chosen = error(draw(harmonics, scene), exact);
   for (const ShCosine other : {ShCosine::kMeanNormal, ShCosine::kMeanDirection}) {
     const double found = error(draw(harmonics, scene, nullptr, other), exact);

@@ -124,10 +124,10 @@ class PageTest(unittest.TestCase):
                      "stages": [{"name": "fit", "seconds": 0.5}], "levels": levels, "measured_error": errors,
                      "counts": {"lobes": 20, "nonfinite": 0, "kappa_clamped": 1, "dead_lobes": 2}}
         self.view = {"context": "osmesa", "software": "multum-view 0", "pictures": [
-            {"name": "truth", "frame_time_ms": 3.0, "samples": 9},
+            {"name": "reference", "frame_time_ms": 3.0, "samples": 9},
             {"name": "multum", "frame_time_ms": 2.0, "relative_l1": 0.125, "rmse": 0.01},
             {"name": "mip", "frame_time_ms": 1.0, "relative_l1": 0.5, "rmse": 0.02}]}
-        for name in ("truth", "multum", "mip", "multum_difference", "mip_difference"):
+        for name in ("reference", "multum", "mip", "multum_difference", "mip_difference"):
             (self.folder / f"plain_{name}.png").write_bytes(b"")
         self.write()
 

@@ -130,10 +130,11 @@ TEST(AccuracyTest, IsTheRatioOfSums) {
       std::vector<double> finest;
       for (std::size_t i = 0; i < map.x.size(); ++i)
         finest.push_back(f(glm::dot(h, glm::dvec3(map.x[i], map.y[i], map.z[i]))));
-      const std::vector<double> truth = average_over_texels(finest, {kWidth, kHeight}, {level.width, level.height}, 1);
-      for (std::size_t i = 0; i < truth.size(); ++i) {
-        difference += std::abs(f(glm::dot(h, glm::dvec3(level.lobes[0][i]))) - truth[i]);
-        sum += truth[i];
+      const std::vector<double> reference =
+          average_over_texels(finest, {kWidth, kHeight}, {level.width, level.height}, 1);
+      for (std::size_t i = 0; i < reference.size(); ++i) {
+        difference += std::abs(f(glm::dot(h, glm::dvec3(level.lobes[0][i]))) - reference[i]);
+        sum += reference[i];
       }
     }
     EXPECT_NEAR(row.error, difference / sum, 2e-5) << "level " << row.level << " " << row.brdf.text();

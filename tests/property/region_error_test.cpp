@@ -53,16 +53,16 @@ std::map<std::string, double> region_errors(Device& device, const std::string& f
     for (const auto& lobe : whole.levels[static_cast<std::size_t>(l)].lobes) level.lobes.push_back(cut(lobe, l));
     part.levels.push_back(std::move(level));
   }
-  NormalMap truth;
-  truth.width = truth.height = kRegionSide;
-  truth.x = cut(map.x, 0);
-  truth.y = cut(map.y, 0);
-  truth.z = cut(map.z, 0);
+  NormalMap reference;
+  reference.width = reference.height = kRegionSide;
+  reference.x = cut(map.x, 0);
+  reference.y = cut(map.y, 0);
+  reference.z = cut(map.z, 0);
   AccuracySettings settings;
   settings.samples_per_level = 0;
   std::map<std::string, double> sums;
   std::map<std::string, int> counts;
-  for (const AccuracyRow& row : measure_accuracy(device, part, truth, nullptr, settings, nullptr)) {
+  for (const AccuracyRow& row : measure_accuracy(device, part, reference, nullptr, settings, nullptr)) {
     if (row.level == 0) continue;
     sums[row.brdf.text()] += row.error;
     ++counts[row.brdf.text()];

@@ -19,6 +19,7 @@
 #include "host/movmf/movmf_bake.h"
 #include "host/target/map_mosaic.h"
 #include "host/testmap/four_quarter_map.h"
+#include "tests/reference/shared_data.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 
@@ -178,10 +179,9 @@ std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   std::vector<std::pair<std::string, NormalMap>> maps = {{"all quarters", make_four_quarter_map(size, 3).normals}};
   for (const auto& [name, quarter] : kQuarters)
     maps.emplace_back(name, make_four_quarter_map(size, 3, quarter).normals);
-  const char* const data = std::getenv("MULTUM_SHARED_DATA");
-  if (data == nullptr) return maps;
+  if (testing::shared_data().empty()) return maps;
   std::set<std::string> files;
-  for (const auto& entry : fs::directory_iterator(std::string(data) + "/normal"))
+  for (const auto& entry : fs::directory_iterator(testing::shared_data() + "/normal"))
     if (entry.path().stem().string().ends_with("_normal")) files.insert(entry.path().string());
   constexpr std::size_t kRealMaps = 3;
   while (files.size() > kRealMaps) files.erase(std::prev(files.end()));

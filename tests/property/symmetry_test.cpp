@@ -123,7 +123,7 @@ Differences compare(const Layout& layout, const MovmfMipmap& original, const Mov
   return found;
 }
 
-// Lights and half vectors that go with the map, so that truths are the same: what differs then is the model.
+// Lights and half vectors that go with the map, so that references are the same: what differs then is the model.
 AccuracySettings settings_for(const Layout& layout) {
   AccuracySettings settings;
   settings.samples_per_level = 0;

@@ -62,8 +62,8 @@ const ViewCommand kCommands[] = {
      [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
      [](const CommandOptions& o) { return draw_samples(o.sample); }},
     {"pyramid", "Draw a surface coloured straight from a pyramid, looked up in several ways",
-     "  multum-view pyramid bricks.exr --lookup truth,nearest,level,driver -o sheet.png\n"
-     "  multum-view pyramid lights.exr --mesh ball.obj --lookup truth,level --shifts 8 -o sheet.png",
+     "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
+     "  multum-view pyramid lights.exr --mesh ball.obj --lookup reference,level --shifts 8 -o sheet.png",
      [](CLI::App& app, CommandOptions& o) { add_pyramid_options(app, o.pyramid); },
      [](const CommandOptions& o) { return draw_pyramid(o.pyramid); }},
     {"lod", "Draw a pyramid of heights or positions as a mesh of one level of detail",
@@ -88,7 +88,8 @@ const ViewCommand kCommands[] = {
 const char* const kDescription =
     "Render a baked map without a window, in software or on a GPU.\n\n"
     "  multum-view bricks.ndf.exr -o frame.png\n"
-    "  multum-view bricks.ndf.exr --source bricks_normal.png --compare truth,mip,toksvig,lean-jacobian -o sheet.png\n"
+    "  multum-view bricks.ndf.exr --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian -o "
+    "sheet.png\n"
     "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n"
     "  multum-view scene out/plan.json --object wall -o wall.png             what multum bake scene.toml made\n"

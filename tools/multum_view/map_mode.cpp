@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a baked map and compares it with the truth and the baselines: multum-view FILE, scene and animate.
+// Draws a baked map and compares it with the reference and the baselines: multum-view FILE, scene and animate.
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "tools/multum_view/animated_view.h"

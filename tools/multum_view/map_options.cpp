@@ -29,7 +29,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
 void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
   app.add_option_function<std::string>(
       "--compare", [&options](const std::string& text) { options.pictures = parse_compared("--compare", text); },
-      "also draw these beside it, of reference (or truth),mip,toksvig,lean,lean-jacobian; with reference: errors too");
+      "also draw these beside it, of reference,mip,toksvig,lean,lean-jacobian; with reference: errors too");
   CLI::Option* const samples =
       app.add_option("--samples", options.sampling.sample_count,
                      "samples per pixel of the reference (default: as many as --reference-noise takes)")
@@ -50,7 +50,7 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
                  "the four around, or their interpolated normal: nearest, blended or interpolated")
           ->default_str("nearest");
   app.add_option_function<std::string>(
-         "--reference-of,--truth-of",
+         "--reference-of",
          [&options](const std::string& text) {
            if (text == "texels") options.reference = gl::NormalMaterial::Sampling::kFootprint;
          },
@@ -86,7 +86,7 @@ void add_map_options(CLI::App& app, MapOptions& options) {
 
 void add_pictures_option(CLI::App& app, OutputOptions& options) {
   app.add_option("--pictures", options.pictures,
-                 "also write each picture by itself: PREFIX_multum.png, PREFIX_truth.png, "
+                 "also write each picture by itself: PREFIX_multum.png, PREFIX_reference.png, "
                  "PREFIX_multum_difference.png, ...");
 }
 

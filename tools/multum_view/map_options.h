@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// What the file was baked from, for the truth, the baselines and levels that it does not hold.
+/// What the file was baked from, for the reference, the baselines and levels that it does not hold.
 struct SourceOptions {
   std::string normals;                         // empty: level 0 of the file
   std::string albedo;                          // used where `normals` is, as the next three
@@ -21,9 +21,9 @@ struct SourceOptions {
 };
 
 struct ComparisonOptions {
-  std::vector<std::string> pictures;  // of truth, mip, toksvig, lean, lean-jacobian
+  std::vector<std::string> pictures;  // of reference, mip, toksvig, lean, lean-jacobian
   gl::ReferenceSampling sampling;
-  gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kFootprint: --truth-of texels
+  gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kFootprint: --reference-of texels
 
   bool is_of_texels() const { return reference == gl::NormalMaterial::Sampling::kFootprint; }
 };

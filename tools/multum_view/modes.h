@@ -51,14 +51,14 @@ struct PyramidOptions {
   std::string file;
   std::optional<PyramidKind> expected;  // of the file; unset: colours or reflected light
   SurfaceOptions surface;
-  std::string surface_pyramid;  // in the place of surface.mesh, at `detail` but for the truth; empty: none
+  std::string surface_pyramid;  // in the place of surface.mesh, at `detail` but for the reference; empty: none
   DetailOptions detail;
   CameraOptions camera;
   OutputOptions output;
-  std::vector<std::string> lookups = {"level"};  // truth, nearest, bilinear, level, driver
+  std::vector<std::string> lookups = {"level"};  // reference, nearest, bilinear, level, driver
   std::optional<float> level_bias;               // unset: 0 for colours, the pixel's own width for reflected light
   int shifts = 0;                                // pictures that flicker is measured on; 0: it is not
-  int samples = 256;                             // of the truth, per pixel
+  int samples = 256;                             // of the reference, per pixel
   float anisotropy = 1.0f;
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };

@@ -138,9 +138,7 @@ std::vector<float> parse_distances(const std::string& option, const std::string&
 }
 
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text) {
-  std::vector<std::string> names =
-      parse_words(option, text, {"reference", "truth", "mip", "toksvig", "lean", "lean-jacobian"});
-  std::replace(names.begin(), names.end(), std::string("reference"), std::string("truth"));
+  std::vector<std::string> names = parse_words(option, text, {"reference", "mip", "toksvig", "lean", "lean-jacobian"});
   std::vector<std::string> once;
   for (const std::string& name : names)
     if (std::find(once.begin(), once.end(), name) == once.end()) once.push_back(name);
@@ -148,8 +146,8 @@ std::vector<std::string> parse_compared(const std::string& option, const std::st
 }
 
 std::vector<std::string> parse_lookups(const std::string& option, const std::string& text) {
-  std::vector<std::string> names = parse_words(option, text, {"truth", "nearest", "bilinear", "level", "driver"});
-  std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "truth"; });
+  std::vector<std::string> names = parse_words(option, text, {"reference", "nearest", "bilinear", "level", "driver"});
+  std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "reference"; });
   return names;
 }
 

@@ -50,7 +50,7 @@ PictureSize parse_size(const std::string& option, const std::string& text);
 std::vector<float> parse_distances(const std::string& option, const std::string& text);
 /// What --compare draws, each once: two pictures of one name would share a file.
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text);
-/// Lookups of a pyramid, each once, the truth first: the others are compared with it.
+/// Lookups of a pyramid, each once, the reference first: the others are compared with it.
 std::vector<std::string> parse_lookups(const std::string& option, const std::string& text);
 
 /// A range check that refuses "nan", which CLI11's own lets pass.

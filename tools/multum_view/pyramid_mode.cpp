@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view pyramid: draws a surface coloured straight from a pyramid, looked up in several ways, beside the truth,
-// and measures how much highlights flicker (Williams 1983, sections 3 and 4).
+// multum-view pyramid: draws a surface coloured straight from a pyramid, looked up in several ways, beside the
+// reference, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::optional<PyramidLookup> lookup_of(const std::string& name) {
   if (name == "bilinear") return PyramidLookup::kBilinear;
   if (name == "level") return PyramidLookup::kLevel;
   if (name == "driver") return PyramidLookup::kDriver;
-  return std::nullopt;  // truth
+  return std::nullopt;  // reference
 }
 
 glm::vec3 vector_of(const nlohmann::json& json) {
@@ -85,7 +85,7 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
 /// What the pyramid colours.
 struct Surfaces {
   gl::MeshData drawn;
-  std::optional<gl::MeshData> finest;  // what the truth shows; unset: the same
+  std::optional<gl::MeshData> finest;  // what the reference shows; unset: the same
 };
 
 class PyramidPictures {
@@ -141,7 +141,7 @@ class PyramidPictures {
   const gl::GlFunctions& gl_;
   const Pyramid& pyramid_;
   const gl::Mesh mesh_;
-  std::optional<gl::Mesh> finest_;  // of the truth, where it is another
+  std::optional<gl::Mesh> finest_;  // of the reference, where it is another
   const bool by_normal_;
   const std::optional<gl::PhongLights> lights_;
   gl::PyramidRenderer renderer_;
@@ -149,7 +149,7 @@ class PyramidPictures {
   std::array<std::optional<gl::Texture>, 4> textures_;
 };
 
-/// Of every lookup but the truth, over shifts along a slanted line of one pixel; in the order of the lookups.
+/// Of every lookup but the reference, over shifts along a slanted line of one pixel; in the order of the lookups.
 std::vector<double> measure_flicker(const PyramidOptions& options, PyramidPictures& pictures) {
   std::vector<std::vector<FloatImage>> shifted(options.lookups.size());
   for (int k = 0; k < options.shifts; ++k) {
@@ -163,20 +163,20 @@ std::vector<double> measure_flicker(const PyramidOptions& options, PyramidPictur
 }
 
 nlohmann::json print_rows(const std::vector<NamedPicture>& pictures, const std::vector<double>& flickers) {
-  const bool has_truth = pictures[0].name == "truth";
+  const bool has_reference = pictures[0].name == "reference";
   nlohmann::json rows = nlohmann::json::array();
   write_shown(stdout, fmt::format("{:10} {:>12} {:>10} {:>10}\n", "lookup", "relative L1", "RMSE", "flicker"));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     nlohmann::json row = {{"name", pictures[i].name}};
     std::string l1 = "-", rmse = "-", flicker = "-";
-    if (has_truth && i > 0) {
+    if (has_reference && i > 0) {
       const gl::PictureError error = gl::picture_error(pictures[i].picture.image, pictures[0].picture.image);
       row["relative_l1"] = error.relative_l1;
       row["rmse"] = error.rmse;
       l1 = fmt::format("{:.2f} %", 100.0 * error.relative_l1);
       rmse = fmt::format("{:.5f}", error.rmse);
     }
-    if (has_truth && i > 0 && !flickers.empty()) {
+    if (has_reference && i > 0 && !flickers.empty()) {
       row["flicker"] = flickers[i];
       flicker = fmt::format("{:.4f}", flickers[i]);
     }
@@ -229,7 +229,7 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
 
 void write_pyramid_report(const PyramidOptions& options, const std::string& path, const nlohmann::json& facts) {
   nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
-                           {"truth_samples", options.samples},
+                           {"reference_samples", options.samples},
                            {"shifts", options.shifts},
                            {"anisotropy", options.anisotropy}};
   report.update(facts);
@@ -242,10 +242,10 @@ void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
          "look the pyramid up in these ways, a list of nearest, bilinear (finest level), level (the longer side of the "
-         "pixel), driver, and truth (supersampled)")
+         "pixel), driver, and reference (supersampled)")
       ->default_str("level");
   app.add_option("--shifts", options.shifts,
-                 "measure the flicker of reflected light against the truth over so many sub-pixel shifts")
+                 "measure the flicker of reflected light against the reference over so many sub-pixel shifts")
       ->check(CLI::Range(2, 256));
 }
 
@@ -257,14 +257,15 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
   add_level_bias_option(app, options.level_bias,
                         "number added to the level (default: 0 for colours, as the GL; -0.79 for reflected light, as "
                         "wide as the pixel)");
-  app.add_option("--samples", options.samples, "samples per pixel of the truth")
+  app.add_option("--samples", options.samples, "samples per pixel of the reference")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();
   add_pictures_option(app, options.output);
   add_mesh_option(app, options.surface);
-  app.add_option("--surface", options.surface_pyramid,
-                 "put reflected light on a pyramid of heights or positions, as multum lod writes it; but for the truth "
-                 "at --surface-level, which limits its curvature");
+  app.add_option(
+      "--surface", options.surface_pyramid,
+      "put reflected light on a pyramid of heights or positions, as multum lod writes it; but for the reference "
+      "at --surface-level, which limits its curvature");
   add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
@@ -280,8 +281,8 @@ int draw_pyramid(const PyramidOptions& options) {
   const std::string& report = options.output.report;
   check_picture_path(options.output.path);
   check_paths_differ({options.file}, {options.output.path, report});
-  if (options.shifts > 0 && options.lookups.front() != "truth")
-    throw Error(ErrorCode::kUsage, "--shifts measures flicker against the truth, expected truth in --lookup");
+  if (options.shifts > 0 && options.lookups.front() != "reference")
+    throw Error(ErrorCode::kUsage, "--shifts measures flicker against the reference, expected reference in --lookup");
   const Pyramid pyramid = options.expected ? read_pyramid(options.file, *options.expected) : read_pyramid(options.file);
   check_surface(options, pyramid.header);
   std::optional<gl::PhongLights> lights;
@@ -300,7 +301,7 @@ int draw_pyramid(const PyramidOptions& options) {
     write_pyramid_report(options, report,
                          {{"context", context->description()},
                           {"pyramid", pyramid_kind_name(pyramid.header.kind)},
-                          {"truth", lights ? "shaded at every sample" : "the finest level"},
+                          {"reference", lights ? "shaded at every sample" : "the finest level"},
                           {"level_bias", drawer.level_bias()},
                           {"pictures", rows}});
   return 0;

@@ -30,11 +30,11 @@ namespace fs = std::filesystem;
 
 constexpr int kInputSide = 512;
 constexpr int kWidth = 384, kHeight = 288;  // of renders
-constexpr int kSamples = 64;                // a pixel of the truth
+constexpr int kSamples = 64;                // a pixel of the reference
 // The nearest tile of the plane fills the picture: the levels that it samples are at most this wide.
 constexpr int kLevelSide = 1024;
-// Texels of the truth, which is drawn from the whole map: a third of a gigabyte in all.
-constexpr std::int64_t kTruthTexelsMax = std::int64_t{1} << 24;
+// Texels of the reference, which is drawn from the whole map: a third of a gigabyte in all.
+constexpr std::int64_t kReferenceTexelsMax = std::int64_t{1} << 24;
 
 std::string file_in(const ThumbnailOptions& options, const char* name) {
   return (fs::path(options.folder) / name).string();
@@ -77,7 +77,7 @@ NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMi
   settings.wrap_s = mipmap.header.wrap_s;
   settings.wrap_t = mipmap.header.wrap_t;
   settings.repair_share_max = 1.0f;  // the bake took these very texels
-  settings.texel_count_max = kTruthTexelsMax;
+  settings.texel_count_max = kReferenceTexelsMax;
   return settings;
 }
 
@@ -111,8 +111,8 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   if (mipmap.header.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);
-  const gl::FloatImage truth = renderer.draw_reference(mesh, finest, scene, {kSamples}).image;
-  write_picture(file_in(options, "error.png"), gl::difference_image(render, truth, gl::kDifferenceGain), 1.0f);
+  const gl::FloatImage reference = renderer.draw_reference(mesh, finest, scene, {kSamples}).image;
+  write_picture(file_in(options, "error.png"), gl::difference_image(render, reference, gl::kDifferenceGain), 1.0f);
 }
 
 /// A frame of the first sample, as multum-view sample draws it.

@@ -70,7 +70,7 @@ PictureDrawer::PictureDrawer(const MapOptions& options, const std::vector<Brdf>&
       baked_(make_material(gl, map, options.picture.shading, source)) {
   using gl::NormalMaterial;
   for (const std::string& name : options.comparison.pictures) {
-    if (name == "truth") finest_.emplace(gl, source, options.comparison.reference, 1.0f);
+    if (name == "reference") finest_.emplace(gl, source, options.comparison.reference, 1.0f);
     else if (!mipmapped_)
       mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.picture.shading.anisotropy);
   }
@@ -84,7 +84,7 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   };
   pictures.push_back({"multum", drawn(*baked_)});
   for (const std::string& name : options_.comparison.pictures) {
-    if (name == "truth") {
+    if (name == "reference") {
       const std::unique_ptr<Progress> progress = make_terminal_progress(true);
       progress->start(static_cast<std::uint64_t>(gl::kReferenceUnits) * std::max<std::size_t>(basis_.size(), 1));
       progress->stage("draw the reference");

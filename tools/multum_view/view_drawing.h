@@ -30,7 +30,7 @@ class PictureDrawer {
   /// What is handed in must outlive it.
   PictureDrawer(const MapOptions& options, const std::vector<Brdf>& basis, const gl::GlFunctions& gl,
                 const gl::Mesh& mesh, const BakedMap& map, const gl::NormalImage& source);
-  /// The truth first, where it is asked for, then the baked map, then the baselines.
+  /// The reference first, where it is asked for, then the baked map, then the baselines.
   std::vector<NamedPicture> draw(const gl::RenderScene& scene);
   std::vector<gl::ShaderVariant> variants() const { return renderer_.variants(); }
   double take_environment_seconds() { return renderer_.take_environment_seconds(); }

@@ -32,10 +32,11 @@ NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& 
   if (hash_file(options.source.normals) == baked.provenance.source_hash) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
   } else if (!baked.provenance.source_hash.empty()) {
-    log_warning(fmt::format(
-        "{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map", options.source.normals,
-        options.file, baked.provenance.source_name, baked.provenance.source_hash,
-        baked.first_level > 0 ? "the finest levels, the truth and the baselines" : "the truth and the baselines"));
+    log_warning(fmt::format("{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
+                            options.source.normals, options.file, baked.provenance.source_name,
+                            baked.provenance.source_hash,
+                            baked.first_level > 0 ? "the finest levels, the reference and the baselines"
+                                                  : "the reference and the baselines"));
   }
   apply_reading(options.source.reading, settings);
   return settings;
@@ -50,7 +51,7 @@ void warn_of_another(const std::string& file, const BakedHeader& baked, const ch
   const std::string stated = settings[key].get<std::string>();
   if (stated.empty() || stated == hash_file(path) + ending) return;
   log_warning(
-      fmt::format("{}{}: {} is not what {} was baked with ({} {}): the truth and the baselines may show another "
+      fmt::format("{}{}: {} is not what {} was baked with ({} {}): the reference and the baselines may show another "
                   "material",
                   path, ending, option, file, key, stated));
 }

@@ -21,7 +21,7 @@
 namespace multum {
 namespace {
 
-bool has_truth(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "truth"; }
+bool has_reference(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "reference"; }
 
 template <typename Value>
 std::string choice_name(const Choices<Value>& choices, Value value) {
@@ -30,16 +30,16 @@ std::string choice_name(const Choices<Value>& choices, Value value) {
   return "?";
 }
 
-/// First row: the pictures; second, where there is a truth: what each is off by.
+/// First row: the pictures; second, where there is a reference: what each is off by.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
-  std::vector<std::vector<gl::SheetCell>> rows(has_truth(pictures) ? 2 : 1);
+  std::vector<std::vector<gl::SheetCell>> rows(has_reference(pictures) ? 2 : 1);
   for (const NamedPicture& one : pictures) {
     rows[0].push_back({one.name, shown_image(one)});
-    if (!has_truth(pictures)) continue;
+    if (!has_reference(pictures)) continue;
     gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain);
     const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
-    const bool is_truth = &one == &pictures[0];
-    rows[1].push_back({is_truth ? "difference, 4 times" : fmt::format("{}: {:.1f} % off", one.name, 100.0 * error),
+    const bool is_reference = &one == &pictures[0];
+    rows[1].push_back({is_reference ? "difference, 4 times" : fmt::format("{}: {:.1f} % off", one.name, 100.0 * error),
                        std::move(difference)});
   }
   return gl::make_contact_sheet(rows, 1.0f / exposure);
@@ -54,7 +54,7 @@ std::string picture_path(const OutputOptions& options, const std::string& what) 
 void write_each(const OutputOptions& options, const std::vector<NamedPicture>& pictures) {
   for (const NamedPicture& one : pictures) {
     write_picture(picture_path(options, one.name), shown_image(one), options.exposure);
-    if (has_truth(pictures) && one.name != "truth")
+    if (has_reference(pictures) && one.name != "reference")
       write_picture(picture_path(options, one.name + "_difference"),
                     gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain),
                     options.exposure);
@@ -103,12 +103,12 @@ void add_pictures(const OutputOptions& options, const std::vector<std::string>& 
                   std::vector<std::string>& outputs) {
   outputs.push_back(options.path);
   if (options.pictures.empty()) return;
-  const bool compares_truth = std::find(compared.begin(), compared.end(), "truth") != compared.end();
+  const bool compares_reference = std::find(compared.begin(), compared.end(), "reference") != compared.end();
   std::vector<std::string> names = compared;
   names.insert(names.begin(), "multum");
   for (const std::string& name : names) {
     outputs.push_back(picture_path(options, name));
-    if (compares_truth && name != "truth") outputs.push_back(picture_path(options, name + "_difference"));
+    if (compares_reference && name != "reference") outputs.push_back(picture_path(options, name + "_difference"));
   }
 }
 
@@ -148,21 +148,21 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
     nlohmann::json row = {{"name", one.name}, {"frame_time_ms", one.picture.frame_time_ms}};
     std::string l1 = "-";
     std::string rmse = "-";
-    if (has_truth(pictures) && one.name != "truth") {
+    if (has_reference(pictures) && one.name != "reference") {
       const gl::PictureError error = gl::picture_error(one.picture.image, pictures[0].picture.image);
       row["relative_l1"] = error.relative_l1;
       row["rmse"] = error.rmse;
       l1 = fmt::format("{:.2f} %", 100.0 * error.relative_l1);
       rmse = fmt::format("{:.5f}", error.rmse);
     }
-    if (one.name == "truth") {
+    if (one.name == "reference") {
       row["samples"] = one.picture.sample_count;
       row["noise_relative_l1"] = noise_json(one.picture.noise);
     }
     write_shown(stdout, fmt::format("{:10} {:>12} {:>10} {:>10.1f}\n", one.name, l1, rmse, one.picture.frame_time_ms));
     rows.push_back(row);
   }
-  if (has_truth(pictures)) write_shown(stdout, reference_line(pictures[0].picture));
+  if (has_reference(pictures)) write_shown(stdout, reference_line(pictures[0].picture));
   return rows;
 }
 
@@ -191,9 +191,9 @@ void write_report(const PictureOptions& options, const gl::RenderScene& scene, c
                            {"context", facts.context},
                            {"width", options.output.width()},
                            {"height", options.output.height()},
-                           {"truth_of", facts.comparison.is_of_texels() ? "texels" : "pixel"},
+                           {"reference_of", facts.comparison.is_of_texels() ? "texels" : "pixel"},
                            {"pixel_filter", choice_name(kPixelFilters, facts.comparison.sampling.filter)},
-                           {"truth", "BRDF and max(n.l, 0) at every sample's own normal"},
+                           {"reference", "BRDF and max(n.l, 0) at every sample's own normal"},
                            {"formula", choice_name(kLobeFormulas, shading.formula)},
                            {"moments", choice_name(kMomentShadings, shading.moments.value_or(kDefaultMomentShading))},
                            {"filter", filter_json(shading)},

@@ -57,20 +57,20 @@ def draw_every_map(study):
         read = reading or reading_of(study, path)
         if read != reading:
             guessed.append(name)
-        row, ratio, ms, truth = [], [], [], None
+        row, ratio, ms, reference = [], [], [], None
         for _, option, bake_options in REPRESENTATIONS:
             baked = f"{name}_{option}"
             study.bake(baked, path, *read, *bake_options, "--no-measure")
-            first = truth is None  # the reference and the baselines are the same for all
-            compare = ("truth", *[b for _, b in BASELINES]) if first else ("toksvig",)
+            first = reference is None  # the reference and the baselines are the same for all
+            compare = ("reference", *[b for _, b in BASELINES]) if first else ("toksvig",)
             view = study.view(baked, baked, "--source", path, *SCENE, compare=compare)
             if first:
-                truth, baselines = view["truth"], view
-                references += [one for one in view.report["pictures"] if one["name"] == "truth"]
-            row.append(relative_l1(view["multum"], truth))
+                reference, baselines = view["reference"], view
+                references += [one for one in view.report["pictures"] if one["name"] == "reference"]
+            row.append(relative_l1(view["multum"], reference))
             ratio.append(frame_ratio(view))
             ms.append(view.frame_ms["multum"])
-        row += [relative_l1(baselines[b], truth) for _, b in BASELINES]
+        row += [relative_l1(baselines[b], reference) for _, b in BASELINES]
         ratio += [baselines.frame_ms[b] / baselines.frame_ms["toksvig"] for _, b in BASELINES]
         ms += [baselines.frame_ms[b] for _, b in BASELINES]
         errors.append((name, row))
@@ -144,9 +144,9 @@ def draw_same_filter(study):
         for of in ("texels", "pixel"):
             view = study.view(f"same_filter_{exponent}_{of}", "same_filter", "--source", normal, "--size", "320x240",
                               "--brdf", f"blinn-phong:{exponent}", "--diffuse", "0", "--repeat", "60", *LIGHT,
-                              "--reference-of", of, compare=("truth", *[name for _, name in methods[1:]]))
+                              "--reference-of", of, compare=("reference", *[name for _, name in methods[1:]]))
             columns.append((f"s = {exponent}, {'same filter' if of == 'texels' else 'pixel'}",
-                            {name: relative_l1(view[name], view["truth"]) for _, name in methods}))
+                            {name: relative_l1(view[name], view["reference"]) for _, name in methods}))
     study.heading("What the picture's filter costs")
     study.paragraph("Highlights alone on the four-quarter map, against a reference that averages over the texels that",
                     "the filter takes, and against one that averages over the pixel: the difference is the filter's.")

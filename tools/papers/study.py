@@ -19,7 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from report_page import STYLE, machine, machine_words, table, text  # noqa: E402
 
 # multum-view's name of the picture that others are held to: many samples of the finest normals a pixel.
-REFERENCE = "truth"
+REFERENCE = "reference"
 # A filter of elongated footprints, of every method that can have one.
 ELONGATED_FILTER = ("--taps", "8")
 ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear

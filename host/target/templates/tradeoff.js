@@ -223,8 +223,8 @@ byId("fronts").append(...data.rows.filter((row) => isOnFront(row) && row.same_as
   .flatMap(frontEntry));
 byId("rows").append(measuredTable());
 if (data.has_others) byId("others").append(othersTable());
-if (data.truth_picture) {
-  byId("pictures").append(picture(data.truth_picture, node("b", {}, "truth")));
+if (data.reference_picture) {
+  byId("pictures").append(picture(data.reference_picture, node("b", {}, "reference")));
   for (const row of data.rows.filter((one) => one.picture))
     byId("pictures").append(picture(row.picture, node("b", {}, `${percent(row.rendered_relative_l1)} % off`),
       `: ${nameOf(row)}`));

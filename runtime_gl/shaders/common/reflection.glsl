@@ -20,7 +20,7 @@
 // axis), and with MULTUM_ZONAL_ORDER, which such a representation defines, u_zonal: a_l = integral over the sphere of
 // f(t) P_l(t), a_0 = 1 for what is normalised.
 //
-// MULTUM_TRUTH is drawn many times and averaged: u_sample counts them.
+// MULTUM_REFERENCE is drawn many times and averaged: u_sample counts them.
 //
 // A file of surface/ is a representation of the normals under a fragment:
 //
@@ -43,7 +43,7 @@ uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
 uniform float u_mean_cosine;  // of the roughness that is in the lengths of normals: diffuse light is without
 #endif
 
-#ifdef MULTUM_TRUTH
+#ifdef MULTUM_REFERENCE
 uniform int u_sample;
 #endif
 

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // One normal a fragment, in one of four ways (exactly one is defined):
-//   MULTUM_TRUTH  the finest map's nearest texel        MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
-//   MULTUM_MIP    averaged normal, normalised           MULTUM_LEAN     slope moments (Olano and Baker 2010):
+//   MULTUM_REFERENCE  the finest map's nearest texel    MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
+//   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// and, of TRUTH, not the nearest texel but MULTUM_DRAWN_TEXEL, one drawn from the four around, or with MULTUM_FOOTPRINT
-// from all that the texture's filter averages; or MULTUM_INTERPOLATED, the normal between the four; MULTUM_ROUGHNESS
-// (lengths of normals are a BRDF's width; TRUTH: of each its own), MULTUM_ROUGHNESS_MAP (not TRUTH: unit normals, the
-// width from a roughness map that is averaged as it is, as in an engine), MULTUM_BASIS k (all is times weight k),
-// MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored are the normal map's, by Toksvig's rule: it has no
-// moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the albedo map). MIP, TOKSVIG
+// and, of REFERENCE, not the nearest texel but MULTUM_DRAWN_TEXEL, one drawn from the four around, or with
+// MULTUM_FOOTPRINT from all that the texture's filter averages; or MULTUM_INTERPOLATED, the normal between the four;
+// MULTUM_ROUGHNESS (lengths of normals are a BRDF's width; REFERENCE: of each its own), MULTUM_ROUGHNESS_MAP (not
+// REFERENCE: unit normals, the width from a roughness map that is averaged as it is, as in an engine), MULTUM_BASIS k
+// (all is times weight k), MULTUM_COLOURS, MULTUM_NORMAL_MAP (levels finer than those stored are the normal map's, by
+// Toksvig's rule: it has no moments of slopes; shaded before it is mixed), MULTUM_ALBEDO_MAP (their colours from the
+// albedo map). MIP, TOKSVIG
 // and LEAN read a baked file of moments, or mips of the finest map, which are the same.
-uniform sampler2D u_normals;  // TRUTH: unit; others: averaged normal, w = E[b_s b_t] for LEAN
+uniform sampler2D u_normals;  // REFERENCE: unit; others: averaged normal, w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
 #endif
@@ -46,7 +47,7 @@ struct MultumSurface {
 #endif
 };
 
-#if defined(MULTUM_TRUTH) && !defined(MULTUM_FOOTPRINT)
+#if defined(MULTUM_REFERENCE) && !defined(MULTUM_FOOTPRINT)
 // The finest level at one place: no filter but that between its texels.
 MultumFootprint multum_surface_footprint(vec2 st) { return MultumFootprint(vec2(0.0), 1, 0.0); }
 #else
@@ -217,7 +218,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   vec3 mean = surface.normal.xyz;
   if (length(mean) <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));
-#if defined(MULTUM_TRUTH)
+#if defined(MULTUM_REFERENCE)
   MultumReflection sum = multum_environment_normal(normalize(mean), v);
 #elif defined(MULTUM_MIP)
   MultumReflection sum = multum_environment_lobe(vec4(normalize(mean), 1.0), v);

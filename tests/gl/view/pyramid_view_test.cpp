@@ -231,10 +231,10 @@ TEST_F(HighlightTest, ThePyramidAntialiases) {
   const gl::Mesh mesh(gl(), ball(48));
   gl::PyramidRenderer renderer(gl(), 16, 16);
   const gl::Texture nearest = gl::make_pyramid_texture(gl(), map, gl::PyramidLookup::kBilinear, 1.0f);
-  std::vector<gl::FloatImage> truths, before, after;
+  std::vector<gl::FloatImage> references, before, after;
   for (int k = 0; k < 6; ++k) {
     const glm::vec2 shift(static_cast<float>(k) / 6.0f - 0.5f, 0.1f * static_cast<float>(k));
-    truths.push_back(gl::supersampled(8, [&](glm::vec2 offset) {
+    references.push_back(gl::supersampled(8, [&](glm::vec2 offset) {
       scene.shift = shift + offset;
       return renderer.draw_phong(mesh, lights, scene);
     }));
@@ -243,13 +243,14 @@ TEST_F(HighlightTest, ThePyramidAntialiases) {
     after.push_back(renderer.draw(mesh, nearest, gl::PyramidLookup::kLevel, true, scene));
   }
   // Silhouettes are not antialiased by any map: only pixels that the ball covers whole are compared.
-  for (std::size_t k = 0; k < truths.size(); ++k)
-    for (std::size_t i = 0; i < truths[k].rgba.size(); i += 4)
-      if (truths[k].rgba[i + 3] < 1.0f)
-        for (std::size_t c = 0; c < 3; ++c) truths[k].rgba[i + c] = before[k].rgba[i + c] = after[k].rgba[i + c] = 0.0f;
-  const double error_before = gl::picture_error(before[0], truths[0]).relative_l1;
-  const double error_after = gl::picture_error(after[0], truths[0]).relative_l1;
-  const double flicker_before = gl::flicker(before, truths), flicker_after = gl::flicker(after, truths);
+  for (std::size_t k = 0; k < references.size(); ++k)
+    for (std::size_t i = 0; i < references[k].rgba.size(); i += 4)
+      if (references[k].rgba[i + 3] < 1.0f)
+        for (std::size_t c = 0; c < 3; ++c)
+          references[k].rgba[i + c] = before[k].rgba[i + c] = after[k].rgba[i + c] = 0.0f;
+  const double error_before = gl::picture_error(before[0], references[0]).relative_l1;
+  const double error_after = gl::picture_error(after[0], references[0]).relative_l1;
+  const double flicker_before = gl::flicker(before, references), flicker_after = gl::flicker(after, references);
   std::printf("error %.3f -> %.3f, flicker %.3f -> %.3f\n", error_before, error_after, flicker_before, flicker_after);
   EXPECT_LT(error_after, 0.8 * error_before);
   EXPECT_LT(flicker_after, 0.7 * flicker_before);
@@ -369,13 +370,13 @@ class PyramidModesTest : public ::testing::Test {
 TEST_F(PyramidModesTest, AColourPyramidOnThePlane) {
   write(make_pyramid(PyramidKind::kColour, 16, WrapMode::kPeriodic, [](int x, int y, int) { return (x ^ y) & 1; }),
         "a.exr");
-  const ChildResult result = view({"pyramid", path("a.exr"), "--lookup", "nearest,truth,level,driver", "--samples",
+  const ChildResult result = view({"pyramid", path("a.exr"), "--lookup", "nearest,reference,level,driver", "--samples",
                                    "16", "--report", path("r.json")});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   std::ifstream file(path("r.json"));
   const nlohmann::json rows = nlohmann::json::parse(file)["pictures"];
   ASSERT_EQ(rows.size(), 4u);
-  EXPECT_EQ(rows[0]["name"], "truth");
+  EXPECT_EQ(rows[0]["name"], "reference");
   EXPECT_LT(rows[2]["relative_l1"].get<double>(), 0.75 * rows[1]["relative_l1"].get<double>()) << "mip against nearest";
 }
 
@@ -413,7 +414,7 @@ TEST_F(PyramidModesTest, ReflectedLightOnASurfaceOfLimitedCurvature) {
   ASSERT_EQ(made.exit_code, 0) << made.output;
   const auto error_at = [&](const std::string& level) {
     const ChildResult result =
-        view({"pyramid", lights, "--surface", path("h.exr"), "--surface-level", level, "--lookup", "truth,bilinear",
+        view({"pyramid", lights, "--surface", path("h.exr"), "--surface-level", level, "--lookup", "reference,bilinear",
               "--samples", "16", "--report", path("r.json"), "--pictures", path("l" + level)});
     EXPECT_EQ(result.exit_code, 0) << result.output;
     std::ifstream file(path("r.json"));
@@ -422,7 +423,7 @@ TEST_F(PyramidModesTest, ReflectedLightOnASurfaceOfLimitedCurvature) {
   const double finest = error_at("0"), limited = error_at("4");
   EXPECT_LT(limited, 0.8 * finest);
   const auto bytes = [&](const std::string& name) { return testing::read_bytes(path(name)); };
-  EXPECT_EQ(bytes("l0_truth.png"), bytes("l4_truth.png"));
+  EXPECT_EQ(bytes("l0_reference.png"), bytes("l4_reference.png"));
   EXPECT_NE(bytes("l0_bilinear.png"), bytes("l4_bilinear.png"));
   std::filesystem::remove(path("out.png"));
   expect_refusal({"pyramid", lights, "--mesh", triangle(), "--surface-level", "1"}, 2, {"no --surface"});
@@ -436,9 +437,9 @@ TEST_F(PyramidModesTest, WrongSubjectsAreRefused) {
   expect_refusal({}, 2, {"file", "required"});
   expect_refusal({"pyramid"}, 2, {"multum-view pyramid: ", "file", "required", "'multum-view pyramid --help'"});
   expect_refusal({"pyramid", a, "--mesh", triangle()}, 2, {"a.exr", "found --mesh"});
-  expect_refusal({"pyramid", a, "--compare", "truth"}, 2, {"unknown option '--compare'"});
-  expect_refusal({"pyramid", a, "--lookup", "best"}, 2, {"--lookup", "truth"});
-  expect_refusal({"pyramid", a, "--shifts", "4"}, 2, {"truth", "--lookup"});
+  expect_refusal({"pyramid", a, "--compare", "reference"}, 2, {"unknown option '--compare'"});
+  expect_refusal({"pyramid", a, "--lookup", "best"}, 2, {"--lookup", "reference"});
+  expect_refusal({"pyramid", a, "--shifts", "4"}, 2, {"reference", "--lookup"});
   expect_refusal({"lod", a}, 3, {"a.exr", "pyramid of colours"});
   expect_refusal({"pyramid", path("none.exr")}, 3, {"none.exr"});
   expect_refusal({a}, 3, {"a.exr", "'pyramid of colours'"});
@@ -460,15 +461,15 @@ TEST_F(PyramidModesTest, OldSpellingsDrawTheSameBytes) {
     std::filesystem::remove(path("out.png"));
     return bytes;
   };
-  EXPECT_EQ(drawn({"--mip", a, "--lookup", "nearest,truth", "--samples", "4"}),
-            drawn({"pyramid", a, "--lookup", "nearest,truth", "--samples", "4"}));
+  EXPECT_EQ(drawn({"--mip", a, "--lookup", "nearest,reference", "--samples", "4"}),
+            drawn({"pyramid", a, "--lookup", "nearest,reference", "--samples", "4"}));
   EXPECT_EQ(drawn({"--lod", h, "--level=1.5", "--brdf", "lambert", "--up", "0,1,0"}),
             drawn({"lod", h, "--level=1.5", "--brdf", "lambert", "--up", "0,1,0"}));
   expect_refusal({"--mip", a, "--lod", a}, 2, {"--mip", "--lod", "expected one of them"});
   expect_refusal({a, "--mip", a}, 2, {"a.exr", "--mip", "expected one of them"});
   expect_refusal({"--reflectance", a}, 3, {"a.exr", "pyramid of colours"});
   expect_refusal({"--reflectance", a, "--mesh", triangle()}, 3, {"a.exr", "pyramid of colours"});
-  expect_refusal({"--mip", a, "--compare", "truth"}, 2, {"--compare", "--mip", "'multum-view pyramid'"});
+  expect_refusal({"--mip", a, "--compare", "reference"}, 2, {"--compare", "--mip", "'multum-view pyramid'"});
   expect_refusal({"--mip", a, "--level", "2"}, 2, {"--level", "--mip", "'multum-view pyramid'"});
   expect_refusal({"--material", "a=b"}, 2, {"--material", "expected --mesh"});
 }

@@ -32,7 +32,7 @@ TEST_F(ViewRefusalTest, RefusesWhatIsForAnotherRepresentation) {
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(gl::make_flat_map(8).image, 2, StorageEncoding::kHalf), {});
   expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, {"spherical harmonics", "--formula paper"});
   expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, {"spherical harmonics", "--moments"});
-  expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, {"truth, mip, toksvig, lean, lean-jacobian"});
+  expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, {"reference, mip, toksvig, lean, lean-jacobian"});
 }
 
 TEST_F(ViewRefusalTest, WarnsWhereTheRendererFiltersAnisotropicallyWrong) {
@@ -70,7 +70,7 @@ TEST_F(ViewRefusalTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--up", "0,1"}, 2, {"--up"});
   expect_refusal({"-o", out, "--camera", "0,0,0,1,1,0", "--up", "2,2,0"}, 2, {"line of sight"});
   expect_refusal({"-o", out, "--size", "640x"}, 2, {"WIDTHxHEIGHT"});
-  expect_refusal({"-o", out, "--compare", "truth,leaan"}, 2, {"reference, truth, mip, toksvig, lean"});
+  expect_refusal({"-o", out, "--compare", "reference,leaan"}, 2, {"reference, mip, toksvig, lean"});
   expect_refusal({"-o", out, "--context", "glx"}, 2, {"--context"});
   expect_refusal({"-o", out, "--albedo", "a.png"}, 2, {"--source"});
   expect_refusal({"-o", out, "--samples", "0"}, 2, {"--samples"});
@@ -83,7 +83,7 @@ TEST_F(ViewRefusalTest, WrongCommandLinesAreUsageErrors) {
 TEST_F(ViewRefusalTest, UnusableFilesAreInputErrors) {
   const std::string out = path("out.png");
   expect_refusal({"-o", out, "--mesh", path("none.obj")}, 3, {"none.obj"});
-  expect_refusal({"-o", out, "--compare", "truth", "--source", path("none.png")}, 3, {"none.png"});
+  expect_refusal({"-o", out, "--compare", "reference", "--source", path("none.png")}, 3, {"none.png"});
   write_text_file(path("map.ndf.exr"), "not an image");
   expect_refusal({"-o", out}, 3, {"map.ndf.exr"});
 }
@@ -98,7 +98,7 @@ TEST_F(ViewRefusalTest, OutputsOverwriteNeitherInputsNorEachOther) {
   for (const char* name : {"source.png", "albedo.png", "mesh.obj"}) write_text_file(path(name), "as it was");
   const std::vector<std::string> inputs = {"--source",  path("source.png"), "--albedo", path("albedo.png"),
                                            "--mesh",    path("mesh.obj"),   "--size",   "8x8",
-                                           "--compare", "truth,mip"};
+                                           "--compare", "reference,mip"};
   const auto refuse = [&](std::vector<std::string> outputs) {
     outputs.insert(outputs.end(), inputs.begin(), inputs.end());
     expect_refusal(outputs, 2, {"twice"});
@@ -115,8 +115,8 @@ TEST_F(ViewRefusalTest, OutputsOverwriteNeitherInputsNorEachOther) {
   refuse({"-o", path("one_multum.png"), "--pictures", path("one")});
   fs::rename(path("source.png"), path("one_mip_difference.png"));
   expect_refusal(
-      {"-o", out, "--pictures", path("one"), "--source", path("one_mip_difference.png"), "--compare", "mip,truth"}, 2,
-      {"one_mip_difference.png", "twice"});
+      {"-o", out, "--pictures", path("one"), "--source", path("one_mip_difference.png"), "--compare", "mip,reference"},
+      2, {"one_mip_difference.png", "twice"});
   EXPECT_EQ(fs::file_size(baked), size);
   for (const char* name : {"one_mip_difference.png", "albedo.png", "mesh.obj"})
     EXPECT_EQ(fs::file_size(path(name)), 9u);
@@ -155,8 +155,8 @@ TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
   // Seen from above, near enough that texels are magnified: all that is left is the border between texels.
   const auto error = [&](const std::vector<std::string>& more, bool warns) {
     std::vector<std::string> arguments = {
-        "-o",       path("out.png"),  "--compare", "truth", "--size",   "64x48",        "--samples", "16",
-        "--camera", "0,30,60,0,30,0", "--repeat",  "1",     "--report", path("r.json"), "--context", "osmesa"};
+        "-o",       path("out.png"),  "--compare", "reference", "--size",   "64x48",        "--samples", "16",
+        "--camera", "0,30,60,0,30,0", "--repeat",  "1",         "--report", path("r.json"), "--context", "osmesa"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ChildResult result = view(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.output;
@@ -173,7 +173,7 @@ TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
 }
 
 TEST_F(ViewRefusalTest, NamesGivenTwiceAreDrawnOnce) {
-  const ChildResult result = view({"-o", path("out.png"), "--compare", "mip,truth,mip,truth", "--size", "8x8",
+  const ChildResult result = view({"-o", path("out.png"), "--compare", "mip,reference,mip,reference", "--size", "8x8",
                                    "--samples", "1", "--report", path("r.json"), "--context", "osmesa"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   std::ifstream file(path("r.json"));

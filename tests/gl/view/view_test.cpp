@@ -31,14 +31,14 @@ namespace fs = std::filesystem;
 using testing::ViewTest;
 
 TEST_F(ViewTest, WritesPictureAndReport) {
-  const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip,toksvig,lean", "--size", "64x48",
+  const ChildResult result = view({"-o", path("out.png"), "--compare", "reference,mip,toksvig,lean", "--size", "64x48",
                                    "--samples", "4", "--report", path("r.json"), "--context", "osmesa"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_GT(fs::file_size(path("out.png")), 1000u);
   std::ifstream file(path("r.json"));
   const auto report = nlohmann::json::parse(file);
   ASSERT_EQ(report["pictures"].size(), 5u);
-  EXPECT_EQ(report["pictures"][0]["name"], "truth");
+  EXPECT_EQ(report["pictures"][0]["name"], "reference");
   EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
 }
 
@@ -79,9 +79,10 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(map.image, StorageEncoding::kHalf), {});
   const auto draw = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth,toksvig,lean,lean-jacobian",
-                                          "--size",    "64x48",         "--samples", "16",
-                                          "--context", "osmesa",        "--report",  path("r.json")};
+    std::vector<std::string> arguments = {
+        "-o",        path("out.png"), "--compare", "reference,toksvig,lean,lean-jacobian",
+        "--size",    "64x48",         "--samples", "16",
+        "--context", "osmesa",        "--report",  path("r.json")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ChildResult result = view(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.output;
@@ -89,7 +90,7 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
     std::map<std::string, double> errors;
     const nlohmann::json report = nlohmann::json::parse(file);
     for (const nlohmann::json& picture : report["pictures"])
-      if (picture["name"] != "truth") errors[picture["name"]] = picture["relative_l1"];
+      if (picture["name"] != "reference") errors[picture["name"]] = picture["relative_l1"];
     return errors;
   };
   for (const std::string shading : {"toksvig", "lean", "lean-jacobian"}) {
@@ -102,19 +103,20 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   EXPECT_GT(std::abs(usual.at("toksvig") - usual.at("lean-jacobian")), 0.002);
 }
 
-// Of a broad highlight, which order 8 has: near the truth, whatever the BRDF.
+// Of a broad highlight, which order 8 has: near the reference, whatever the BRDF.
 TEST_F(ViewTest, DrawsSphericalHarmonics) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 8, StorageEncoding::kHalf), {});
   for (const std::string brdf : {"lambert", "blinn-phong:10", "ggx:0.8"}) {
-    const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip", "--size", "64x48", "--samples",
-                                     "64", "--context", "osmesa", "--report", path("r.json"), "--brdf", brdf});
+    const ChildResult result =
+        view({"-o", path("out.png"), "--compare", "reference,mip", "--size", "64x48", "--samples", "64", "--context",
+              "osmesa", "--report", path("r.json"), "--brdf", brdf});
     ASSERT_EQ(result.exit_code, 0) << result.output;
     std::ifstream file(path("r.json"));
     std::map<std::string, double> errors;
     const nlohmann::json report = nlohmann::json::parse(file);
     for (const nlohmann::json& picture : report["pictures"])
-      if (picture["name"] != "truth") errors[picture["name"]] = picture["relative_l1"];
+      if (picture["name"] != "reference") errors[picture["name"]] = picture["relative_l1"];
     EXPECT_LT(errors.at("multum"), 0.25) << brdf;  // most of it the blur of an oblique view
     EXPECT_LT(errors.at("multum"), errors.at("mip")) << brdf;
   }
@@ -145,7 +147,7 @@ gl::TestMap with_weights() {
 
 TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   const auto error_of = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth",
+    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "reference",
                                           "--size",    "64x48",         "--samples", "64",
                                           "--context", "osmesa",        "--report",  path("r.json")};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -173,9 +175,10 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
 // and several are averaged as perceptual roughness, level by level.
 TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   const auto draw = [&](const std::string& baseline, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {
-        "-o",      path("out.exr"), "--compare", "truth," + baseline, "--size", "48x32",    "--pictures",
-        path("p"), "--context",     "osmesa",    "--samples",         "4",      "--report", path("r.json")};
+    std::vector<std::string> arguments = {"-o",        path("out.exr"), "--compare",  "reference," + baseline,
+                                          "--size",    "48x32",         "--pictures", path("p"),
+                                          "--context", "osmesa",        "--samples",  "4",
+                                          "--report",  path("r.json")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ChildResult result = view(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.output;
@@ -255,16 +258,17 @@ TEST_F(ViewTest, BlendsBasisBrdfsByWeights) {
   expect_blend("ggx:0.5", "harmonics");
   write_movmf_mipmap(path("map.ndf.exr"), map.mipmap, {});
   expect_blend("ggx:0.3", "lobes");
-  const ChildResult truth = view({"-o", path("out.exr"), "--size", "32x24", "--samples", "16", "--context", "osmesa",
-                                  "--brdf", "blinn-phong:20", "--brdf", "ggx:0.3", "--compare", "truth,mip"});
-  EXPECT_EQ(truth.exit_code, 0) << truth.output;
+  const ChildResult reference =
+      view({"-o", path("out.exr"), "--size", "32x24", "--samples", "16", "--context", "osmesa", "--brdf",
+            "blinn-phong:20", "--brdf", "ggx:0.3", "--compare", "reference,mip"});
+  EXPECT_EQ(reference.exit_code, 0) << reference.output;
   expect_refusal({"-o", path("out.png"), "--brdf", "lambert", "--brdf", "lambert", "--brdf", "lambert"}, 2,
                  {"map.ndf.exr", "2 weights", "3 of --brdf"});
 }
 
 TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
   const auto error_of = [&](const std::string& brdf) {
-    const ChildResult result = view({"-o", path("out.png"), "--brdf", brdf, "--compare", "truth", "--size", "64x48",
+    const ChildResult result = view({"-o", path("out.png"), "--brdf", brdf, "--compare", "reference", "--size", "64x48",
                                      "--samples", "64", "--report", path("r.json"), "--context", "osmesa"});
     EXPECT_EQ(result.exit_code, 0) << result.output;
     fs::remove(path("out.png"));
@@ -282,12 +286,12 @@ TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
 }
 
 TEST_F(ViewTest, WritesEachPictureByItself) {
-  const ChildResult result = view({"-o", path("out.png"), "--compare", "truth,mip", "--size", "32x24", "--samples", "4",
-                                   "--pictures", path("one"), "--context", "osmesa"});
+  const ChildResult result = view({"-o", path("out.png"), "--compare", "reference,mip", "--size", "32x24", "--samples",
+                                   "4", "--pictures", path("one"), "--context", "osmesa"});
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const char* name : {"truth", "multum", "multum_difference", "mip", "mip_difference"})
+  for (const char* name : {"reference", "multum", "multum_difference", "mip", "mip_difference"})
     EXPECT_TRUE(fs::exists(path(std::string("one_") + name + ".png"))) << name;
-  EXPECT_FALSE(fs::exists(path("one_truth_difference.png")));
+  EXPECT_FALSE(fs::exists(path("one_reference_difference.png")));
 }
 
 TEST_F(ViewTest, WritesFloatsToExr) {
@@ -302,7 +306,7 @@ TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
                                          {"kernel": [[8, 8, 6]], "bias": [-5, -5, -4]}]})";
   write_sky();
   const auto row = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "truth,mip",     "--size",
+    std::vector<std::string> arguments = {"-o",        path("out.png"), "--compare", "reference,mip", "--size",
                                           "32x24",     "--samples",     "64",        "--report",      path("r.json"),
                                           "--context", "osmesa",        "--camera",  "0,10,12,0,20,0"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -328,10 +332,11 @@ TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
 TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
   write_sky();
   const auto drawn = [&](const std::vector<std::string>& light) {
-    std::vector<std::string> arguments = {"-o",       path("out.png"), "--compare", "truth,toksvig,lean,lean-jacobian",
-                                          "--size",   "32x24",         "--samples", "4",
-                                          "--report", path("r.json"),  "--context", "osmesa",
-                                          "--camera", "0,10,12,0,20,0"};
+    std::vector<std::string> arguments = {
+        "-o",       path("out.png"), "--compare", "reference,toksvig,lean,lean-jacobian",
+        "--size",   "32x24",         "--samples", "4",
+        "--report", path("r.json"),  "--context", "osmesa",
+        "--camera", "0,10,12,0,20,0"};
     arguments.insert(arguments.end(), light.begin(), light.end());
     const ChildResult result = view(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.output;
@@ -446,11 +451,11 @@ class FirstLevelViewTest : public ViewTest {
     drop_finer_levels(map_.mipmap, first_level);
     write_movmf_mipmap(path("map.ndf.exr"), map_.mipmap, {});
   }
-  // How far what is drawn is from the truth, which is drawn of the same source.
+  // How far what is drawn is from the reference, which is drawn of the same source.
   double error(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments = {"-o",     path("out.png"),  "--source", path("n.png"),  "--compare",
-                                          "truth",  "--size",         "64x48",    "--samples",    "16",
-                                          "--brdf", "blinn-phong:20", "--report", path("r.json"), "--context",
+    std::vector<std::string> arguments = {"-o",        path("out.png"),  "--source", path("n.png"),  "--compare",
+                                          "reference", "--size",         "64x48",    "--samples",    "16",
+                                          "--brdf",    "blinn-phong:20", "--report", path("r.json"), "--context",
                                           "osmesa"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ChildResult result = view(arguments);
@@ -494,7 +499,7 @@ TEST_F(FirstLevelViewTest, TheNormalMapIsAskedForByName) {
   const ChildResult other = view({"-o", out, "--source", path("other.png"), "--size", "8x8", "--context", "osmesa"});
   EXPECT_EQ(other.exit_code, 0) << other.output;
   testing::expect_says(other.output, {"other.png", "not the file"});
-  testing::expect_says(other.output, {"finest levels", "truth", "baselines"});
+  testing::expect_says(other.output, {"finest levels", "reference", "baselines"});
 }
 
 TEST_F(FirstLevelViewTest, ColoursWithoutTheirMapAreWarnedOf) {

@@ -86,7 +86,7 @@ inline void expect_damage_is_refused(const std::string& path, const std::string&
       expect_error(ErrorCode::kInput, {path + ": " + kind, "'" + place.back() + "' not found"}, [&] { read(path); });
       ++missing_count;
     }
-    nlohmann::json wrong = whole;  // text for numbers, truth values, lists and objects; a list for text
+    nlohmann::json wrong = whole;  // text for numbers, reference values, lists and objects; a list for text
     if (whole.at(place).is_string()) wrong.at(place) = {1};
     else wrong.at(place) = "1";
     write_bytes(path, wrong.dump());

@@ -6,13 +6,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <optional>
 
 #include "host/base/processes/sanitizers.h"
+#include "tests/reference/shared_data.h"
 #include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
@@ -27,11 +27,6 @@ struct ManifestRow {
   Expected expected;
   std::string green;  // "up", "down" or empty
 };
-
-std::string shared_data() {
-  const char* folder = std::getenv("MULTUM_SHARED_DATA");
-  return folder == nullptr ? "" : folder;
-}
 
 std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> result;

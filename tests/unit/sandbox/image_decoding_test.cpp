@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -15,6 +14,7 @@
 #include "host/image/files/exr_layers.h"
 #include "host/image/files/image_file.h"
 #include "host/image/image_reader.h"
+#include "tests/reference/shared_data.h"
 #include "tests/unit/image/image_test_files.h"
 
 namespace multum::testing {
@@ -243,11 +243,11 @@ TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
 }
 
 TEST_F(ImageDecodingTest, DamagedFilesOfTheSharedData) {
-  const char* const data = std::getenv("MULTUM_SHARED_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder of damaged files";
+  const std::string data = shared_data();
+  if (data.empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder of damaged files";
   int count = 0;
   for (const char* kind : {"/bad/image", "/bad/exr", "/exr"})
-    for (const fs::directory_entry& entry : fs::directory_iterator(data + std::string(kind))) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(data + kind)) {
       SCOPED_TRACE(entry.path().string());
       const auto start = std::chrono::steady_clock::now();
       const std::string refusal = refusal_of(entry.path().string());

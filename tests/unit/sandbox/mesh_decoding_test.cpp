@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes read in a child: the same numbers and the same refusals as in this process, and whatever ends the child, or
 // comes of it, is a refusal that names the file.
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -11,6 +10,7 @@
 #include "host/decoder/mesh_readers.h"
 #include "host/mesh/mesh_messages.h"
 #include "host/mesh/mesh_source.h"
+#include "tests/reference/shared_data.h"
 #include "tests/unit/base/test_folder.h"
 #include "tests/unit/texture_inference/animation_test_scene.h"
 
@@ -66,9 +66,9 @@ TEST_F(MeshDecodingTest, FilesReadAsInThisProcess) {
   two.nodes = R"({"name":"group","translation":[0,0,5],"children":[1,2]},)"
               R"({"name":"left","mesh":0,"translation":[-1,0,0]},{"name":"right","mesh":0,"scale":[2,2,2]})";
   std::vector<std::string> paths = {write("two.gltf", gltf_text(two)), write_grid("grid.obj", 20)};
-  if (const char* const data = std::getenv("MULTUM_SHARED_DATA"))
+  if (const std::string data = shared_data(); !data.empty())
     for (const char* name : {"spot.obj", "pc_NormalTangentTest.glb", "dutch_ship/dutch_ship_medium_1k.gltf"})
-      paths.push_back(data + std::string("/mesh/") + name);
+      paths.push_back(data + "/mesh/" + name);
   for (const std::string& path : paths) {
     SCOPED_TRACE(path);
     const TriangleMesh there = read_mesh(path), here = import_mesh(path, 0);
@@ -167,10 +167,10 @@ TEST(MeshMessagesTest, AnswersAreChecked) {
 
 // Damaged meshes are read or refused, in time.
 TEST_F(MeshDecodingTest, DamagedFilesOfTheSharedData) {
-  const char* const data = std::getenv("MULTUM_SHARED_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder of damaged files";
+  const std::string data = shared_data();
+  if (data.empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder of damaged files";
   int count = 0;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(data + std::string("/bad/mesh"))) {
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(data + "/bad/mesh")) {
     if (!entry.is_regular_file()) continue;
     const std::string refusal = refusal_of(entry.path().string());
     std::printf("%-40.40s %s\n", entry.path().filename().c_str(),

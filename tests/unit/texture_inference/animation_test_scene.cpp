@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/base64.h"
+#include "tests/reference/shared_data.h"
 #include "tests/unit/base/test_folder.h"
 #include "tests/unit/image/image_test_files.h"
 
@@ -107,9 +107,8 @@ void write_exr(const std::string& path, int width, int height, const std::vector
 }
 
 std::string shared_field() {
-  const char* folder = std::getenv("MULTUM_SHARED_DATA");
-  if (folder == nullptr) return "";
-  const std::string field = std::string(folder) + "/field_demo1";
+  if (shared_data().empty()) return "";
+  const std::string field = shared_data() + "/field_demo1";
   return std::filesystem::exists(field + "/scene.json") ? field : "";
 }
 

@@ -180,14 +180,14 @@ TEST(IsometricMapTest, GradientAgreesWithFiniteDifferences) {
 TEST(IsometricMapTest, FindsAnIsometryWhereThereIsOneAndALocalMinimumElsewhere) {
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
-  const glm::dmat2 truth(300.0, -40.0, 55.0, 8.0);
+  const glm::dmat2 reference(300.0, -40.0, 55.0, 8.0);
   std::vector<IsometricEdge> edges;
   for (int i = 0; i < 30; ++i) {
     const glm::dvec2 uv(normal(random), normal(random));
-    edges.push_back({uv, glm::length(truth * uv), 1.0 + std::abs(normal(random))});
+    edges.push_back({uv, glm::length(reference * uv), 1.0 + std::abs(normal(random))});
   }
   const glm::dmat2 found = fit_isometric_map(edges, glm::dmat2(100.0, 0.0, 0.0, 100.0), {});
-  const glm::dmat2 metric = glm::transpose(truth) * truth, metric_found = glm::transpose(found) * found;
+  const glm::dmat2 metric = glm::transpose(reference) * reference, metric_found = glm::transpose(found) * found;
   for (glm::length_t c = 0; c < 2; ++c)
     for (glm::length_t r = 0; r < 2; ++r) EXPECT_NEAR(metric_found[c][r], metric[c][r], 1e-3 * metric[0][0]);
   for (IsometricEdge& edge : edges) edge.length *= std::exp(0.5 * normal(random));

@@ -70,11 +70,11 @@ Values each(const std::vector<Direction>& directions, const std::function<double
 }
 
 // In %, over solid angle.
-std::string relative_l1(const std::vector<Direction>& directions, const Values& model, const Values& truth) {
+std::string relative_l1(const std::vector<Direction>& directions, const Values& model, const Values& reference) {
   double off = 0.0, total = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    off += std::abs(model[i] - truth[i]) * directions[i].angle;
-    total += truth[i] * directions[i].angle;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    off += std::abs(model[i] - reference[i]) * directions[i].angle;
+    total += reference[i] * directions[i].angle;
   }
   return fmt::format("{:.2f}", 100.0 * off / total);
 }
@@ -158,54 +158,54 @@ void add_row(MarkdownTable& table, const std::string& name, const Row& error) {
 
 void add_blinn_phong(MarkdownTable& table, ShadingKernels& kernels, const std::vector<Direction>& directions) {
   for (const double s : kExponents) {
-    const auto truth = [&, s](double kappa) {
+    const auto reference = [&, s](double kappa) {
       return each(directions, [&](double theta) { return reference::convolved_blinn_phong(s, kappa, theta); });
     };
     add_row(table, fmt::format("Blinn-Phong {:g}, product of mean cosines", s), [&](double kappa) {
-      return relative_l1(directions, kernels.lobe(upright_lobe(kappa), false, directions, s), truth(kappa));
+      return relative_l1(directions, kernels.lobe(upright_lobe(kappa), false, directions, s), reference(kappa));
     });
     add_row(table, fmt::format("Blinn-Phong {:g}, the paper's s' (eq. 20)", s), [&](double kappa) {
       const double widened = kappa * s / (kappa + s);
       return relative_l1(directions,
                          each(directions, [&](double theta) { return reference::blinn_phong(widened, theta); }),
-                         truth(kappa));
+                         reference(kappa));
     });
     add_row(table, fmt::format("Blinn-Phong {:g}, Toksvig's rule", s), [&](double kappa) {
       MultumFilteredMoments mean = {};
       mean.normal_z = upright_lobe(kappa).z;
       mean.share = 1.0f;
-      return relative_l1(directions, kernels.moments(mean, MULTUM_SHADE_TOKSVIG, directions, s), truth(kappa));
+      return relative_l1(directions, kernels.moments(mean, MULTUM_SHADE_TOKSVIG, directions, s), reference(kappa));
     });
   }
 }
 
 void add_lambert(MarkdownTable& table, ShadingKernels& kernels, const std::vector<Direction>& directions) {
-  const auto truth = [&](double kappa) {
+  const auto reference = [&](double kappa) {
     return each(directions, [&](double theta) { return reference::convolved_lambert(kappa, theta); });
   };
   add_row(table, "Lambert, folded normal's mean", [&](double kappa) {
-    return relative_l1(directions, kernels.lobe(upright_lobe(kappa), false, directions, 0.0), truth(kappa));
+    return relative_l1(directions, kernels.lobe(upright_lobe(kappa), false, directions, 0.0), reference(kappa));
   });
   add_row(table, "Lambert, the paper's max(mu . l, 0)", [&](double kappa) {
     return relative_l1(directions, each(directions, [](double theta) { return std::max(std::cos(theta), 0.0); }),
-                       truth(kappa));
+                       reference(kappa));
   });
 }
 
 // f(1 - cosine) by its terms, counts 1 to 4.
 void add_terms(MarkdownTable& table, const std::string& name, const std::function<double(double e)>& f, double narrow,
                const std::function<std::vector<VmfTerm>(int)>& terms, const std::vector<Direction>& directions) {
-  const auto truth = [&](double kappa) {
+  const auto reference = [&](double kappa) {
     const auto of_angle = [&](double a) { return f(2.0 * std::pow(std::sin(0.5 * a), 2.0)); };
     return each(directions, [&](double theta) { return reference::convolved(of_angle, narrow, kappa, theta); });
   };
-  std::vector<Values> truths;
-  for (const double kappa : kKappas) truths.push_back(truth(kappa));
+  std::vector<Values> references;
+  for (const double kappa : kKappas) references.push_back(reference(kappa));
   for (int count = 1; count <= kBrdfTermCountMax; ++count) {
     const std::vector<VmfTerm> fitted = terms(count);
     std::vector<std::string> cells = {fmt::format("{}, {} term{}", name, count, count > 1 ? "s" : "")};
     for (std::size_t i = 0; i < kKappas.size(); ++i)
-      cells.push_back(relative_l1(directions, product_of_terms(fitted, kKappas[i], directions), truths[i]));
+      cells.push_back(relative_l1(directions, product_of_terms(fitted, kKappas[i], directions), references[i]));
     table.add(cells);
   }
 }
@@ -259,7 +259,7 @@ std::string harmonics_table(const std::vector<Direction>& directions) {
   std::vector<std::string> head = {"harmonics up to order"};
   for (const int order : kOrders) head.push_back(fmt::format("{}", order));
   MarkdownTable table(head);
-  const auto add = [&](const std::string& name, double s, double kappa, const Values& truth) {
+  const auto add = [&](const std::string& name, double s, double kappa, const Values& reference) {
     Brdf lobe, facets;
     lobe.kind = BrdfKind::kTorranceSparrow;  // a vMF
     lobe.sigma = static_cast<float>(std::sqrt(0.5 / kappa));
@@ -280,7 +280,7 @@ std::string harmonics_table(const std::vector<Direction>& directions) {
                                          }
                                          return std::max(sum, 0.0);
                                        }),
-                                  truth));
+                                  reference));
     }
     table.add(cells);
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The truth that bakes are measured against: averages over all finest normals that a texel covers, in one pass over the
-// map by bands of rows. Memory: some rows a light or half vector, and a value for each texel that is looked at.
+// The reference that bakes are measured against: averages over all finest normals that a texel covers, in one pass over
+// the map by bands of rows. Memory: some rows a light or half vector, and a value for each texel that is looked at.
 //
 // Threads share the directions of a band. A direction's sums take the rows in their order, whichever thread it is and
 // however high the bands are, so that neither can be seen in the result.
@@ -83,11 +83,11 @@ BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 
 /// Averages over footprints of a BRDF times n . l, the pixel's own reference: value e of each highlight; with colours
 /// also times channel c, as value (1 + c) * count + e.
-class FootprintTruth : public RowSums {
+class FootprintReference : public RowSums {
  public:
   /// `values`: of the highlights, which `cosines` multiply; none: of Lambert, the cosines alone.
-  FootprintTruth(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
-                 bool has_colours);
+  FootprintReference(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
+                     bool has_colours);
   void add_row(const FinestRow& row) override;
   /// The same of values that are at hand: of each highlight, or of Lambert.
   void add_values(const FinestRow& row, const std::vector<double*>& values);
@@ -105,18 +105,18 @@ class FootprintTruth : public RowSums {
 };
 
 /// Value e of each; with colours also times channel c, as value (1 + c) * count + e.
-class BrdfTruth : public TexelSums {
+class BrdfReference : public TexelSums {
  public:
-  BrdfTruth(const TexelAverages& averages, BrdfValues values, bool has_colours);
+  BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
   void add_row(const FinestRow& row) override;
   /// Gives its values, which are those of `footprints` too, on to it, so that they are evaluated once. Not owned.
-  void share_with(FootprintTruth& footprints) { footprints_ = &footprints; }
+  void share_with(FootprintReference& footprints) { footprints_ = &footprints; }
 
  private:
   const BrdfValues brdf_;
   std::vector<AlignedRow> rows_;  // [exponent]
   AlignedRow coloured_;           // a row
-  FootprintTruth* footprints_ = nullptr;
+  FootprintReference* footprints_ = nullptr;
 };
 
 /// The planes themselves: values 0 to 2 the normal, 3 to 5 the colour if there are any.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages of a plane that comes row by row, and the truth made of them, against the plain averages in double.
-#include "host/accuracy/accuracy_truth.h"
+// Averages of a plane that comes row by row, and the reference made of them, against the plain averages in double.
+#include "host/accuracy/accuracy_reference.h"
 
 #include <gtest/gtest.h>
 
@@ -93,7 +93,7 @@ struct Planes {
 const glm::dvec3 kOmega = glm::normalize(glm::dvec3(0.3, -0.2, 0.8));
 const std::vector<double> kExponents = {500.0, 1.0, 20.0, 2.5};
 
-TEST(AccuracyTruthTest, IsTheAverageOverAllNormals) {
+TEST(AccuracyReferenceTest, IsTheAverageOverAllNormals) {
   for (const PlaneSize map : kSizes) {
     const Planes planes(map);
     const std::vector<PlaneSize> levels = levels_of(map);
@@ -102,9 +102,9 @@ TEST(AccuracyTruthTest, IsTheAverageOverAllNormals) {
     const TexelAverages averages(texels, static_cast<int>(levels.size()));
     const PlaneStore normals(map.width, map.height, planes.normal_rows());
     const PlaneStore albedo(map.width, map.height, planes.albedo_rows());
-    BrdfTruth truth(averages, power_values(kOmega, kExponents), true);
+    BrdfReference reference(averages, power_values(kOmega, kExponents), true);
     PlaneAverages means(averages, true);
-    stream_rows({normals, &albedo}, {2}, {&truth, &means}, nullptr);
+    stream_rows({normals, &albedo}, {2}, {&reference, &means}, nullptr);
     const auto expect_averages = [&](const TexelSums& found, std::size_t value, const auto& finest_value) {
       std::vector<double> finest;
       for (std::size_t i = 0; i < planes.normals[0].size(); ++i) finest.push_back(finest_value(i));
@@ -118,7 +118,7 @@ TEST(AccuracyTruthTest, IsTheAverageOverAllNormals) {
     }
     for (std::size_t e = 0; e < kExponents.size(); ++e)
       for (std::size_t channel = 0; channel < 4; ++channel)
-        expect_averages(truth, channel * kExponents.size() + e, [&](std::size_t i) {
+        expect_averages(reference, channel * kExponents.size() + e, [&](std::size_t i) {
           const glm::dvec3 n(planes.normals[0][i], planes.normals[1][i], planes.normals[2][i]);
           const double f = std::pow(std::max(0.0, glm::dot(kOmega, n)), kExponents[e]);
           return channel == 0 ? f : f * static_cast<double>(planes.albedo[channel - 1][i]);
@@ -127,7 +127,7 @@ TEST(AccuracyTruthTest, IsTheAverageOverAllNormals) {
 }
 
 // Of several families in any order: what is averaged, times highlight_scale(), is the density itself.
-TEST(AccuracyTruthTest, TakesEveryHighlight) {
+TEST(AccuracyReferenceTest, TakesEveryHighlight) {
   const PlaneSize map{37, 61};
   const Planes planes(map);
   const std::vector<PlaneSize> levels = levels_of(map);
@@ -138,8 +138,8 @@ TEST(AccuracyTruthTest, TakesEveryHighlight) {
   std::vector<Highlight> highlights;
   for (const char* text : {"ggx:0.4", "blinn-phong:33.5", "torrance-sparrow:0.2", "blinn-phong:20", "ggx:0.9"})
     highlights.push_back(make_highlight(AccuracyBrdf::named(text), parse_brdf("brdf", text, 4)));
-  BrdfTruth truth(averages, highlight_values(kOmega, highlights), false);
-  stream_rows({normals, nullptr}, {2}, {&truth}, nullptr);
+  BrdfReference reference(averages, highlight_values(kOmega, highlights), false);
+  stream_rows({normals, nullptr}, {2}, {&reference}, nullptr);
   for (std::size_t f = 0; f < highlights.size(); ++f) {
     std::vector<double> finest;
     for (std::size_t i = 0; i < planes.normals[0].size(); ++i) {
@@ -147,14 +147,14 @@ TEST(AccuracyTruthTest, TakesEveryHighlight) {
       finest.push_back(facet_density(highlights[f].brdf, 1.0 - glm::dot(kOmega, n)).y);
     }
     for_each_average(finest, levels, texels, [&](int level, std::size_t slot, double one) {
-      ASSERT_NEAR(highlight_scale(highlights[f]) * truth.at(slot, f), one, 1e-5 * one + 1e-12)
+      ASSERT_NEAR(highlight_scale(highlights[f]) * reference.at(slot, f), one, 1e-5 * one + 1e-12)
           << highlights[f].id.text() << " level " << level;
     });
   }
 }
 
 // Bit for bit.
-TEST(AccuracyTruthTest, DoesNotDependOnThreadsBandsOrWhereThePlanesAre) {
+TEST(AccuracyReferenceTest, DoesNotDependOnThreadsBandsOrWhereThePlanesAre) {
   const testing::TemporaryFolder folder;
   for (const PlaneSize map : {PlaneSize{64, 32}, PlaneSize{37, 61}}) {
     const Planes planes(map);
@@ -169,7 +169,7 @@ TEST(AccuracyTruthTest, DoesNotDependOnThreadsBandsOrWhereThePlanesAre) {
     for (const PlaneStore* normals : {&in_memory, static_cast<const PlaneStore*>(&in_file)})
       for (const StreamSettings& settings :
            {StreamSettings{1, 0}, StreamSettings{2, 1}, StreamSettings{3, 7}, StreamSettings{5, 1000}}) {
-        BrdfTruth first(averages, power_values(kOmega, kExponents), false),
+        BrdfReference first(averages, power_values(kOmega, kExponents), false),
             second(averages, power_values(-kOmega, {20.0}), false);
         stream_rows({*normals, nullptr}, settings, {&first, &second}, nullptr);
         std::vector<double> values;
@@ -183,16 +183,16 @@ TEST(AccuracyTruthTest, DoesNotDependOnThreadsBandsOrWhereThePlanesAre) {
   }
 }
 
-TEST(AccuracyTruthTest, Cancels) {
+TEST(AccuracyReferenceTest, Cancels) {
   const PlaneSize map = {8, 8};
   const Planes planes(map);
   const TexelSelection texels({map}, {{3}});
   const TexelAverages averages(texels, 1);
-  BrdfTruth truth(averages, power_values(kOmega, kExponents), false);
+  BrdfReference reference(averages, power_values(kOmega, kExponents), false);
   const PlaneStore normals(map.width, map.height, planes.normal_rows());
   int calls = 0;
   Progress progress([&](const ProgressEvent&) { return ++calls < 3; });
-  EXPECT_THROW(stream_rows({normals, nullptr}, {1, 1}, {&truth}, &progress), Cancelled);
+  EXPECT_THROW(stream_rows({normals, nullptr}, {1, 1}, {&reference}, &progress), Cancelled);
   EXPECT_EQ(calls, 3);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/accuracy/accuracy_truth.h"
+#include "host/accuracy/accuracy_reference.h"
 
 #include <algorithm>
 #include <numbers>
@@ -115,13 +115,13 @@ BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert) {
           }};
 }
 
-BrdfTruth::BrdfTruth(const TexelAverages& averages, BrdfValues values, bool has_colours)
+BrdfReference::BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours)
     : TexelSums(averages, values.count * (has_colours ? 4 : 1)),
       brdf_(std::move(values)),
       rows_(brdf_.count, AlignedRow(averages.row_length())),
       coloured_(has_colours ? averages.row_length() : 0) {}
 
-void BrdfTruth::add_row(const FinestRow& row) {
+void BrdfReference::add_row(const FinestRow& row) {
   const auto width = static_cast<std::size_t>(averages_.texels().sizes().front().width);
   std::vector<double*> rows;
   for (AlignedRow& values : rows_) rows.push_back(values.data());
@@ -136,8 +136,8 @@ void BrdfTruth::add_row(const FinestRow& row) {
   if (footprints_ != nullptr) footprints_->add_values(row, rows);
 }
 
-FootprintTruth::FootprintTruth(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
-                               bool has_colours)
+FootprintReference::FootprintReference(const FootprintAverages& averages, std::optional<BrdfValues> values,
+                                       BrdfValues cosines, bool has_colours)
     : averages_(averages),
       brdf_(std::move(values)),
       cosines_(std::move(cosines)),
@@ -149,7 +149,7 @@ FootprintTruth::FootprintTruth(const FootprintAverages& averages, std::optional<
       scratch_(averages.scratch_length()),
       sums_(averages.footprints().size() * value_count_) {}
 
-void FootprintTruth::add_row(const FinestRow& row) {
+void FootprintReference::add_row(const FinestRow& row) {
   if (!averages_.needs_row(row.y)) return;
   std::vector<double*> rows;
   for (AlignedRow& values : rows_) rows.push_back(values.data());
@@ -157,7 +157,7 @@ void FootprintTruth::add_row(const FinestRow& row) {
   add_values(row, rows);
 }
 
-void FootprintTruth::add_values(const FinestRow& row, const std::vector<double*>& values) {
+void FootprintReference::add_values(const FinestRow& row, const std::vector<double*>& values) {
   if (!averages_.needs_row(row.y)) return;
   const double* factors = nullptr;
   if (brdf_) {
