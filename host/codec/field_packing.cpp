@@ -258,9 +258,10 @@ FieldSource read_field(const FieldPackSettings& settings, Progress* progress) {
   return source;
 }
 
-ChunkCandidates candidates_for(const std::vector<std::size_t>& sizes) {
+ChunkCandidates candidates_for(const std::vector<std::size_t>& sizes, std::optional<ImageCoder> coder) {
   ChunkCandidates candidates;
   candidates.coders = {{ImageCoder::kDct, 16}, {ImageCoder::kDct, 8}, {ImageCoder::kWavelet, 16}};
+  if (coder) std::erase_if(candidates.coders, [&](const auto& candidate) { return candidate.first != *coder; });
   const auto plain = plain_levels(sizes);
   candidates.pyramids.push_back(plain);
   const auto& top = plain.front();
@@ -285,7 +286,7 @@ ChunkCandidates candidates_for(const std::vector<std::size_t>& sizes) {
   return candidates;
 }
 
-EncodedChunk coded(const ChunkToCode& chunk, double lambda, SharedProgress& progress) {
+EncodedChunk coded(const ChunkToCode& chunk, std::optional<ImageCoder> coder, double lambda, SharedProgress& progress) {
   ObjectWeights& weights = *chunk.weights;
   std::vector<std::size_t> poses;
   for (const auto& samples : chunk.seen_at)
@@ -297,9 +298,9 @@ EncodedChunk coded(const ChunkToCode& chunk, double lambda, SharedProgress& prog
     const std::vector<float> one = texel_masses(weights.poses[pose]);
     for (std::size_t i = 0; i < masses.size(); ++i) masses[i] += one[i];
   }
-  const auto source_of = [&](ImageCoder coder, std::size_t side) {
-    const auto& energies = weights.energies(poses.front(), coder, side);
-    const auto cells = cells_of_coefficients({coder, chunk.width, chunk.height, side});
+  const auto source_of = [&](ImageCoder tried, std::size_t side) {
+    const auto& energies = weights.energies(poses.front(), tried, side);
+    const auto cells = cells_of_coefficients({tried, chunk.width, chunk.height, side});
     ChunkSource source{chunk.width, chunk.height, chunk.sizes, chunk.textures, masses, {}};
     source.coefficient_weights = [&weights, &chunk, &energies, cells, &progress](std::size_t sample) {
       progress.advance(0);
@@ -313,7 +314,7 @@ EncodedChunk coded(const ChunkToCode& chunk, double lambda, SharedProgress& prog
     };
     return source;
   };
-  EncodedChunk result = best_chunk(source_of, candidates_for(chunk.sizes), lambda);
+  EncodedChunk result = best_chunk(source_of, candidates_for(chunk.sizes, coder), lambda);
   progress.advance(1);
   return result;
 }
@@ -325,16 +326,16 @@ struct Round {
   std::vector<std::uint8_t> file;
 };
 
-Round coded_field(const FieldSource& source, const std::vector<std::uint8_t>& description, double lambda, int threads,
-                  Progress* progress) {
+Round coded_field(const FieldSource& source, const std::vector<std::uint8_t>& description,
+                  const FieldPackSettings& settings, double lambda, Progress* progress) {
   progress_stage(progress, fmt::format("code, a bit worth {:.4g}", lambda));
   Round round;
   round.lambda = lambda;
   round.chunks.resize(source.chunks.size());
   SharedProgress shared(progress);
-  for_each_item(static_cast<int>(source.chunks.size()), threads, [&](int i) {
+  for_each_item(static_cast<int>(source.chunks.size()), settings.threads, [&](int i) {
     const auto c = static_cast<std::size_t>(i);
-    round.chunks[c] = coded(source.chunks[c], lambda, shared);
+    round.chunks[c] = coded(source.chunks[c], settings.coder, lambda, shared);
   });
   std::vector<SectionSource> sections = {{static_cast<std::uint32_t>(SectionKind::kDescription), 0, 0, description}};
   for (std::size_t c = 0; c < round.chunks.size(); ++c) {
@@ -411,7 +412,7 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   progress_start(progress, source.chunks.size() * (settings.target.lambda ? 1u : 4u));
   const auto code = [&](double lambda) {
     ++report.rounds;
-    return coded_field(source, description, lambda, settings.threads, progress);
+    return coded_field(source, description, settings, lambda, progress);
   };
   const FieldTarget& target = settings.target;
   const double by_ratio = source.values / target.ratio.value_or(kDefaultRatio);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/progress.h"
+#include "host/codec/decoder/texture_chunk_format.h"
 
 namespace multum {
 
@@ -24,8 +25,9 @@ struct FieldTarget {
 struct FieldPackSettings {
   std::string folder, output;  // output *.mpt
   FieldTarget target;
-  int block = 8;    // samples of a chunk along a parameter, at most
-  int threads = 0;  // <= 0: all; the bytes are the same
+  std::optional<ImageCoder> coder;  // of all chunks; none: of each the better one
+  int block = 8;                    // samples of a chunk along a parameter, at most
+  int threads = 0;                  // <= 0: all; the bytes are the same
 };
 
 struct PackedChunkReport {

@@ -146,6 +146,24 @@ TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {
   EXPECT_LT(drawn_mse("blocks"), 2.0);
 }
 
+TEST_F(PackCommandTest, OneImageCoderMayBeAskedFor) {
+  for (const auto& [coder, flag] : {std::pair<std::string, int>("dct", 0), {"wavelet", 1}}) {
+    const std::string file = coder + ".mpt";
+    ASSERT_EQ(pack(file, {"--lambda", "5", "--coder", coder}).exit_code, 0);
+    PackedFieldFile packed(path(file));
+    std::size_t chunks = 0;
+    for (std::size_t i = 0; i < packed.index().sections().size(); ++i) {
+      if (packed.index().sections()[i].kind != static_cast<std::uint32_t>(SectionKind::kChunk)) continue;
+      ++chunks;
+      EXPECT_EQ(packed.section(i).front() & 1, flag) << packed.section_name(i);
+    }
+    EXPECT_GT(chunks, 0u);
+    ASSERT_EQ(unpack(file, coder).exit_code, 0);
+    EXPECT_LT(drawn_mse(coder), 4.0) << coder;
+  }
+  expect_refusal(pack("none.mpt", {"--coder", "jpeg"}), kUsage, {"--coder", "jpeg", "wavelet"});
+}
+
 TEST_F(PackCommandTest, ADamagedChunkCostsThatChunkAndIsNamed) {
   ASSERT_EQ(pack("field.mpt", {"--lambda", "50"}).exit_code, 0);
   const std::string name = "layer 'diffuse' of object 'ground'";

@@ -15,6 +15,7 @@ namespace {
 struct PackOptions {
   CommonOptions common;
   FieldPackSettings settings;
+  std::string coder = "auto";
 };
 
 struct UnpackOptions {
@@ -24,6 +25,7 @@ struct UnpackOptions {
 
 int run_pack(PackOptions& o) {
   o.settings.threads = apply(o.common);
+  if (o.coder != "auto") o.settings.coder = o.coder == "dct" ? ImageCoder::kDct : ImageCoder::kWavelet;
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
   if (o.common.verbose)
@@ -73,6 +75,9 @@ void add_pack(CLI::App& app, int* exit_code) {
   for (CLI::Option* one : targets)
     for (CLI::Option* other : targets)
       if (one != other) one->excludes(other);
+  pack->add_option("--coder", o.coder, "image coder of all chunks: cosines or wavelets; auto: of each the better one")
+      ->check(CLI::IsMember({"auto", "dct", "wavelet"}))
+      ->capture_default_str();
   pack->add_option("--block", o.settings.block, "samples of a chunk along a parameter, at most")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
