@@ -116,6 +116,7 @@ class Study:
         side of the maps that are made; `samples`: a pixel of the reference."""
         self.title, self.folder, self.programs, self.data = title, folder, programs, data
         self.size, self.samples, self.picture_count = size, samples, 0
+        self.has_made_maps = True
         self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
         self.strips = []  # (file of the folder, its name in docs/images)
         self.markdown = []  # the same for docs/PAPERS.md: headings, paragraphs, tables and strips
@@ -242,7 +243,7 @@ class Study:
 
     def section(self):
         """What docs/PAPERS.md has of this page."""
-        of_maps = f"Maps that are made: {self.size} x {self.size}. "
+        of_maps = f"Maps that are made: {self.size} x {self.size}. " if self.has_made_maps else ""
         # What leads to a picture of the page alone says nothing here.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
                  if not part.endswith(":") or behind.startswith(("|", "!"))]

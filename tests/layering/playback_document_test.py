@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""tools/playback_document.py on a small field of traced frames: its page, its rows, and what it refuses; and its parts:
+the path through the parameters, errors and their places, values between points of a curve, colours of videos.
+
+  tests/layering/playback_document_test.py --programs FOLDER
+"""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+import numpy as np
+from traced_field import write_traced_field
+
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+sys.path[:0] = [str(TOOLS), str(TOOLS / "playback")]
+import curves  # noqa: E402
+import fields  # noqa: E402
+import playback_document  # noqa: E402
+import video_codecs  # noqa: E402
+
+programs = TOOLS.parent / "build/release/bin"
+
+
+class PartsTest(unittest.TestCase):
+    def test_neighbours_of_the_path_differ_by_one_step(self):
+        path = fields.serpentine([3, 4, 2])
+        self.assertEqual((len(path), len(set(path))), (24, 24))
+        for one, other in zip(path, path[1:]):
+            self.assertEqual(sum(abs(a - b) for a, b in zip(one, other)), 1)
+        self.assertEqual(path[:2], [(0, 0, 0), (0, 0, 1)])
+
+    def test_values_of_a_screen(self):
+        shown = fields.eight_bit(np.array([[[-1.0, 0.0, np.nan], [1.0, 7.0, 0.5 ** 2.2]]], np.float32))
+        self.assertEqual(shown.tolist(), [[[0, 0, 0], [255, 255, 128]]])
+
+    def test_error_is_of_all_values(self):
+        black = np.zeros((2, 3, 4, 3), np.uint8)
+        other = black.copy()
+        other[1, 2, 3, 0] = 255  # a difference that 8 bits cannot square
+        self.assertAlmostEqual(fields.mse(black, other), 255 ** 2 / black.size, places=3)
+
+    def test_places_add_up(self):
+        numbers = np.zeros((1, 6, 6), np.uint8)
+        numbers[0, 2:, :3], numbers[0, 2:, 3:] = 1, 2
+        edges = fields.silhouettes(numbers)[0]
+        self.assertTrue(edges[1].all() and edges[2].all() and edges[:, 2][2:].all() and edges[:, 3][2:].all())
+        self.assertFalse(edges[0].any() or edges[3:, :2].any() or edges[3:, 4:].any())
+        errors = np.random.default_rng(7).random(numbers.shape).astype(np.float32)
+        rows = fields.error_places(errors, numbers, ["a", "b"])
+        self.assertEqual(len(rows), 6)
+        self.assertAlmostEqual(sum(row["part"] for row in rows), float(errors.mean()), places=6)
+        self.assertAlmostEqual(sum(row["pixels"] for row in rows), 1.0)
+
+    def test_values_between_points(self):
+        points = [(400, 20.0), (100, 5.0)]
+        self.assertAlmostEqual(curves.value_at(points, 200), 10.0)
+        self.assertAlmostEqual(curves.value_at(points, 400), 20.0)
+        self.assertAlmostEqual(curves.value_at(points, 99), 5.0)  # it came near what was asked for
+        self.assertIsNone(curves.value_at(points, 401))
+        self.assertIsNone(curves.value_at(points, 90))
+
+    def test_names_beside_curves_do_not_overlap(self):
+        self.assertEqual(curves.apart([30, 10, 12], 10), [30, 10, 20])
+
+    def test_colours_survive_the_conversion(self):
+        colours = np.array(np.meshgrid(*[[0, 1, 77, 128, 254, 255]] * 3), np.uint8).reshape(3, 1, 6, 36)
+        frames = np.moveaxis(colours, 0, -1)
+        self.assertLessEqual(np.abs(video_codecs.rgb(video_codecs.ycbcr(frames).astype(float)).astype(int) -
+                                    frames).max(), 1)
+
+    @unittest.skipUnless(os.path.exists("/usr/bin/ffmpeg"), "no ffmpeg here")
+    def test_videos_come_back(self):
+        y, x = np.mgrid[0:48, 0:64]
+        frames = np.stack([np.stack([128 + 100 * np.sin((x + 3 * t) / 9), 128 + 100 * np.cos(y / 7), 2 * x + t], -1)
+                           for t in range(9)]).clip(0, 255).astype(np.uint8)
+        for codec in video_codecs.CODECS:
+            with self.subTest(codec=codec.name):
+                sizes, errors = zip(*[(size, fields.mse(decoded, frames)) for size, decoded in
+                                      (video_codecs.coded(codec, codec.qualities[at], frames) for at in (0, -2))])
+                self.assertGreater(sizes[0], 1.5 * sizes[1])
+                self.assertLess(errors[0], 12)  # colours that are mixed up would be far off
+                self.assertLess(errors[0], errors[1])
+
+    def test_settings_of_a_job(self):
+        job = "a = 1\n[texture]\nwrap = \"clamp\"  # x\npyramid_weight = 0.1  # y\n\n[[layer]]\npyramid_weight = 3\n"
+        changed = playback_document.with_texture_settings(job, {"pyramid_weight": 0.5})
+        self.assertEqual(changed, job.replace("0.1", "0.5"))
+        with self.assertRaisesRegex(SystemExit, "no side_max"):
+            playback_document.with_texture_settings(job, {"side_max": 2})
+
+
+class DocumentTest(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+
+    def run_tool(self, *more, environment=None):
+        return subprocess.run([sys.executable, TOOLS / "playback_document.py", self.folder / "field_small", "--bin",
+                               programs, "--work", self.folder / "work", "-o", self.folder / "PLAYBACK.md",
+                               "--allow-dirty", "--context", "osmesa", "--stated", "6", "12", "20", *more],
+                              capture_output=True, text=True, env=environment)
+
+    def test_page_of_a_small_field(self):
+        write_traced_field(self.folder / "field_small")
+        done = self.run_tool("--parts", "curves", "costs", "--ratios", "6", "20")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        page = (self.folder / "PLAYBACK.md").read_text()
+        self.assertIn("Generated by `tools/playback_document.py` (multum ", page)
+        self.assertIn("2 of view x 2 of light, 96 x 72 pixels; ground, board", page)
+        for name, *_ in playback_document.PACKINGS:
+            errors = re.search(rf"^\| {name} \| (\S+) \| (\S+) \| (\S+) \|$", page, re.MULTILINE)
+            self.assertIsNotNone(errors, name)
+            self.assertEqual(sorted(map(float, errors.groups())), list(map(float, errors.groups())))
+        self.assertRegex(page, r"`multum pack --ratio 12 --threads 2` \| \d+")
+        rows = json.loads((self.folder / "work/rows.json").read_text())
+        packed = [row for row in rows if row["kind"] == "pack"]
+        self.assertEqual(len(packed), 6)
+        own = next(row for row in rows if row["kind"] == "field")["own"]
+        for row in packed:
+            self.assertGreaterEqual(row["ratio"], row["asked"])
+            self.assertLess(row["ratio"], 1.1 * row["asked"])
+            self.assertLess(0, row["mse_beside_inferred"])
+            self.assertLess(row["mse"], 4 * (own + row["mse_beside_inferred"]))
+        drawn = xml.etree.ElementTree.parse(self.folder / "images/playback_field_small.svg")
+        self.assertEqual(len(drawn.findall(".//{*}circle")), 6)
+
+        # Nothing is measured again; what the binary lacks, or cannot do, is left out with a word.
+        before = (self.folder / "work/rows.json").read_bytes()
+        self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
+        self.assertEqual((self.folder / "work/rows.json").read_bytes(), before)
+        self.assertEqual((self.folder / "PLAYBACK.md").read_text(), page)
+        rows.append({"field": "field_small", "kind": "coder", "name": "as it is", "commit": "commit 1", "options": "",
+                     **{key: packed[0][key] for key in packed[0] if key not in ("field", "kind", "name", "commit")}})
+        rows.append({"field": "field_small", "kind": "coder", "name": "open loop", "commit": "commit 1",
+                     "options": "--open-loop", "refused": "there is no --open-loop"})
+        (self.folder / "work/rows.json").write_text(json.dumps(rows))
+        self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
+        page = (self.folder / "PLAYBACK.md").read_text()
+        self.assertIn("Left out: open loop (there is no --open-loop).", page)
+        self.assertIn("commit 1;", page.split("Do not edit")[0])
+
+    def test_missing_ffmpeg_is_named_before_anything_is_done(self):
+        done = self.run_tool(environment={"PATH": str(self.folder)})
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("apt-get install ffmpeg", done.stderr)
+        self.assertFalse((self.folder / "work").exists())
+
+
+if __name__ == "__main__":
+    if "--programs" in sys.argv:
+        at = sys.argv.index("--programs")
+        programs = pathlib.Path(sys.argv[at + 1])
+        del sys.argv[at:at + 2]
+    unittest.main()

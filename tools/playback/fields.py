@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fields of ray-traced frames, as jobs of `multum infer` describe them: their frames in the order of a video, in 8-bit
+values as a screen shows them, and errors of other frames beside them."""
+import json
+import pathlib
+import sys
+import tomllib
+
+import numpy as np
+import OpenImageIO as oiio
+
+GAMMA = 2.2
+WHOLE = 1 - 1 / 512  # coverage of a pixel that one object has to itself
+
+
+def read_channels(path, names):
+    """Float32 [height, width, len(names)], and the file's attributes."""
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        sys.exit(f"{path}: cannot be read: {oiio.geterror()}")
+    spec = source.spec()
+    missing = [name for name in names if name not in spec.channelnames]
+    if missing:
+        sys.exit(f"{path}: has no channel {', '.join(missing)}, only {', '.join(spec.channelnames)}")
+    pixels = np.asarray(source.read_image(oiio.FLOAT), dtype=np.float32)
+    attributes = {one.name: one.value for one in spec.extra_attribs}
+    source.close()
+    return np.stack([pixels[:, :, spec.channelindex(name)] for name in names], axis=2), attributes
+
+
+def eight_bit(linear):
+    """What a screen of gamma 2.2 gets of linear radiance: uint8, 255 for 1 and above, 0 for NaN."""
+    return np.rint(255 * np.clip(np.nan_to_num(linear, nan=0.0), 0, 1) ** (1 / GAMMA)).astype(np.uint8)
+
+
+def squared_errors(frames, others):
+    """Of each pixel, the mean of red, green and blue: float32 [frame, height, width]."""
+    return np.stack([((a.astype(np.int32) - b) ** 2).mean(axis=2, dtype=np.float32) for a, b in zip(frames, others)])
+
+
+def mse(frames, others):
+    """Mean squared error over all values of all frames."""
+    return float(squared_errors(frames, others).mean(dtype=np.float64))
+
+
+class Field:
+    """A job's samples, along a path through the parameters on which neighbours differ by one step: the last parameter
+    fastest, to and fro."""
+
+    def __init__(self, job):
+        self.path = pathlib.Path(job)
+        self.job = tomllib.loads(self.path.read_text())
+        self.width, self.height = self.job["width"], self.job["height"]
+        self.counts = [one["count"] for one in self.job["parameter"]]
+        self.parameters = [one["name"] for one in self.job["parameter"]]
+        by_place = {tuple(one["at"]): one for one in self.job["sample"]}
+        self.samples = [by_place[place] for place in serpentine(self.counts)]
+        self.geometry = self.path.parent / self.job["geometry"]
+        self.raw_bytes = 3 * self.width * self.height * len(self.samples)
+
+    def file(self, sample, key):
+        return self.path.parent / sample[key]
+
+    def traced_frames(self):
+        """uint8 [frame, height, width, 3]."""
+        white = self.job.get("radiance_max", 1)
+        return np.stack([eight_bit(read_channels(self.file(one, "radiance"), "RGB")[0] / white)
+                         for one in self.samples])
+
+    def object_numbers(self):
+        """Which of the job's objects covers most of each pixel, from 1; 0: none. uint8 [frame, height, width]."""
+        known, frames = {}, []
+        for one in self.samples:
+            path = self.file(one, "object_index" if "object_index" in one else "geometry")
+            if path not in known:
+                known[path] = (self.indexed if "object_index" in one else self.cryptomatte)(path)
+            frames.append(known[path])
+        return np.stack(frames)
+
+    def indexed(self, path):
+        """Of an object-index picture."""
+        source = oiio.ImageInput.open(str(path))
+        values = np.asarray(source.read_image(oiio.UINT8)).reshape(self.height, self.width)
+        source.close()
+        numbers = np.zeros_like(values)
+        for number, one in enumerate(self.job["object"], start=1):
+            numbers[values == one["index"]] = number
+        return numbers
+
+    def cryptomatte(self, path):
+        """Of the first rank of a Cryptomatte whose manifest is in the file."""
+        prefix = self.job.get("cryptomatte", "CryptoObject")
+        planes, attributes = read_channels(path, [f"{prefix}00.r"])
+        manifests = [json.loads(value) for name, value in attributes.items()
+                     if name.startswith("cryptomatte/") and name.endswith("/manifest")]
+        hashes = {name: int(value, 16) for manifest in manifests for name, value in manifest.items()}
+        found = np.ascontiguousarray(planes[:, :, 0]).view(np.uint32)
+        numbers = np.zeros(found.shape, np.uint8)
+        for number, one in enumerate(self.job["object"], start=1):
+            if one["cryptomatte"] in hashes:
+                numbers[found == hashes[one["cryptomatte"]]] = number
+        return numbers
+
+
+def serpentine(counts):
+    """Places of a grid, the last dimension fastest, each line of it the other way than the one before."""
+    if not counts:
+        return [()]
+    path, rest = [], serpentine(counts[1:])
+    for first in range(counts[0]):
+        path += [(first, *place) for place in (rest if first % 2 == 0 else reversed(rest))]
+    return path
+
+
+def silhouettes(numbers):
+    """Pixels with another object beside them, also across a corner. bool, the shape of `numbers`."""
+    edges = np.zeros(numbers.shape, bool)
+    for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        there = (slice(None), slice(dy, None), slice(max(dx, 0), numbers.shape[2] + min(dx, 0)))
+        here = (slice(None), slice(0, numbers.shape[1] - dy),
+                slice(max(-dx, 0), numbers.shape[2] - max(dx, 0)))
+        differs = numbers[there] != numbers[here]
+        edges[there] |= differs
+        edges[here] |= differs
+    return edges
+
+
+def error_places(errors, numbers, names):
+    """Where squared errors sit: rows (object or "", "silhouette" or "interior", share of pixels, MSE there, its part of
+    the MSE of all). "": pixels without an object."""
+    edges, rows = silhouettes(numbers), []
+    for number, name in enumerate(["", *names]):
+        for kind, where in (("interior", ~edges), ("silhouette", edges)):
+            chosen = errors[(numbers == number) & where]
+            if chosen.size:
+                total = float(chosen.sum(dtype=np.float64))
+                rows.append({"object": name, "place": kind, "pixels": chosen.size / errors.size,
+                             "mse": total / chosen.size, "part": total / errors.size})
+    return rows

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs multum and multum-view on a field, and what each run took: infers textures, packs, unpacks, draws frames."""
+import dataclasses
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+from fields import eight_bit, read_channels
+
+USAGE = 2  # the exit code of a wrong command line
+SAMPLES_A_RUN = 64  # drawn by one run of multum-view
+
+
+@dataclasses.dataclass
+class Run:
+    """A program's end. Processor seconds are of its children too; the memory is the most that one of them held."""
+    code: int
+    text: str
+    seconds: float
+    processor_seconds: float
+    memory_bytes: int
+
+
+def run(command):
+    begin = time.monotonic()
+    with tempfile.TemporaryFile("w+") as said:
+        child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+        _, status, used = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        said.seek(0)
+        return Run(child.returncode, said.read(), time.monotonic() - begin, used.ru_utime + used.ru_stime,
+                   1024 * used.ru_maxrss)
+
+
+def succeed(command):
+    done = run(command)
+    if done.code != 0:
+        last = "\n".join(done.text.splitlines()[-20:])
+        sys.exit(f"exit code {done.code}: {' '.join(map(str, command))}\n{last}")
+    return done
+
+
+class Programs:
+    def __init__(self, folder, context="auto"):
+        self.multum, self.viewer = pathlib.Path(folder) / "multum", pathlib.Path(folder) / "multum-view"
+        self.context = context
+        self.pack_help = succeed([self.multum, "pack", "--help"]).text
+
+    def version(self):
+        return succeed([self.multum, "--version"]).text.strip()
+
+    def devices(self):
+        lines = succeed([self.multum, "devices"]).text.splitlines()
+        return re.sub(r"^\d+\s+|\s+\(.*", "", lines[0]) if lines else "no device"
+
+    def job(self, folder, path):
+        succeed([self.multum, "animation", folder, "-o", path])
+
+    def infer(self, job, output, options=()):
+        return succeed([self.multum, "infer", job, "-o", output, "--no-frames", "--no-comparison", "--context",
+                        self.context, *options])
+
+    def unknown_option(self, options):
+        """The first of them that `multum pack` does not have; None where it has all."""
+        return next((one for one in options
+                     if one.startswith("--") and not re.search(rf"(?<![\w-]){one}(?![\w-])", self.pack_help)), None)
+
+    def pack(self, folder, file, options):
+        """Its code is USAGE where the command line is refused: a size that cannot be met, an option's value."""
+        done = run([self.multum, "pack", folder, "-o", file, "--quiet", *options])
+        if done.code not in (0, USAGE):
+            sys.exit(f"exit code {done.code} of multum pack {' '.join(map(str, options))}\n{done.text}")
+        return done
+
+    def drawn_frames(self, folder, field):
+        """uint8 [frame, height, width, 3], of all samples."""
+        white, frames = field.job.get("radiance_max", 1), []
+        for begin in range(0, len(field.samples), SAMPLES_A_RUN):
+            with tempfile.TemporaryDirectory() as pictures:
+                names = [one.get("name", "_".join(map(str, one["at"])))
+                         for one in field.samples[begin:begin + SAMPLES_A_RUN]]
+                files = [f"{pictures}/{number}.exr" for number in range(len(names))]
+                succeed([self.viewer, "sample", folder, "--context", self.context,
+                         *[word for name, file in zip(names, files) for word in ("--at", name, "-o", file)]])
+                frames += [eight_bit(read_channels(file, "RGB")[0] / white) for file in files]
+        return np.stack(frames)
+
+    def unpacked_frames(self, file, field, scratch):
+        """Of a packed field. `scratch`: a folder beside the file's own, emptied before and behind."""
+        shutil.rmtree(scratch, ignore_errors=True)
+        succeed([self.multum, "unpack", file, "-o", scratch, "--quiet"])
+        frames = self.drawn_frames(scratch, field)
+        shutil.rmtree(scratch)
+        return frames
