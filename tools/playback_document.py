@@ -95,16 +95,21 @@ class FieldMeasurement:
                 "mse_beside_inferred": mse(frames, self.own), "seconds": done.seconds,
                 "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
 
-    def measure_curves(self, ratios):
+    def measure_curves(self, ratios, coders):
         for name, options, *_ in PACKINGS:
+            if (options[-1] if options else "auto") not in coders:
+                continue
             for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # those of tables first
                 self.rows.measured(self.name, "pack", f"{name}, {ratio:g}:1",
                                    lambda: {"curve": name, "asked": ratio,
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
 
-    def measure_videos(self, video_codecs):
+    def measure_videos(self, video_codecs, beginnings):
+        """`beginnings`: of the names of the codecs, or None for all."""
         from fields import mse
         for codec in video_codecs.CODECS:
+            if beginnings and not codec.name.startswith(tuple(beginnings)):
+                continue
             for quality in codec.qualities:
                 def measure():
                     size, frames = video_codecs.coded(codec, quality, self.traced)
@@ -126,12 +131,12 @@ class FieldMeasurement:
             self.rows.measured(self.name, "cost", f"{threads} threads", lambda: {
                 "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
 
-    def measure_inference(self, keeps):
-        """`keeps`: textures of all ways stay in the work folder."""
+    def measure_inference(self, keeps, ways):
+        """`keeps`: textures of all ways stay in the work folder. `ways`: the first so many of INFERENCES."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
-        for name, changes, options in INFERENCES:
+        for name, changes, options in INFERENCES[:ways]:
             def measure():
                 if not changes and not options:
                     row = self.rows.find(self.name, "field", "inferred")
@@ -363,10 +368,14 @@ def arguments():
     parser.add_argument("--parts", nargs="+", default=PARTS, choices=PARTS, help="what is measured (default: all)")
     parser.add_argument("--ratios", nargs="+", type=float, default=[48, 96, 192, 384, 768, 1000],
                         help="of the curves of multum pack")
+    parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"), help="of the curves of multum pack")
+    parser.add_argument("--videos", nargs="+", help="codecs by their names' beginnings, as 'AV1' (default: all)")
     parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
                         help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
     parser.add_argument("--measure-nothing", action="store_true", help="make the page of the rows that are there")
     parser.add_argument("--context", default="auto", help="GL that draws: auto, egl, osmesa")
+    parser.add_argument("--inferences", type=int, default=len(INFERENCES),
+                        help="ways to infer that are compared, the first so many")
     parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     committed_tree.add_option(parser)
@@ -387,15 +396,15 @@ def main():
     for folder in [] if given.measure_nothing else given.fields:
         field = FieldMeasurement(*prepared(folder, given.work, programs, rows), programs, rows, given.stated)
         if "curves" in given.parts:
-            field.measure_curves(given.ratios)
+            field.measure_curves(given.ratios, given.coders)
         if "video" in given.parts:
-            field.measure_videos(video_codecs)
+            field.measure_videos(video_codecs, given.videos)
         if "coder" in given.parts:
             field.measure_coder_sets()
         if "costs" in given.parts:
             field.measure_costs()
         if "inference" in given.parts:
-            field.measure_inference(given.keep)
+            field.measure_inference(given.keep, given.inferences)
     names = [folder.name for folder in given.fields]
     used = [row for row in rows.all if row["field"] in names]
     machine = "; ".join([programs.version(), *sorted({row["commit"] for row in used}), f"on {programs.devices()}",
