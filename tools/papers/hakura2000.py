@@ -156,7 +156,7 @@ def reproduce(study):
         field = FieldStudy(study, name)
         for figure in figures:
             figure(study, field)
-    study.paragraph("[ANIMATION](ANIMATION.md) has the errors of inferred textures over those of forward mapping. Its",
+    study.paragraph("docs/ANIMATION.md has the errors of inferred textures over those of forward mapping. Its",
                     "forward mapping is not the paper's: pixels are splatted bilinearly, where the paper resamples",
                     "with a Lanczos-windowed sinc of 16 x 16 taps. Of that one no factor is stated here.",
-                    "[PLAYBACK](PLAYBACK.md) has curves of error over size, and what each part of the coder brings.")
+                    "docs/PLAYBACK.md has curves of error over size, and what each part of the coder brings.")
