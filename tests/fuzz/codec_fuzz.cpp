@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The decoder of compressed animations: indexes of packed fields, and texture chunks. It throws nothing; what it cannot
-// use it refuses with a reason.
+// use it refuses with a reason. And descriptions, which are read with more libraries and refused by Error.
+#include <zlib.h>
+
+#include "host/codec/byte_writer.h"
 #include "host/codec/chunk_choice.h"
 #include "host/codec/decoder/mip_levels.h"
 #include "host/codec/decoder/section_checksum.h"
+#include "host/codec/field_description.h"
 #include "host/codec/packed_file.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -78,27 +82,114 @@ void decode_chunk(std::span<const std::uint8_t> bytes) {
   mip_levels(format->width, format->height, texture);
 }
 
+/// 3 views by 2 lights of two objects, one of them moved; a layer that varies with both, one that is unseen at some.
+FieldDescription small_description() {
+  FieldDescription description;
+  InferredManifest& field = description.field;
+  field.geometry_file = "scene.glb";
+  field.geometry_hash = std::string(64, 'a');
+  field.width = 32;
+  field.height = 24;
+  field.supersampling = 4;
+  field.parameters = {"view", "light"};
+  field.objects.resize(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    InferredObject& object = field.objects[k];
+    object.name = object.mesh = k == 0 ? "wall" : "vase \u00e9";
+    object.mappings.resize(2);
+    object.mappings[0].width = object.mappings[1].height = 21;
+  }
+  for (int view = 0; view < 3; ++view)
+    for (int light = 0; light < 2; ++light) {
+      InferredSample sample;
+      sample.name = std::to_string(view) + "_" + std::to_string(light);
+      sample.at = {view, light};
+      sample.world_to_clip[3][0] = 0.1 * view;
+      if (light == 1) sample.object_to_world["wall"][3][1] = 1e-3;
+      field.samples.push_back(sample);
+      for (InferredObject& object : field.objects) object.mapping_of_sample.push_back(view / 2);
+    }
+  description.layers = {{0, "gloss", {{{0, 0}, {2, 2}, {0, 1}}, {{2, 0}, {1, 2}, {1}}}, {1, 4}},
+                        {1, "diffuse", {{{0, 0}, {3, 1}, {0}}, {{0, 1}, {3, 1}, {}}}, {}}};
+  return description;
+}
+
+/// A description's text by itself, which mutations reach: behind zlib's checksum they would not.
+std::string description_text(const std::vector<std::uint8_t>& section) {
+  ByteReader reader(section);
+  std::string text(reader.number(1 << 20), '\0');
+  auto length = static_cast<uLongf>(text.size());
+  const auto packed = reader.bytes(reader.left());
+  MULTUM_CHECK(uncompress(reinterpret_cast<Bytef*>(text.data()), &length, packed.data(),
+                          static_cast<uLong>(packed.size())) == Z_OK);
+  return text;
+}
+
+std::vector<std::uint8_t> packed_text(const std::vector<std::uint8_t>& text) {
+  std::vector<Bytef> packed(compressBound(static_cast<uLong>(text.size())));
+  auto length = static_cast<uLongf>(packed.size());
+  MULTUM_CHECK(compress2(packed.data(), &length, text.data(), static_cast<uLong>(text.size()), Z_BEST_SPEED) == Z_OK);
+  ByteWriter writer;
+  writer.number(text.size());
+  writer.bytes(std::span(packed).first(length));
+  return writer.written();
+}
+
+/// What is not refused fits together as whoever plays the field takes it to.
+void read_description(std::span<const std::uint8_t> bytes) {
+  fuzz::may_refuse([&] {
+    const FieldDescription description = decode_description(bytes);
+    const InferredManifest& field = description.field;
+    for (const InferredSample& sample : field.samples)
+      MULTUM_CHECK(description.grid.position_of(sample.at) < field.samples.size());
+    for (const InferredObject& object : field.objects)
+      for (std::size_t s = 0; s < field.samples.size(); ++s) {
+        const TextureMapping& mapping = object.mappings.at(static_cast<std::size_t>(object.mapping_of_sample.at(s)));
+        MULTUM_CHECK(mapping.width >= 1 && mapping.height >= 1);
+      }
+    for (const PackedLayer& layer : description.layers) {
+      MULTUM_CHECK(layer.object < field.objects.size());
+      std::size_t covered = 0;
+      for (const FieldBlock& block : layer.blocks) {
+        std::size_t textures = 1;
+        for (const std::size_t size : block.chunk_sizes()) textures *= size;
+        for (const std::size_t s : description.grid.samples_in(block)) {
+          MULTUM_CHECK(block.chunk_sample(field.samples.at(s).at) < textures);
+          ++covered;
+        }
+      }
+      MULTUM_CHECK(covered == field.samples.size());
+      for (const int sample : layer.unseen) field.samples.at(static_cast<std::size_t>(sample));
+    }
+  });
+}
+
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
   const auto chunk = small_chunk(ImageCoder::kDct, false);
+  const auto description = encode_description(small_description());
   const auto file = packed_file({{0, 0, 0, {1, 2, 3}}, {1, 0, 0, chunk}, {1, 3, 200, {}}});
   return {seed(0, file),
           seed(1, file),
           seed(2, chunk),
           seed(2, small_chunk(ImageCoder::kDct, true)),
           seed(2, small_chunk(ImageCoder::kWavelet, false)),
-          seed(2, small_chunk(ImageCoder::kWavelet, true))};
+          seed(2, small_chunk(ImageCoder::kWavelet, true)),
+          seed(3, description),
+          char(4) + description_text(description)};
 }
 
 }  // namespace multum
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace multum;
-  const fuzz::Input input = fuzz::split(data, size, 3);
+  const fuzz::Input input = fuzz::split(data, size, 5);
   const std::vector<std::uint8_t> bytes(input.bytes.begin(), input.bytes.end());
   if (input.kind == 0) decode_index(bytes);
   if (input.kind == 1) decode_mended_index(bytes);
   if (input.kind == 2) decode_chunk(bytes);
+  if (input.kind == 3) read_description(bytes);
+  if (input.kind == 4) read_description(packed_text(bytes));
   return 0;
 }
