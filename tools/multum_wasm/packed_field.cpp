@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum_wasm/packed_field.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <memory>
+
+#include "host/codec/decoder/packed_index.h"
+#include "host/codec/decoder/texture_chunk.h"
+
+struct MultumPackedField {
+  std::span<const std::uint8_t> bytes;
+  multum::PackedIndex index;
+  std::vector<const multum::PackedSection*> chunks;
+
+  std::span<const std::uint8_t> section(const multum::PackedSection& section) const {
+    return bytes.subspan(static_cast<std::size_t>(section.offset), static_cast<std::size_t>(section.length));
+  }
+  const multum::PackedSection* description() const {
+    const multum::PackedSection* found = index.find(multum::SectionKind::kDescription, 0, 0);
+    return found != nullptr && is_intact(*found, section(*found)) ? found : nullptr;
+  }
+};
+
+struct MultumTextureChunk {
+  std::unique_ptr<multum::TextureChunk> decoded;
+};
+
+namespace {
+
+std::string last_problem;
+
+/// The nearest half, ties to even.
+std::uint16_t half_bits(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(std::clamp(value, -65504.0f, 65504.0f));
+  const std::uint32_t sign = bits >> 16 & 0x8000, magnitude = bits & 0x7fffffff;
+  if (magnitude < 0x38800000) {  // below 2^-14 halves are multiples of 2^-24, as floats beside 1/2 are of 2^-24
+    const float shifted = std::bit_cast<float>(magnitude) + 0.5f;
+    return static_cast<std::uint16_t>(sign | (std::bit_cast<std::uint32_t>(shifted) - 0x3f000000));
+  }
+  const std::uint32_t rounded = magnitude + 0xfff + (magnitude >> 13 & 1);
+  return static_cast<std::uint16_t>(sign | ((rounded - 0x38000000) >> 13));
+}
+
+}  // namespace
+
+void* multum_allocate(std::size_t size) { return std::malloc(size); }
+void multum_release(void* memory) { std::free(memory); }
+
+MultumPackedField* multum_open(const std::uint8_t* bytes, std::size_t size) {
+  auto field = std::make_unique<MultumPackedField>();
+  field->bytes = {bytes, size};
+  auto index = multum::PackedIndex::read(field->bytes, last_problem);
+  if (!index) return nullptr;
+  if (index->file_bytes() != size) {
+    last_problem = "the file is longer or shorter than its index says";
+    return nullptr;
+  }
+  field->index = std::move(*index);
+  for (const multum::PackedSection& section : field->index.sections())
+    if (section.kind == static_cast<std::uint32_t>(multum::SectionKind::kChunk)) field->chunks.push_back(&section);
+  return field.release();
+}
+
+void multum_close(MultumPackedField* field) { delete field; }
+const char* multum_problem() { return last_problem.c_str(); }
+
+std::size_t multum_description_offset(const MultumPackedField* field) {
+  const multum::PackedSection* section = field->description();
+  return section == nullptr ? 0 : static_cast<std::size_t>(section->offset);
+}
+
+std::size_t multum_description_length(const MultumPackedField* field) {
+  const multum::PackedSection* section = field->description();
+  return section == nullptr ? 0 : static_cast<std::size_t>(section->length);
+}
+
+std::size_t multum_chunk_count(const MultumPackedField* field) { return field->chunks.size(); }
+std::uint32_t multum_chunk_layer(const MultumPackedField* field, std::size_t chunk) {
+  return field->chunks[chunk]->layer;
+}
+std::uint32_t multum_chunk_block(const MultumPackedField* field, std::size_t chunk) {
+  return field->chunks[chunk]->block;
+}
+
+MultumTextureChunk* multum_decode(const MultumPackedField* field, std::size_t chunk) {
+  const multum::PackedSection& section = *field->chunks[chunk];
+  const std::span<const std::uint8_t> bytes = field->section(section);
+  if (!is_intact(section, bytes)) {
+    last_problem = "the chunk is damaged: its checksum differs";
+    return nullptr;
+  }
+  auto decoded = multum::TextureChunk::decode(bytes, last_problem);
+  if (decoded == nullptr) return nullptr;
+  if (decoded->was_cut_short()) {
+    last_problem = "the chunk is damaged: it ends before its images do";
+    return nullptr;
+  }
+  return new MultumTextureChunk{std::move(decoded)};
+}
+
+void multum_chunk_close(MultumTextureChunk* chunk) { delete chunk; }
+std::size_t multum_width(const MultumTextureChunk* chunk) { return chunk->decoded->format().width; }
+std::size_t multum_height(const MultumTextureChunk* chunk) { return chunk->decoded->format().height; }
+std::size_t multum_sample_count(const MultumTextureChunk* chunk) { return chunk->decoded->sample_count(); }
+
+void multum_texture(const MultumTextureChunk* chunk, std::size_t sample, float* out) {
+  const std::vector<float> texture = chunk->decoded->texture(sample);
+  std::copy(texture.begin(), texture.end(), out);
+}
+
+void multum_radiance_halves(const MultumTextureChunk* chunk, std::size_t sample, std::uint16_t* out) {
+  const std::vector<float> texture = chunk->decoded->texture(sample);
+  std::transform(texture.begin(), texture.end(), out,
+                 [](float value) { return half_bits(multum::radiance_of(value)); });
+}

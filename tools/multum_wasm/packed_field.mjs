@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Packed fields of animations (docs/FORMAT.md) in JavaScript, browser or Node: packed_field.wasm, which
+// tools/wasm_decoder compiles, behind two classes.
+//
+//     const decoder = await loadDecoder(bytesOfWasm)
+//     const field = decoder.open(bytesOfFile)
+//     const chunk = field.chunk(0)                  // of field.chunkCount; its layer and block, width, height
+//     chunk.radianceHalves(sample)                  // Uint16Array, [height][width][3], for a texture of halves
+//     chunk.close(); field.close()
+
+const notSupported = 52  // ENOSYS of WASI: the decoder knows neither files nor time
+
+export async function loadDecoder(bytes) {
+  const module = await WebAssembly.compile(bytes)
+  const imports = {}
+  for (const { module: from, name } of WebAssembly.Module.imports(module)) {
+    imports[from] ??= {}
+    imports[from][name] = name === 'proc_exit'
+      ? () => { throw new Error('the decoder ended: out of memory') }
+      : () => notSupported
+  }
+  const { exports } = await WebAssembly.instantiate(module, imports)
+  exports._initialize?.()
+  return new Decoder(exports)
+}
+
+class Decoder {
+  constructor(wasm) { this.wasm = wasm }
+
+  // Throws Error saying what is wrong with the bytes.
+  open(bytes) {
+    const memory = this.allocated(bytes.length)
+    new Uint8Array(this.wasm.memory.buffer, memory, bytes.length).set(bytes)
+    const field = this.wasm.multum_open(memory, bytes.length)
+    if (field === 0) {
+      this.wasm.multum_release(memory)
+      throw new Error(this.problem())
+    }
+    return new PackedField(this, memory, field)
+  }
+
+  allocated(size) {
+    const memory = this.wasm.multum_allocate(size) >>> 0
+    if (memory === 0) throw new Error(`no memory for ${size} bytes`)
+    return memory
+  }
+
+  problem() {
+    const begin = this.wasm.multum_problem() >>> 0
+    const bytes = new Uint8Array(this.wasm.memory.buffer, begin)
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
+  }
+}
+
+class PackedField {
+  constructor(decoder, memory, field) {
+    Object.assign(this, { decoder, memory, field })
+    this.chunkCount = decoder.wasm.multum_chunk_count(field)
+  }
+
+  // The object that docs/FORMAT.md, "The description", has; null where it is damaged or missing.
+  async description() {
+    const { wasm } = this.decoder
+    const length = wasm.multum_description_length(this.field)
+    if (length === 0) return null
+    const begin = this.memory + wasm.multum_description_offset(this.field)
+    const section = new Uint8Array(wasm.memory.buffer, begin, length).slice()
+    const text = section.subarray(section.findIndex(byte => byte < 128) + 1)  // behind the number that says how long
+    const inflated = new Blob([text]).stream().pipeThrough(new DecompressionStream('deflate'))
+    return new Response(inflated).json()
+  }
+
+  // Throws Error saying what is wrong with the chunk's bytes.
+  chunk(number) {
+    if (!(number >= 0 && number < this.chunkCount)) throw new RangeError(`there is no chunk ${number}`)
+    const { wasm } = this.decoder
+    const chunk = wasm.multum_decode(this.field, number)
+    if (chunk === 0) throw new Error(this.decoder.problem())
+    return new TextureChunk(this.decoder, chunk, wasm.multum_chunk_layer(this.field, number),
+                            wasm.multum_chunk_block(this.field, number))
+  }
+
+  close() {
+    this.decoder.wasm.multum_close(this.field)
+    this.decoder.wasm.multum_release(this.memory)
+  }
+}
+
+class TextureChunk {
+  constructor(decoder, chunk, layer, block) {
+    Object.assign(this, { decoder, chunk, layer, block })
+    this.width = decoder.wasm.multum_width(chunk)
+    this.height = decoder.wasm.multum_height(chunk)
+    this.sampleCount = decoder.wasm.multum_sample_count(chunk)
+  }
+
+  // Gamma-coded floats, 255 for a radiance of 1, [height][width][3].
+  texture(sample) { return this.values(sample, 'multum_texture', Float32Array) }
+
+  // Radiance, as the bits of halves.
+  radianceHalves(sample) { return this.values(sample, 'multum_radiance_halves', Uint16Array) }
+
+  values(sample, name, List) {
+    if (!(sample >= 0 && sample < this.sampleCount)) throw new RangeError(`there is no sample ${sample}`)
+    const count = 3 * this.width * this.height
+    const memory = this.decoder.allocated(count * List.BYTES_PER_ELEMENT)
+    this.decoder.wasm[name](this.chunk, sample, memory)
+    const values = new List(this.decoder.wasm.memory.buffer, memory, count).slice()
+    this.decoder.wasm.multum_release(memory)
+    return values
+  }
+
+  close() { this.decoder.wasm.multum_chunk_close(this.chunk) }
+}
