@@ -10,18 +10,12 @@
 #include <vector>
 
 #include "host/asset/inferred/filter_matrix.h"
-#include "host/codec/decoder/texture_chunk_format.h"
+#include "host/codec/image_transforms.h"
 
 namespace multum {
 
 /// Side of the squares of texels over which shares of layers are averaged.
 constexpr std::size_t kShareCell = 16;
-
-struct CoefficientLayout {
-  ImageCoder coder = ImageCoder::kDct;
-  std::size_t width = 1, height = 1;  // texels
-  std::size_t side = 16;              // of cosine blocks
-};
 
 /// What the square of an error of each coefficient weighs in the picture of a pose: cosines [block][v][u], wavelets
 /// [height][width]. Coefficients whose place is seen in part, or has a neighbour that is seen, weigh more than that:

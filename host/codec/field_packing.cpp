@@ -89,6 +89,7 @@ struct FieldSource {
   std::vector<std::unique_ptr<ObjectWeights>> weights;  // of objects
   std::vector<ChunkToCode> chunks;
   double values = 0.0;  // of all frames, three a pixel
+  ImageTransforms* transforms = nullptr;
 };
 
 bool same_pose(const InferredSample& a, const InferredSample& b) {
@@ -286,7 +287,8 @@ ChunkCandidates candidates_for(const std::vector<std::size_t>& sizes, std::optio
   return candidates;
 }
 
-EncodedChunk coded(const ChunkToCode& chunk, std::optional<ImageCoder> coder, double lambda, SharedProgress& progress) {
+EncodedChunk coded(const ChunkToCode& chunk, ImageTransforms& transforms, std::optional<ImageCoder> coder,
+                   double lambda, SharedProgress& progress) {
   ObjectWeights& weights = *chunk.weights;
   std::vector<std::size_t> poses;
   for (const auto& samples : chunk.seen_at)
@@ -300,8 +302,15 @@ EncodedChunk coded(const ChunkToCode& chunk, std::optional<ImageCoder> coder, do
   }
   const auto source_of = [&](ImageCoder tried, std::size_t side) {
     const auto& energies = weights.energies(poses.front(), tried, side);
-    const auto cells = cells_of_coefficients({tried, chunk.width, chunk.height, side});
+    const CoefficientLayout layout{tried, chunk.width, chunk.height, side};
+    const auto cells = cells_of_coefficients(layout);
     ChunkSource source{chunk.width, chunk.height, chunk.sizes, chunk.textures, masses, {}};
+    // Axes depend on textures and masses alone: all candidates of a layout start from the same coefficients.
+    source.coefficients = [&chunk, &transforms, layout,
+                           kept = std::make_shared<std::vector<PlaneCoefficients>>()](const PlaneAxes& axes) {
+      if (kept->empty()) *kept = transforms.coefficients(layout, chunk.textures, axes);
+      return *kept;
+    };
     source.coefficient_weights = [&weights, &chunk, &energies, cells, &progress](std::size_t sample) {
       progress.advance(0);
       std::vector<float> sum(cells.size());
@@ -335,7 +344,7 @@ Round coded_field(const FieldSource& source, const std::vector<std::uint8_t>& de
   SharedProgress shared(progress);
   for_each_item(static_cast<int>(source.chunks.size()), settings.threads, [&](int i) {
     const auto c = static_cast<std::size_t>(i);
-    round.chunks[c] = coded(source.chunks[c], settings.coder, lambda, shared);
+    round.chunks[c] = coded(source.chunks[c], *source.transforms, settings.coder, lambda, shared);
   });
   std::vector<SectionSource> sections = {{static_cast<std::uint32_t>(SectionKind::kDescription), 0, 0, description}};
   for (std::size_t c = 0; c < round.chunks.size(); ++c) {
@@ -406,7 +415,9 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   check_writable(settings.output);
   progress_start(progress, 0);
   progress_stage(progress, "read");
-  const FieldSource source = read_field(settings, progress);
+  FieldSource source = read_field(settings, progress);
+  HostImageTransforms on_host;
+  source.transforms = settings.transforms != nullptr ? settings.transforms : &on_host;
   const std::vector<std::uint8_t> description = encode_description(source.description);
   FieldPackReport report;
   progress_start(progress, source.chunks.size() * (settings.target.lambda ? 1u : 4u));

@@ -11,6 +11,7 @@
 
 #include "host/base/progress.h"
 #include "host/codec/decoder/texture_chunk_format.h"
+#include "host/codec/image_transforms.h"
 
 namespace multum {
 
@@ -25,9 +26,10 @@ struct FieldTarget {
 struct FieldPackSettings {
   std::string folder, output;  // output *.mpt
   FieldTarget target;
-  std::optional<ImageCoder> coder;  // of all chunks; none: of each the better one
-  int block = 8;                    // samples of a chunk along a parameter, at most
-  int threads = 0;                  // <= 0: all; the bytes are the same
+  std::optional<ImageCoder> coder;        // of all chunks; none: of each the better one
+  int block = 8;                          // samples of a chunk along a parameter, at most
+  int threads = 0;                        // <= 0: all; the bytes are the same
+  ImageTransforms* transforms = nullptr;  // that make coefficients; null: those without a device
 };
 
 struct PackedChunkReport {

@@ -47,7 +47,6 @@ class ImageCoding {
   ImageCoding(const ImageCoding&) = delete;
   ImageCoding& operator=(const ImageCoding&) = delete;
   virtual ~ImageCoding() = default;
-  virtual std::vector<float> transformed(std::vector<float> plane) const = 0;
   /// Codes an image and gives its coefficients as decoded, of each plane.
   virtual std::array<std::vector<float>, 3> add(std::array<std::vector<float>, 3> wanted, std::vector<float> weights,
                                                 std::optional<std::size_t> parent, std::size_t level, float scale) = 0;
@@ -58,8 +57,6 @@ class DctCoding : public ImageCoding {
  public:
   DctCoding(const TextureChunkFormat& format, float lambda)
       : grid_{format.width, format.height, format.side}, steps_(format.steps()), lambda_(lambda), encoder_(grid_) {}
-
-  std::vector<float> transformed(std::vector<float> plane) const override { return block_coefficients(grid_, plane); }
 
   std::array<std::vector<float>, 3> add(std::array<std::vector<float>, 3> wanted, std::vector<float> weights,
                                         std::optional<std::size_t> parent, std::size_t level, float scale) override {
@@ -95,11 +92,6 @@ class WaveletCoding : public ImageCoding {
         steps_(format.steps()),
         lambda_(lambda),
         encoder_(width_, height_) {}
-
-  std::vector<float> transformed(std::vector<float> plane) const override {
-    forward_wavelet(width_, height_, plane);
-    return plane;
-  }
 
   std::array<std::vector<float>, 3> add(std::array<std::vector<float>, 3> wanted, std::vector<float> weights,
                                         std::optional<std::size_t> parent, std::size_t, float scale) override {
@@ -214,9 +206,8 @@ float error_share(const TextureChunkFormat& format, const Share& share) {
 /// What the samples still lack, coefficient by coefficient, and what of it an image shall be.
 class Residual {
  public:
-  explicit Residual(const ChunkSource& source) : source_(source) {}
-
-  void add_sample(std::array<std::vector<float>, 3> coefficients) { lacking_.push_back(std::move(coefficients)); }
+  Residual(const ChunkSource& source, std::vector<PlaneCoefficients> coefficients)
+      : source_(source), lacking_(std::move(coefficients)) {}
 
   /// Products of any two samples, coefficients weighed by the roots of what their errors weigh: [sample][sample].
   std::vector<double> covariance() const {
@@ -280,7 +271,7 @@ class Residual {
   static constexpr float kWeightMin = 1e-9f;  // of a pixel: nothing sees it
 
   const ChunkSource& source_;
-  std::vector<std::array<std::vector<float>, 3>> lacking_;
+  std::vector<PlaneCoefficients> lacking_;
 };
 
 std::vector<float> summed_weights(const ChunkSource& source) {
@@ -346,28 +337,21 @@ EncodedChunk encode_chunk(const ChunkSource& source, const ChunkSettings& settin
   choose_steps(format, weights);
   const ColourAxes axes = colour_axes(source.textures, source.texel_weights);
   format.rotation = axes.quaternion;
-  const auto rows = format.rotation_rows();
+  PlaneAxes planes{format.rotation_rows(), {}};
   for (std::size_t p = 0; p < 3; ++p) {
     float offset = 0.0f;
-    for (std::size_t c = 0; c < 3; ++c) offset += rows[p][c] * axes.mean[c];
+    for (std::size_t c = 0; c < 3; ++c) offset += planes.rows[p][c] * axes.mean[c];
     format.offsets[p] = static_cast<std::int16_t>(std::clamp(std::lround(offset / kOffsetUnit), -32767l, 32767l));
+    planes.offsets[p] = kOffsetUnit * static_cast<float>(format.offsets[p]);
   }
 
   const auto lambda = static_cast<float>(settings.lambda);
   std::unique_ptr<ImageCoding> coding;
   if (format.coder == ImageCoder::kDct) coding = std::make_unique<DctCoding>(format, lambda);
   else coding = std::make_unique<WaveletCoding>(format, lambda);
-  Residual residual(source);
-  for (const auto& texture : source.textures) {
-    std::array<std::vector<float>, 3> coefficients;
-    for (std::size_t p = 0; p < 3; ++p) {
-      std::vector<float> plane(source.width * source.height, -kOffsetUnit * static_cast<float>(format.offsets[p]));
-      for (std::size_t i = 0; i < plane.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) plane[i] += rows[p][c] * texture[3 * i + c];
-      coefficients[p] = coding->transformed(std::move(plane));
-    }
-    residual.add_sample(std::move(coefficients));
-  }
+  const CoefficientLayout layout{format.coder, source.width, source.height, settings.side};
+  Residual residual(source, source.coefficients ? source.coefficients(planes)
+                                                : HostImageTransforms().coefficients(layout, source.textures, planes));
   if (format.levels.empty()) format.basis = learnt_basis(residual, source.textures.size(), settings.basis_images);
   const auto plan = format.plan();
   MULTUM_CHECK(plan.has_value() && plan->of_samples.size() == source.textures.size());

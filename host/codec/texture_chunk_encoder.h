@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "host/codec/decoder/texture_chunk.h"
+#include "host/codec/image_transforms.h"
 
 namespace multum {
 
@@ -24,6 +25,8 @@ struct ChunkSource {
   /// What the square of an error of each coefficient weighs in one sample, at least 0: cosines [block][v][u], wavelets
   /// [height][width]. Called once for each sample and level.
   std::function<std::vector<float>(std::size_t sample)> coefficient_weights;
+  /// Coefficients of all textures in planes; none: HostImageTransforms makes them, anew for every chunk.
+  std::function<std::vector<PlaneCoefficients>(const PlaneAxes& axes)> coefficients = {};
 };
 
 struct ChunkSettings {

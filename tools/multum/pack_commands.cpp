@@ -7,6 +7,7 @@
 #include "host/base/shown_text.h"
 #include "host/codec/field_packing.h"
 #include "host/codec/field_unpacking.h"
+#include "host/codec/transforms/device_image_transforms.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -16,6 +17,7 @@ struct PackOptions {
   CommonOptions common;
   FieldPackSettings settings;
   std::string coder = "auto";
+  std::string device;
 };
 
 struct UnpackOptions {
@@ -26,6 +28,9 @@ struct UnpackOptions {
 int run_pack(PackOptions& o) {
   o.settings.threads = apply(o.common);
   if (o.coder != "auto") o.settings.coder = o.coder == "dct" ? ImageCoder::kDct : ImageCoder::kWavelet;
+  Device device = Device::when_needed(DeviceChoice{o.device});
+  DeviceImageTransforms transforms(device);
+  o.settings.transforms = &transforms;
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
   if (o.common.verbose)
@@ -81,6 +86,7 @@ void add_pack(CLI::App& app, int* exit_code) {
   pack->add_option("--block", o.settings.block, "samples of a chunk along a parameter, at most")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  pack->add_option("--device", o.device, "OpenCL device: its number in `multum devices`, or part of its name");
   add_common_options(*pack, o.common);
   pack->callback([options, exit_code] { *exit_code = run_pack(*options); });
 }

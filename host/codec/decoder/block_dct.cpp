@@ -23,18 +23,18 @@ std::vector<float> cosines(std::size_t n) {
   return rows;
 }
 
-const std::vector<float>& cosines_of(int side) {
-  static const std::array<std::vector<float>, 3> tables = {cosines(8), cosines(16), cosines(32)};
-  return tables[side == 8 ? 0 : side == 16 ? 1 : 2];
-}
-
 }  // namespace
 
 bool is_dct_side(int side) { return side == 8 || side == 16 || side == 32; }
 
+std::span<const float> dct_cosines(int side) {
+  static const std::array<std::vector<float>, 3> tables = {cosines(8), cosines(16), cosines(32)};
+  return tables[side == 8 ? 0 : side == 16 ? 1 : 2];
+}
+
 void forward_dct(int side, std::span<const float> samples, std::span<float> coefficients) {
   const auto n = static_cast<std::size_t>(side);
-  const auto& rows = cosines_of(side);
+  const std::span<const float> rows = dct_cosines(side);
   std::array<float, kSideMax * kSideMax> half{};  // [y][u]
   for (std::size_t y = 0; y < n; ++y)
     for (std::size_t u = 0; u < n; ++u) {
@@ -52,7 +52,7 @@ void forward_dct(int side, std::span<const float> samples, std::span<float> coef
 
 void inverse_dct(int side, std::span<const float> coefficients, std::span<float> samples) {
   const auto n = static_cast<std::size_t>(side);
-  const auto& rows = cosines_of(side);
+  const std::span<const float> rows = dct_cosines(side);
   std::array<float, kSideMax * kSideMax> half{};  // [v][x]
   std::array<bool, kSideMax> used{};
   for (std::size_t v = 0; v < n; ++v)

@@ -9,6 +9,9 @@ namespace multum {
 /// True for the sides that there are: 8, 16, 32.
 bool is_dct_side(int side);
 
+/// C, [side][side]: row k the cosine of frequency k.
+std::span<const float> dct_cosines(int side);
+
 /// coefficients[v][u] = C samples C^T: u frequency along rows, v along columns. Both of side * side values; they may be
 /// the same.
 void forward_dct(int side, std::span<const float> samples, std::span<float> coefficients);
