@@ -95,6 +95,14 @@ class FieldMeasurement:
                 "mse_beside_inferred": mse(frames, self.own), "seconds": done.seconds,
                 "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
 
+    def packed_at_main(self, options):
+        """As packed(), at the main ratio; what a curve has of it is not packed again."""
+        curve = next((name for name, theirs, *_ in PACKINGS if theirs == tuple(options)), None)
+        row = self.rows.find(self.name, "pack", f"{curve}, {self.main[1]}:1")
+        if row:
+            return {key: value for key, value in row.items() if key not in ("field", "kind", "name", "commit", "curve")}
+        return self.packed([*self.main, *options])
+
     def measure_curves(self, ratios, coders):
         for name, options, *_ in PACKINGS:
             if (options[-1] if options else "auto") not in coders:
@@ -124,7 +132,7 @@ class FieldMeasurement:
             if row and "refused" in row and self.programs.unknown_option(options) is None:
                 self.rows.all.remove(row)  # an older binary did not have it
             self.rows.measured(self.name, "coder", name, lambda: {
-                "options": " ".join(options), **self.packed([*self.main, *options])})
+                "options": " ".join(options), **self.packed_at_main(options)})
 
     def measure_costs(self):
         for threads in (1, 2):
@@ -140,7 +148,7 @@ class FieldMeasurement:
             def measure():
                 if not changes and not options:
                     row = self.rows.find(self.name, "field", "inferred")
-                    packed = self.packed(self.main)
+                    packed = self.packed_at_main(())
                     return {"own": mse(self.own, self.traced), "places": places(self.own),
                             "infer_seconds": row["processor_seconds"], "mse": packed.get("mse")}
                 job = self.field.path.with_name("changed.toml")
@@ -264,7 +272,7 @@ def curves_section(rows, name, video_codecs, stated, pictures):
                                 key=lambda row: (row["kind"], row["curve"], row.get("ratio", 0)))
               if "refused" not in row]
     return [f"![MSE over compression ratio](images/{file.name})", at_stated,
-            "In brackets: over the first codec's. \"-\": its curve does not reach so far. " + said,
+            f"In brackets: over {video_codecs.LEADING}. \"-\": the curve does not reach so far. " + said,
             "<details><summary>Every point of the curves</summary>\n\n" +
             table(["what", "bytes", "ratio", "MSE", "MSE beside inferred textures"], points) + "\n\n</details>"]
 

@@ -64,7 +64,7 @@ class PartsTest(unittest.TestCase):
         self.assertAlmostEqual(curves.value_at(points, 400), 20.0)
         self.assertAlmostEqual(curves.value_at(points, 99), 5.0)  # it came near what was asked for
         self.assertIsNone(curves.value_at(points, 401))
-        self.assertIsNone(curves.value_at(points, 90))
+        self.assertIsNone(curves.value_at(points, 95))
 
     def test_names_beside_curves_do_not_overlap(self):
         self.assertEqual(curves.apart([30, 10, 12], 10), [30, 10, 20])

@@ -16,8 +16,8 @@ def value_at(points, ratio):
         if left <= ratio <= right:
             share = math.log(ratio / left) / math.log(right / left) if right > left else 0.0
             return math.exp(math.log(low) + share * math.log(high / low))
-    # A curve may begin where an encoder came to, a little smaller than it was asked for.
-    near = [error for at, error in points if 1 <= at / ratio < 1.02]
+    # A curve may begin where an encoder came to, a little smaller than was asked for: no better than the value there.
+    near = [error for at, error in points if 1 <= at / ratio < 1.05]
     return near[0] if near else None
 
 
