@@ -5,7 +5,7 @@ import math
 
 COLOURS = (("#1b6ca8", "#6db6ee"), ("#b35900", "#f0a35a"), ("#287d3c", "#78c98a"), ("#8a3fa0", "#cf95e2"))
 DASHES = ("none", "7 4", "2 3")
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 430, 56, 208, 16, 44
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 820, 430, 56, 262, 20, 44
 
 
 def value_at(points, ratio):
@@ -41,7 +41,9 @@ def picture(title, curves, marks):
     ratios = [ratio for *_, points in curves for ratio, _ in points]
     errors = [error for *_, points in curves for _, error in points]
     least_x, most_x = min(ratios + list(marks)) / 1.05, max(marks) * 1.35
-    shown = [error for *_, points in curves for ratio, error in points if least_x <= ratio <= most_x] or errors
+    shown = [error for *_, points in curves for ratio, error in points if least_x <= ratio <= most_x]
+    shown += [at for at in (value_at(points, most_x) for *_, points in curves) if at]
+    shown = shown or errors
     least_y, most_y = min(shown) / 1.1, max(shown) * 1.1
     x_of = lambda r: LEFT + (WIDTH - LEFT - RIGHT) * math.log(r / least_x) / math.log(most_x / least_x)
     y_of = lambda e: HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * math.log(e / least_y) / math.log(most_y / least_y)
