@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 
+#include "host/asset/inferred/field_files.h"
 #include "host/asset/inferred/filter_matrix.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
@@ -92,22 +93,12 @@ struct FieldSource {
   ImageTransforms* transforms = nullptr;
 };
 
-bool same_pose(const InferredSample& a, const InferredSample& b) {
-  return a.world_to_clip == b.world_to_clip && a.object_to_world == b.object_to_world;
-}
-
 void read_matrices(const std::string& folder, const InferredManifest& field, const InferredObject& object,
                    ObjectWeights& weights) {
-  std::vector<std::size_t> first_samples;
-  for (std::size_t s = 0; s < field.samples.size(); ++s) {
-    const auto found = std::find_if(first_samples.begin(), first_samples.end(), [&](std::size_t first) {
-      return same_pose(field.samples[first], field.samples[s]) &&
-             object.mapping_of_sample[first] == object.mapping_of_sample[s];
-    });
-    weights.pose_of_sample.push_back(static_cast<std::size_t>(found - first_samples.begin()));
-    if (found != first_samples.end()) continue;
-    first_samples.push_back(s);
-    const std::string path = fmt::format("{}/matrices/{}_{}.fmx", folder, field.samples[s].name, object.name);
+  const ObjectPoses poses = object_poses(field, object);
+  weights.pose_of_sample = poses.of_sample;
+  for (const std::size_t s : poses.first_samples) {
+    const std::string path = folder + "/" + matrix_name(field.samples[s], object);
     FilterMatrix matrix = read_filter_matrix(path);
     const TextureMapping& mapping = object.mappings[static_cast<std::size_t>(object.mapping_of_sample[s])];
     if (matrix.texture_width != mapping.width || matrix.texture_height != mapping.height)
@@ -250,11 +241,11 @@ FieldSource read_field(const FieldPackSettings& settings, Progress* progress) {
   }
   for (InferredObject& object : field.objects) object.layers.clear();
   // Against the packed file's folder.
-  if (fs::path(field.geometry_file).is_relative())
-    field.geometry_file = fs::absolute(settings.folder + "/" + field.geometry_file)
-                              .lexically_normal()
-                              .lexically_relative(fs::absolute(parent_folder(settings.output)).lexically_normal())
-                              .string();
+  if (fs::path(field.geometry_file).is_relative()) {
+    const fs::path geometry = fs::absolute(settings.folder + "/" + field.geometry_file).lexically_normal();
+    const fs::path folder = fs::absolute(parent_folder(settings.output)).lexically_normal();
+    field.geometry_file = (settings.has_absolute_geometry ? geometry : geometry.lexically_relative(folder)).string();
+  }
   source.description.field = std::move(field);
   return source;
 }

@@ -26,10 +26,9 @@ struct FieldTarget {
 struct FieldPackSettings {
   std::string folder, output;  // output *.mpt
   FieldTarget target;
-  std::optional<ImageCoder> coder;        // of all chunks; none: of each the better one
-  int block = 8;                          // samples of a chunk along a parameter, at most
-  int threads = 0;                        // <= 0: all; the bytes are the same
-  ImageTransforms* transforms = nullptr;  // that make coefficients; null: those without a device
+  int block = 8;                       // samples of a chunk along a parameter, at most
+  bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output's folder
+  int threads = 0;                     // <= 0: all; the bytes are the same
 };
 
 struct PackedChunkReport {

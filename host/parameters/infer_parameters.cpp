@@ -46,6 +46,7 @@ const ParameterTable& infer_parameters() {
                  .choices = {"auto", "osmesa", "egl"},
                  .surfaces = kJob},
                 {.name = "force", .help = "infer textures again that are there already", .surfaces = kOnCommandLine},
+                absolute_geometry_parameter(),
                 device_parameter(kJob)});
   return table;
 }

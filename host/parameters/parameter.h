@@ -53,9 +53,9 @@ struct Parameter {
   std::vector<std::string> choices = {};                                 // in the order in which they are shown
   std::vector<std::pair<std::string, std::string>> former_choices = {};  // a former name of a choice, and the choice
   std::string group = {};                                                // heading of help texts
-  std::string hashed_as = {};     // key of multum:settings (docs/FORMAT.md); empty: changes no content
-  std::string short_option = {};  // "-d"
-  std::string excludes = {};      // name of another that cannot be given beside it
+  std::string hashed_as = {};              // key of multum:settings (docs/FORMAT.md); empty: changes no content
+  std::string short_option = {};           // "-d"
+  std::vector<std::string> excludes = {};  // names of others that cannot be given beside it
   ParameterScope scope = ParameterScope::kAll;
   bool chosen_by_target = false;  // target_error and budget_ms choose it
   bool is_repeatable = false;     // on a command line; the values are joined by ";"

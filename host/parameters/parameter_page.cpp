@@ -5,6 +5,7 @@
 
 #include "host/parameters/bake_parameters.h"
 #include "host/parameters/infer_parameters.h"
+#include "host/parameters/pack_parameters.h"
 #include "host/parameters/pyramid_parameters.h"
 
 namespace multum {
@@ -43,8 +44,9 @@ std::string scope_note(const Parameter& row) {
 }
 
 std::string row_text(const Parameter& row) {
-  const std::string note = scope_note(row) + (row.chosen_by_target ? "; chosen by a target" : "") +
-                           (row.excludes.empty() ? "" : "; excludes `" + row.excludes + "`");
+  std::string note = scope_note(row) + (row.chosen_by_target ? "; chosen by a target" : "");
+  for (const std::string& other : row.excludes)
+    note += (other == row.excludes.front() ? "; excludes `" : ", `") + other + "`";
   return fmt::format("| `{}` | {} | {} | {} | {}{} |\n", row.name, escaped(values_text(row)), where_text(row),
                      row.hashed_as.empty() ? "" : "`" + row.hashed_as + "`", escaped(row.help), note);
 }
@@ -67,9 +69,9 @@ std::string former_names_text() {
 }  // namespace
 
 const std::vector<const ParameterTable*>& parameter_tables() {
-  static const std::vector<const ParameterTable*> tables = {&bake_parameters(),        &scene_parameters(),
-                                                            &infer_parameters(),       &mip_parameters(),
-                                                            &reflectance_parameters(), &lod_parameters()};
+  static const std::vector<const ParameterTable*> tables = {
+      &bake_parameters(), &scene_parameters(),       &infer_parameters(), &pack_parameters(),
+      &mip_parameters(),  &reflectance_parameters(), &lod_parameters()};
   return tables;
 }
 

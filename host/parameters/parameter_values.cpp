@@ -82,9 +82,10 @@ std::string ParameterValues::options_text(const std::vector<std::string>& groups
 
 void check_exclusions(const ParameterValues& values) {
   for (const Parameter& row : values.table().rows())
-    if (!row.excludes.empty() && values.is_given(row.name) && values.is_given(row.excludes))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} excludes {}, found both", row.option(), values.table().at(row.excludes).option()));
+    for (const std::string& other : row.excludes)
+      if (values.is_given(row.name) && values.is_given(other))
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("{} excludes {}, found both", row.option(), values.table().at(other).option()));
 }
 
 }  // namespace multum

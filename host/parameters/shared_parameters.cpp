@@ -43,6 +43,12 @@ Parameter compression_parameter(unsigned surfaces) {
           .surfaces = surfaces};
 }
 
+Parameter absolute_geometry_parameter() {
+  return {.name = "absolute_geometry",
+          .help = "name the scene file by its absolute path, not by its place beside the output",
+          .surfaces = kOnCommandLine};
+}
+
 Parameter input_parameter(const std::string& name, const std::string& help, unsigned surfaces) {
   return {.name = name, .kind = ParameterKind::kFile, .help = help, .surfaces = surfaces};
 }

@@ -11,6 +11,8 @@ Parameter device_parameter(unsigned surfaces);
 /// `memory`, from `low` bytes; `default_text` in words.
 Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces);
 Parameter compression_parameter(unsigned surfaces);
+/// `absolute_geometry`, of command lines: jobs of the service always have it.
+Parameter absolute_geometry_parameter();
 /// `input`, `scene` or another file that is read first.
 Parameter input_parameter(const std::string& name, const std::string& help, unsigned surfaces);
 /// `wrap`, `swrap`, `twrap`. `with_auto`: what the map itself shows may decide.

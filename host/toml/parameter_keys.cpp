@@ -40,10 +40,10 @@ void read_parameters(const StrictTable& table, unsigned surface, ParameterValues
     if (!is_legal(row, value))
       table.refuse(*key, fmt::format("is {}, expected {}", value_text(value), expected_text(row)));
     values.set(row.name, value);
-    if (row.excludes.empty()) continue;
-    if (!key_of(table, values.table().at(row.excludes))) values.erase(row.excludes);
-    else if (values.is_given(row.name) && values.is_given(row.excludes))
-      table.refuse(*key, fmt::format("is given beside {}: expected one of them", row.excludes));
+    for (const std::string& other : row.excludes)
+      if (!key_of(table, values.table().at(other))) values.erase(other);
+      else if (values.is_given(row.name) && values.is_given(other))
+        table.refuse(*key, fmt::format("is given beside {}: expected one of them", other));
   }
 }
 

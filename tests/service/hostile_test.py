@@ -339,9 +339,10 @@ class HostileTest(ClientCase):
         service = self.start()
         for text in (".".join(["a"] * 32000) + " = 1\n", "a = [" + "1," * 8000000 + "]\n", "a = " + "[" * 100000):
             path = self.upload("scene.toml", text)
-            for kind, name in (("scene", "scene"), ("infer", "job")):
+            for kind, name in (("scene", "scene"), ("infer", "job"), ("pack", "manifest")):
+                ending = ".mpt" if kind == "pack" else ""
                 self.refused(400, "input", [], "POST", "/v1/jobs",
-                             {"type": kind, "parameters": {name: path}, "output": self.output("a")})
+                             {"type": kind, "parameters": {name: path}, "output": self.output("a") + ending})
         self.alive()
 
     def test_workers_open_nothing_outside(self):

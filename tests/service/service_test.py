@@ -24,6 +24,7 @@ import urllib.parse
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from service_harness import MULTUM, QUICK, ClientCase, Service, is_sanitized, resident_bytes  # noqa: E402
+from tiny_animation import write_animation, write_exr  # noqa: E402
 
 
 
@@ -104,6 +105,81 @@ class ServiceTest(ClientCase):
             file.write("[[map]]\n")
         self.refused(400, "input", ["scene.toml:1: ", "map", "name"], "POST", "/v1/jobs",
                      dict(again, output=self.output("other")))
+
+    def test_a_field_is_inferred_and_packed_and_what_it_names_are_inputs(self):
+        service = self.start()
+        write_animation(service.root, 0.25)
+        self.assertIn("succeeded", self.client("submit", "infer", self.output("animation.toml"), "-o",
+                                               self.output("field"), "--context", "osmesa", "--no-frames",
+                                               "--no-comparison", "--wait"))
+        manifest = self.output("field/inferred.json")
+        with open(manifest, encoding="utf-8") as file:
+            geometry = json.load(file)["geometry"]
+        self.assertEqual(geometry, os.path.realpath(self.output("quad.obj")), "found from wherever it is published")
+        self.assertIn("succeeded", self.client("submit", "pack", manifest, "-o", self.output("field.mpt"), "--lambda",
+                                               "20", "--wait"))
+        self.assertIn("lambda 20", self.client("tail", "2"))
+        for command in (["pack", self.output("field"), "-o", self.output("alone.mpt"), "--lambda=20",
+                         "--absolute-geometry"], ["unpack", self.output("field.mpt"), "-o", self.output("unpacked")]):
+            subprocess.run([MULTUM, *command, "-q"], check=True, env=service.environment)
+        with open(self.output("field.mpt"), "rb") as one, open(self.output("alone.mpt"), "rb") as other:
+            data = one.read()
+            self.assertEqual(data, other.read())
+        self.assertEqual(service.ask("GET", "/v1/jobs/2/result"), (200, data))
+        with open(self.output("unpacked/inferred.json"), encoding="utf-8") as file:
+            self.assertEqual(json.load(file)["geometry"], geometry)
+        # The same again is the same job; the same elsewhere is a copy; another texture makes another.
+        again = {"type": "pack", "parameters": {"manifest": manifest, "lambda": 20}, "output": self.output("field.mpt")}
+        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
+        copy = service.submit(**dict(again, output=self.output("copy.mpt")))
+        self.assertEqual(service.wait_for(copy)["reused_from"], 2)
+        texture = next(os.path.join(above, name) for above, _, names in os.walk(self.output("field/textures"))
+                       for name in names)
+        os.remove(texture)
+        self.refused(400, "usage", [os.path.basename(texture)], "POST", "/v1/jobs", again)
+        write_exr(self.output("radiance.exr"), 0.75)
+        subprocess.run([MULTUM, "infer", self.output("animation.toml"), "-o", self.output("field"), "--context=osmesa",
+                        "--no-frames", "--no-comparison", "-q"], check=True, env=service.environment)
+        made = service.wait_for(service.submit(**again))
+        self.assertIsNone(made["reused_from"])
+        with open(self.output("field.mpt"), "rb") as file:
+            self.assertNotEqual(file.read(), data)
+        # What cannot be met is nothing to try again; no more than one target.
+        job = service.wait_for(service.submit(type="pack", parameters={"manifest": manifest, "bytes": 10},
+                                              output=self.output("none.mpt")))
+        self.assertEqual((job["state"], len(service.job(job["id"])["attempts"])), ("dead", 1))
+        self.assertIn("cannot be met", job["message"])
+        self.assertFalse(os.path.exists(self.output("none.mpt")))
+        self.refused(400, "usage", ["ratio", "lambda"], "POST", "/v1/jobs",
+                     {"type": "pack", "parameters": {"manifest": manifest, "lambda": 1, "ratio": 2},
+                      "output": self.output("none.mpt")})
+        self.refused(400, "usage", [".mpt"], "POST", "/v1/jobs", dict(again, output=self.output("field.exr")))
+
+    def test_a_pack_job_is_cancelled_and_reads_nothing_outside(self):
+        service = self.start()
+        write_animation(service.root, 0.25, side=256, noise=0.5)
+        subprocess.run([MULTUM, "infer", self.output("animation.toml"), "-o", self.output("field"), "--context=osmesa",
+                        "--no-frames", "--no-comparison", "-q"], check=True, env=service.environment)
+        manifest = self.output("field/inferred.json")
+        job = service.submit(type="pack", parameters={"manifest": manifest, "lambda": 1e-4},
+                             output=self.output("a.mpt"))
+        deadline = time.monotonic() + 30
+        while not (service.job(job)["progress"] or {"stage": ""})["stage"].startswith("code"):
+            self.assertLess(time.monotonic(), deadline, service.job(job))
+            time.sleep(0.01)
+        self.assertEqual(service.ask("POST", f"/v1/jobs/{job}/cancel")[0], 202)
+        self.assertEqual(service.wait_for(job)["state"], "cancelled")
+        self.assertEqual([name for name in os.listdir(service.root) if "mpt" in name or "multum" in name], [])
+        with open(os.path.join(self.folder, "secret.exr"), "w", encoding="utf-8") as file:
+            file.write("secret")
+        with open(manifest, encoding="utf-8") as file:
+            field = json.load(file)
+        layer = field["objects"][0]["layers"][0]
+        layer["textures"] = ["../../secret.exr" for _ in layer["textures"]]
+        with open(manifest, "w", encoding="utf-8") as file:
+            json.dump(field, file)
+        self.refused(400, "usage", ["secret.exr", self.results()], "POST", "/v1/jobs",
+                     {"type": "pack", "parameters": {"manifest": manifest}, "output": self.output("a.mpt")})
 
     def test_an_input_that_changes_in_the_queue_is_no_earlier_one(self):
         service = self.start()
@@ -673,7 +749,7 @@ class ServiceTest(ClientCase):
 
     def test_requests_that_make_no_sense(self):
         self.start()
-        for body, values in (([], ["JSON"]), ({"type": "bkae"}, ["type", '"bkae"', "bake, scene, infer, drill"]),
+        for body, values in (([], ["JSON"]), ({"type": "bkae"}, ["type", '"bkae"', "bake, scene, infer, pack, drill"]),
                              ({"type": "drill", "colour": 1}, ['"colour"']),
                              ({"type": "drill", "parameters": {"seconds": -1}}, ["seconds", "-1", "0", "86400"]),
                              ({"type": "drill", "parameters": {"then": 7}}, ["then", "7", "succeed"]),

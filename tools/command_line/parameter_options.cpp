@@ -87,8 +87,8 @@ void add_parameter_options(CLI::App& app, ParameterValues& values, const std::ve
   }
   // For help; check_exclusions() has refused both by then.
   for (const Parameter* row : rows)
-    if (!row->excludes.empty())
-      if (CLI::Option* const other = app.get_option_no_throw(values.table().at(row->excludes).option()))
+    for (const std::string& name : row->excludes)
+      if (CLI::Option* const other = app.get_option_no_throw(values.table().at(name).option()))
         app.get_option(row->option())->excludes(other);
 }
 

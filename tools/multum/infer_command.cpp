@@ -37,6 +37,7 @@ void apply(const ParameterValues& values, AnimationInferSettings& settings) {
   settings.iteration_max = values.integer("iterations").value_or(settings.iteration_max);
   settings.hold_out = values.integer("hold_out").value_or(settings.hold_out);
   if (values.flag("force")) settings.force = true;
+  settings.has_absolute_geometry = values.flag("absolute_geometry");
 }
 
 std::vector<int> all_samples(const AnimationJob& job) {

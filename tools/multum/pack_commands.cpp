@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum pack, unpack: inferred textures of an animation as one small file, and back (Hakura et al. 2000, section 4).
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "host/base/error.h"
 #include "host/base/shown_text.h"
 #include "host/codec/field_packing.h"
 #include "host/codec/field_unpacking.h"
-#include "host/codec/transforms/device_image_transforms.h"
+#include "host/parameters/pack_parameters.h"
+#include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -16,8 +18,7 @@ namespace {
 struct PackOptions {
   CommonOptions common;
   FieldPackSettings settings;
-  std::string coder = "auto";
-  std::string device;
+  ParameterValues values{pack_parameters()};
 };
 
 struct UnpackOptions {
@@ -25,12 +26,26 @@ struct UnpackOptions {
   std::string file, folder;
 };
 
+void apply(const ParameterValues& values, FieldPackSettings& settings) {
+  settings.target.ratio = values.number("ratio");
+  if (const auto bytes = values.bytes("bytes")) settings.target.bytes = static_cast<double>(*bytes);
+  settings.target.mse = values.number("mse_max");
+  settings.target.lambda = values.number("lambda");
+  settings.block = values.integer("block").value_or(settings.block);
+  settings.has_absolute_geometry = values.flag("absolute_geometry");
+}
+
+// "FOLDER/inferred.json" is FOLDER: jobs of the service name files.
+std::string field_folder(const std::string& named) {
+  const std::filesystem::path path(named);
+  if (path.filename() != kInferredManifestName || std::filesystem::is_directory(path)) return named;
+  return path.has_parent_path() ? path.parent_path().string() : ".";
+}
+
 int run_pack(PackOptions& o) {
   o.settings.threads = apply(o.common);
-  if (o.coder != "auto") o.settings.coder = o.coder == "dct" ? ImageCoder::kDct : ImageCoder::kWavelet;
-  Device device = Device::when_needed(DeviceChoice{o.device});
-  DeviceImageTransforms transforms(device);
-  o.settings.transforms = &transforms;
+  apply(o.values, o.settings);
+  o.settings.folder = field_folder(o.settings.folder);
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
   if (o.common.verbose)
@@ -65,28 +80,9 @@ void add_pack(CLI::App& app, int* exit_code) {
   PackOptions& o = *options;
   CLI::App* pack =
       app.add_subcommand("pack", "compress the textures of `multum infer` to one file (docs/ANIMATION.md)");
-  pack->add_option("folder", o.settings.folder, "folder that `multum infer` wrote")->required();
+  pack->add_option("folder", o.settings.folder, "folder that `multum infer` wrote, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
-  FieldTarget& t = o.settings.target;
-  const std::vector<CLI::Option*> targets = {
-      pack->add_option("--ratio", t.ratio, "bytes of raw 24-bit frames over the file's, at least; 384 without a target")
-          ->check(CLI::Range(1.0, 1e6)),
-      pack->add_option("--bytes", t.bytes, "bytes of the file, at most")->check(CLI::Range(1.0, 1e15)),
-      pack->add_option(
-              "--mse-max", t.mse,
-              "mean squared error that coding may add to drawn frames, as estimated, in 8-bit units at gamma 2.2")
-          ->check(CLI::Range(1e-3, 65025.0)),
-      pack->add_option("--lambda", t.lambda, "squared error that a bit is worth")->check(CLI::Range(1e-4, 1e9))};
-  for (CLI::Option* one : targets)
-    for (CLI::Option* other : targets)
-      if (one != other) one->excludes(other);
-  pack->add_option("--coder", o.coder, "image coder of all chunks: cosines or wavelets; auto: of each the better one")
-      ->check(CLI::IsMember({"auto", "dct", "wavelet"}))
-      ->capture_default_str();
-  pack->add_option("--block", o.settings.block, "samples of a chunk along a parameter, at most")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  pack->add_option("--device", o.device, "OpenCL device: its number in `multum devices`, or part of its name");
+  add_parameter_options(*pack, o.values);
   add_common_options(*pack, o.common);
   pack->callback([options, exit_code] { *exit_code = run_pack(*options); });
 }

@@ -42,7 +42,7 @@ ErrorCode error_code_of(int exit_code_found) {
 }  // namespace
 
 InputList list_inputs_in_child(const JobType& type, const Json& parameters, const PathRoots& roots) {
-  if (!type.output_is_folder) return {input_files(type, parameters), input_identity(type, parameters)};
+  if (!type.input_names_files) return {input_files(type, parameters), input_identity(type, parameters)};
   const std::string file = parameters.at(type.input).get<std::string>();
   std::vector<std::string> command = {own_program(), "inputs", "--type=" + type.name,
                                       "--parameters=" + parameters.dump()};

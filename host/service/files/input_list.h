@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the files that a job reads. A scene and a job of inference are files of clients that name others: they are
-// parsed in a child that is confined to the roots and held to memory and time, never in the daemon.
+// Lists the files that a job reads. A scene, a job of inference and a manifest are files of clients that name others:
+// they are parsed in a child that is confined to the roots and held to memory and time, never in the daemon.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -15,7 +15,9 @@ const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml)
 /** What comes of an input, beside it; of an upload, among the results that can be downloaded. */
 function outputFor(type, input) {
   const upload = /^(.*)\/uploads\/([0-9a-f]{8})[0-9a-f]*\/([^/]+)$/.exec(input);
-  const stem = upload ? `${upload[1]}/results/${withoutEnding(upload[3])}-${upload[2]}` : withoutEnding(input);
+  // A manifest stands for its folder.
+  const stem = upload ? `${upload[1]}/results/${withoutEnding(upload[3])}-${upload[2]}`
+    : withoutEnding(input.replace(/\/inferred\.json$/, ""));
   return type.output_is_folder ? `${stem}_textures` : stem + type.output_extension;
 }
 

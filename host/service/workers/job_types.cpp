@@ -9,12 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "host/asset/inferred/field_files.h"
 #include "host/asset/representation.h"
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/nearest_name.h"
 #include "host/parameters/bake_parameters.h"
 #include "host/parameters/infer_parameters.h"
+#include "host/parameters/pack_parameters.h"
 #include "host/scene/scene_file.h"
 #include "host/service/files/staging.h"
 #include "host/texture_inference/job/animation_job_reading.h"
@@ -66,6 +68,7 @@ JobType scene_type() {
           .command = "bake",
           .input = "scene",
           .output_is_folder = true,
+          .input_names_files = true,
           .memory_bytes = 1024 * kMiB,
           .table = &scene_parameters()};
 }
@@ -76,8 +79,22 @@ JobType infer_type() {
           .command = "infer",
           .input = "job",
           .output_is_folder = true,
+          .input_names_files = true,
+          .fixed_options = {"--absolute-geometry"},
           .memory_bytes = 2048 * kMiB,
           .table = &infer_parameters()};
+}
+
+JobType pack_type() {
+  return {.name = "pack",
+          .summary = "compress inferred textures to one file",
+          .command = "pack",
+          .input = "manifest",
+          .input_names_files = true,
+          .output_extension = ".mpt",
+          .fixed_options = {"--absolute-geometry"},
+          .memory_bytes = 2048 * kMiB,
+          .table = &pack_parameters()};
 }
 
 JobType fault_injection_type() {
@@ -177,7 +194,8 @@ const Parameter* JobType::find(const std::string& parameter) const {
 }
 
 const std::vector<JobType>& job_types() {
-  static const std::vector<JobType> types = {bake_type(), scene_type(), infer_type(), fault_injection_type()};
+  static const std::vector<JobType> types = {bake_type(), scene_type(), infer_type(), pack_type(),
+                                             fault_injection_type()};
   return types;
 }
 
@@ -204,9 +222,9 @@ void check_parameters(const JobType& type, const Json& parameters) {
                   fmt::format("parameters.{} is {}, expected {}", name, shortened(value), expected_of_job(*parameter)));
     for (const std::string& other : parameter->all_names())
       if (other != name && parameters.contains(other)) refuse_both(name, other);
-    if (parameter->excludes.empty()) continue;
-    for (const std::string& other : type.table->at(parameter->excludes).all_names())
-      if (parameters.contains(other)) refuse_both(name, other);
+    for (const std::string& excluded : parameter->excludes)
+      for (const std::string& other : type.table->at(excluded).all_names())
+        if (parameters.contains(other)) refuse_both(name, other);
   }
   if (!type.input.empty() && !parameters.contains(type.input))
     throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
@@ -263,6 +281,7 @@ std::vector<std::string> job_arguments(const JobType& type, const Json& paramete
       arguments.push_back(option + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
     }
   }
+  arguments.insert(arguments.end(), type.fixed_options.begin(), type.fixed_options.end());
   if (!output.empty()) arguments.push_back("--output=" + output);
   if (!type.input.empty()) {
     arguments.push_back("--");  // nor is a file's name
@@ -276,9 +295,10 @@ std::vector<std::string> input_files(const JobType& type, const Json& parameters
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == Kind::kFile && parameters.contains(parameter.name))
       files.push_back(parameters.at(parameter.name).get<std::string>());
-  if (type.output_is_folder) {
-    const std::vector<std::string> named =
-        type.command == "infer" ? animation_job_files(files.front()) : scene_files(files.front());
+  if (type.input_names_files) {
+    const std::vector<std::string> named = type.command == "infer"  ? animation_job_files(files.front())
+                                           : type.command == "pack" ? inferred_field_files(files.front())
+                                                                    : scene_files(files.front());
     files.insert(files.end(), named.begin(), named.end());
   }
   return files;
@@ -301,7 +321,7 @@ std::string idempotency_key(const JobType& type, const Json& parameters, const s
     if (parameter.kind == Kind::kFile && without_names.contains(parameter.name)) without_names[parameter.name] = true;
   // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which
   // matters there.
-  if (type.output_is_folder) without_names[type.input] = parameters.at(type.input);
+  if (type.input_names_files) without_names[type.input] = parameters.at(type.input);
   return hash_text(
       Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}
           .dump());

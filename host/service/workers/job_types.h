@@ -20,7 +20,11 @@ struct JobType {
   bool has_output = true;
   bool needs_output = true;
   bool output_is_folder = false;
-  std::string output_extension = {};      // "" any
+  bool input_names_files = false;     // relative to itself: it is read in a child, and its place matters
+  std::string output_extension = {};  // "" any
+  /// That every job of the type has. --absolute-geometry: a result is made beside its place and may be copied to
+  /// another, so that no path relative to it would hold.
+  std::vector<std::string> fixed_options = {};
   std::int64_t memory_bytes = 0;          // that a job is taken to need when it does not say
   const ParameterTable* table = nullptr;  // of which a job takes those that are kInService
 
@@ -28,7 +32,7 @@ struct JobType {
   const Parameter* find(const std::string& parameter) const;
 };
 
-/// bake, scene, infer, and drill: a job that does nothing, or fails as asked, for trying out a set-up.
+/// bake, scene, infer, pack, and drill: a job that does nothing, or fails as asked, for trying out a set-up.
 const std::vector<JobType>& job_types();
 /// Throws Error(kUsage) naming those that there are.
 const JobType& find_job_type(const std::string& name);

@@ -85,7 +85,8 @@ class InferencePipeline {
     InferredManifest& m = result_.manifest;
     std::error_code error;
     const fs::path relative = fs::relative(job_.geometry_file, settings_.output, error);
-    m.geometry_file = error || relative.empty() ? fs::absolute(job_.geometry_file).string() : relative.string();
+    const bool is_absolute = settings_.has_absolute_geometry || error || relative.empty();
+    m.geometry_file = is_absolute ? fs::absolute(job_.geometry_file).lexically_normal().string() : relative.string();
     m.geometry_hash = probe_.geometry_hash();
     m.uv_set = job_.uv_set;
     m.width = job_.width;

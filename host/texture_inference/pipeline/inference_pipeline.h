@@ -28,10 +28,11 @@ struct AnimationInferSettings {
   std::string viewer;            // multum-view
   std::string context = "auto";  // its GL
   int threads = 1;
-  bool force = false;         // textures that are there already are inferred again
-  int hold_out = 0;           // 2 or more: every such sample along the views is left out of layers that do not
-                              // depend on them; 0: none
-  bool with_baseline = true;  // measure forward mapping beside
+  bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output
+  bool force = false;                  // textures that are there already are inferred again
+  int hold_out = 0;                    // 2 or more: every such sample along the views is left out of layers that do not
+                                       // depend on them; 0: none
+  bool with_baseline = true;           // measure forward mapping beside
   double gradient_tolerance = 1e-3;
   int iteration_max = 400;
 };

@@ -14,92 +14,32 @@ import http.client
 import os
 import random
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from service_harness import QUICK, Service, fail  # noqa: E402
+from tiny_animation import SIDE, write_animation  # noqa: E402
 
-SIDE = 16  # pixels
 SCENE = ('[[map]]\nname = "m"\nnormal = "map_normal.png"\ngreen = "up"\n[[material]]\nname = "p"\nbrdf = "lambert"\n'
          '[[object]]\nname = "o"\nmap = "m"\nmaterial = "p"\nwidth = 1\ndistance = [1, 2]\n[[light]]\n'
          'direction = [0, 0, 1]\n')
-QUAD = ("o quad\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n"
-        "f 1/1/1 2/2/1 3/3/1 4/4/1\n")
-ANIMATION = f'''geometry = "quad.obj"
-width = {SIDE}
-height = {SIDE}
-[[parameter]]
-name = "time"
-count = 1
-[[layer]]
-name = "all"
-passes = [""]
-depends_on = ["time"]
-[[object]]
-name = "quad"
-index = 1
-[[camera]]
-name = "one"
-world_to_camera = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -3], [0, 0, 0, 1]]
-projection = [[2.5, 0, 0, 0], [0, 2.5, 0, 0], [0, 0, -1.1, -1.1], [0, 0, -1, 0]]
-[[sample]]
-at = [0]
-radiance = "radiance.exr"
-object_index = "index.png"
-camera = "one"
-'''
 # The file of each type's result that tells what it was made of.
-RESULTS = {"bake": "", "scene": "m.ndf.exr", "infer": None}
-
-
-def write_exr(path, value):
-    """Every pixel of R, G and B; float, not compressed."""
-    def attribute(name, kind, data):
-        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
-
-    channels = b"".join(name + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1) for name in (b"B", b"G", b"R")) + b"\0"
-    window = struct.pack("<4i", 0, 0, SIDE - 1, SIDE - 1)
-    header = b"\x76\x2f\x31\x01" + struct.pack("<i", 2)
-    for one in (("channels", "chlist", channels), ("compression", "compression", b"\0"),
-                ("dataWindow", "box2i", window), ("displayWindow", "box2i", window), ("lineOrder", "lineOrder", b"\0"),
-                ("pixelAspectRatio", "float", struct.pack("<f", 1)), ("screenWindowCenter", "v2f", bytes(8)),
-                ("screenWindowWidth", "float", struct.pack("<f", 1))):
-        header += attribute(*one)
-    header += b"\0"
-    line = struct.pack("<f", value) * (3 * SIDE)
-    first = len(header) + 8 * SIDE
-    offsets = b"".join(struct.pack("<q", first + y * (8 + len(line))) for y in range(SIDE))
-    lines = b"".join(struct.pack("<ii", y, len(line)) + line for y in range(SIDE))
-    with open(path, "wb") as file:
-        file.write(header + offsets + lines)
-
-
-def write_index(path):
-    """A grey PNG that says which object a pixel shows: the first one."""
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    rows = b"".join(b"\0" + b"\1" * SIDE for _ in range(SIDE))
-    with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", SIDE, SIDE, 8, 0, 0, 0, 0)) +
-                   chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+RESULTS = {"bake": "", "scene": "m.ndf.exr", "infer": None, "pack": ""}
 
 
 def make_inputs(multum, folder, is_inside):
     os.makedirs(folder)
     subprocess.run([multum, "testmap", os.path.join(folder, "map"), "--size", str(SIDE if is_inside else 2 * SIDE)],
                    check=True, stdout=subprocess.DEVNULL)
-    write_exr(os.path.join(folder, "radiance.exr"), 0.25 if is_inside else 0.75)
-    write_index(os.path.join(folder, "index.png"))
-    for name, text in (("scene.toml", SCENE), ("quad.obj", QUAD), ("animation.toml", ANIMATION)):
-        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-            file.write(text)
+    with open(os.path.join(folder, "scene.toml"), "w", encoding="utf-8") as file:
+        file.write(SCENE)
+    write_animation(folder, 0.25 if is_inside else 0.75)
+    subprocess.run([multum, "infer", os.path.join(folder, "animation.toml"), "-o", os.path.join(folder, "field"),
+                    "--context=osmesa", "--no-frames", "--no-comparison"], check=True, stdout=subprocess.DEVNULL)
 
 
 def hash_of(path):
@@ -140,9 +80,10 @@ def job_of(kind, source, target, number):
     parameters = {"bake": {"input": os.path.join(source, "map_normal.png"), "green": "up", "no_measure": True},
                   "scene": {"scene": os.path.join(source, "scene.toml")},
                   "infer": {"job": os.path.join(source, "animation.toml"), "context": "osmesa", "no_frames": True,
-                            "no_comparison": True}}[kind]
+                            "no_comparison": True},
+                  "pack": {"manifest": os.path.join(source, "field/inferred.json"), "lambda": 1}}[kind]
     # Some over an earlier result: folders are exchanged then.
-    name = f"{kind}{number % 5}" + (".ndf.exr" if kind == "bake" else "")
+    name = f"{kind}{number % 5}" + {"bake": ".ndf.exr", "pack": ".mpt"}.get(kind, "")
     return {"type": kind, "parameters": parameters, "output": os.path.join(target, name), "again": True,
             "attempt_max": 10}
 
@@ -166,7 +107,7 @@ def main():
         make_inputs(options.multum, source, True)
         make_inputs(options.multum, outside, False)
         os.mkdir(target)
-        kinds, right = ("bake", "scene", "infer"), {}
+        kinds, right = tuple(RESULTS), {}
         first = {}
         for kind in kinds:
             first[kind] = service.submit(**job_of(kind, source, target, 0))

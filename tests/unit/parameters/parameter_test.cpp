@@ -14,6 +14,7 @@
 #include "host/bake/output_state.h"
 #include "host/manifest/bake_manifest.h"
 #include "host/parameters/infer_parameters.h"
+#include "host/parameters/pack_parameters.h"
 #include "host/parameters/pyramid_parameters.h"
 #include "host/scene/scene_file.h"
 #include "host/service/workers/job_types.h"
@@ -27,7 +28,7 @@ namespace {
 using Json = nlohmann::json;
 
 std::vector<const ParameterTable*> all_tables() {
-  return {&bake_parameters(), &scene_parameters(),       &infer_parameters(),
+  return {&bake_parameters(), &scene_parameters(),       &infer_parameters(), &pack_parameters(),
           &mip_parameters(),  &reflectance_parameters(), &lod_parameters()};
 }
 
@@ -105,7 +106,10 @@ TEST(ParameterTable, RowsAreWhole) {
       EXPECT_FALSE(row.help.empty());
       EXPECT_EQ(row.kind == ParameterKind::kChoice, !row.choices.empty());
       EXPECT_TRUE(!row.is_numeric() || row.low < row.high);
-      EXPECT_TRUE(row.excludes.empty() || table->at(row.excludes).excludes == row.name) << "both ways";
+      for (const std::string& other : row.excludes) {
+        const std::vector<std::string>& back = table->at(other).excludes;
+        EXPECT_NE(std::find(back.begin(), back.end(), row.name), back.end()) << "both ways";
+      }
       if (row.is_numeric() && !row.default_text.empty() && row.kind != ParameterKind::kBytes) {
         const auto value = parse_value(row, row.default_text);
         ASSERT_TRUE(value.has_value());
