@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <optional>
 
 namespace multum {
@@ -58,37 +59,83 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
   return levels;
 }
 
-EncodedChunk best_chunk(const SourceOfLayout& source_of, const ChunkCandidates& candidates, double lambda) {
-  std::optional<EncodedChunk> best;
-  ChunkSettings kept;
-  kept.lambda = lambda;
-  const auto try_settings = [&](const ChunkSettings& settings, const ChunkSource& source) {
-    EncodedChunk chunk = encode_chunk(source, settings);
-    if (best && chunk.cost(lambda) >= best->cost(lambda)) return false;
-    best = std::move(chunk);
-    kept = settings;
-    return true;
-  };
-  const auto layout_of = [](const ChunkSettings& settings) { return std::pair(settings.coder, settings.side); };
+ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidChoice pyramid,
+                                 std::optional<ImageCoder> coder, bool open_loop) {
+  ChunkCandidates candidates;
+  candidates.open_loop = open_loop;
+  for (const auto& one :
+       {std::pair(ImageCoder::kDct, 16), std::pair(ImageCoder::kDct, 8), std::pair(ImageCoder::kWavelet, 16)})
+    if (!coder || one.first == *coder) candidates.coders.emplace_back(one.first, one.second);
+  const auto plain = plain_levels(sizes);
+  const auto& top = plain.front();
+  const auto& finest = plain.back();
+  if (pyramid == PyramidChoice::kNone || plain.size() == 1) {
+    candidates.pyramids = {{finest}};
+    return candidates;
+  }
+  if (pyramid == PyramidChoice::kGreedy) {
+    candidates.has_greedy = true;
+    return candidates;
+  }
+  candidates.pyramids.push_back(plain);
+  if (pyramid == PyramidChoice::kPlain) return candidates;
+  if (sizes.size() == 1) {
+    if (plain.size() > 2) candidates.pyramids.push_back({top, finest});
+  } else {
+    auto first_along_one = top;
+    first_along_one.front() = 0;
+    if (first_along_one != top && first_along_one != finest)
+      candidates.pyramids.push_back({top, first_along_one, finest});
+    // One dimension after the other, the last first.
+    std::vector<ParameterPyramid::Halvings> taking_turns = {top};
+    for (auto next = top; next != finest; taking_turns.push_back(next)) {
+      const auto most = std::max_element(next.rbegin(), next.rend());
+      --*most;
+    }
+    candidates.pyramids.push_back(taking_turns);
+  }
+  candidates.basis_images = sizes.size() == 1 ? std::vector<std::size_t>{4, 8} : std::vector<std::size_t>{8, 12};
+  return candidates;
+}
+
+ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights_of, const ChunkCandidates& candidates,
+                       double lambda, const std::function<void()>& step) {
+  std::optional<ChosenChunk> best;
   for (const auto& [coder, side] : candidates.coders) {
-    const ChunkSource source = source_of(coder, side);
-    ChunkSettings settings = kept;  // of the coders before, the best pyramid or basis
+    ChunkEncoder encoder(source, weights_of(coder, side), coder, side);
+    ChunkSettings settings;
+    if (best) settings = best->settings;  // the best pyramid or basis of the coders before
+    settings.lambda = lambda;
+    settings.open_loop = candidates.open_loop;
     settings.coder = coder;
     settings.side = side;
+    const auto try_settings = [&] {
+      EncodedChunk chunk = encoder.encode(settings, step);
+      const double cost = chunk.cost(lambda);
+      if (!best || cost < best->chunk.cost(lambda)) best = {std::move(chunk), settings};
+      return cost;
+    };
+    const auto is_best = [&] { return best->settings.coder == coder && best->settings.side == side; };
     if (best) {
-      try_settings(settings, source);
-      if (layout_of(kept) != layout_of(settings)) continue;
+      try_settings();
+      if (!is_best()) continue;
     }
+    if (candidates.has_greedy && candidates.coders.front() == std::pair(coder, side))
+      chosen_levels(source.sizes, [&](const auto& levels) {
+        settings.levels = levels;
+        return try_settings();
+      });
     for (const auto& levels : candidates.pyramids) {
       settings.levels = levels;
-      try_settings(settings, source);
+      try_settings();
     }
     settings.levels.clear();
-    for (const std::size_t images :
-         candidates.basis_images) {  // rising: more images stop paying once they have stopped
+    double least = std::numeric_limits<double>::max();
+    for (const std::size_t images : candidates.basis_images) {  // more images stop paying once they have stopped
       settings.basis_images = images;
-      const bool is_first = images == candidates.basis_images.front();
-      if (!try_settings(settings, source) && !is_first) break;
+      const double cost = try_settings();
+      if (cost >= least) break;
+      least = cost;
     }
   }
   return std::move(*best);

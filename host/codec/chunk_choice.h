@@ -19,17 +19,36 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
     const std::vector<std::size_t>& sizes,
     const std::function<double(const std::vector<ParameterPyramid::Halvings>&)>& cost);
 
+enum class PyramidChoice {
+  kAdaptive,  // the best of a few pyramids and of bases that are learnt
+  kGreedy,    // the paper's search, by the first coder
+  kPlain,     // plain_levels
+  kNone,      // every sample by itself
+};
+
 struct ChunkCandidates {
   std::vector<std::pair<ImageCoder, std::size_t>> coders;  // and the side of cosine blocks, at least one
   std::vector<std::vector<ParameterPyramid::Halvings>> pyramids;
-  std::vector<std::size_t> basis_images;  // rising; at least one pyramid or one of these
+  bool has_greedy = false;
+  std::vector<std::size_t> basis_images;  // rising; at least one pyramid, has_greedy, or one of these
+  bool open_loop = false;
 };
 
+/// `coder`: of all when not given.
+ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidChoice pyramid,
+                                 std::optional<ImageCoder> coder, bool open_loop);
+
 /// Textures do not depend on the coder, weights of coefficients do.
-using SourceOfLayout = std::function<ChunkSource(ImageCoder coder, std::size_t side)>;
+using WeightsOfLayout = std::function<CoefficientWeights(ImageCoder coder, std::size_t side)>;
+
+struct ChosenChunk {
+  EncodedChunk chunk;
+  ChunkSettings settings;  // that it was coded with
+};
 
 /// The chunk of least error + lambda bits. The first coder tries every pyramid and, while more images pay, every basis;
-/// a later one what was best so far, and the others only where it is better at that.
-EncodedChunk best_chunk(const SourceOfLayout& source_of, const ChunkCandidates& candidates, double lambda);
+/// a later one what was best so far, and the others only where it is better at that. `step`: as ChunkEncoder has it.
+ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights_of, const ChunkCandidates& candidates,
+                       double lambda, const std::function<void()>& step);
 
 }  // namespace multum

@@ -9,6 +9,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numeric>
+#include <set>
 
 #include "host/asset/inferred/field_files.h"
 #include "host/asset/inferred/filter_matrix.h"
@@ -30,6 +32,8 @@ namespace fs = std::filesystem;
 constexpr int kRoundsMax = 12;
 constexpr double kNearEnough = 0.985;  // of the target
 constexpr double kDefaultRatio = 384.0;
+constexpr double kLambdaMin = 1e-4, kLambdaMax = 1e9, kLambdaFirst = 500.0;
+constexpr int kAlphaPassesMax = 12;  // mostly one or two: each makes the mean smaller, by less and less
 
 /// Progress from several threads.
 class SharedProgress {
@@ -55,6 +59,7 @@ struct ObjectWeights {
   std::vector<FilterMatrix> poses;
   std::vector<std::size_t> pose_of_sample;
   std::vector<std::vector<std::vector<float>>> shares;  // [sample][layer][cell]
+  double pixels = 0.0;                                  // covered, of all samples
 
   /// [pose][coefficient], made when first asked for.
   const std::vector<std::vector<float>>& energies(std::size_t mapping_pose, ImageCoder coder, std::size_t side) {
@@ -77,11 +82,9 @@ struct ObjectWeights {
 
 struct ChunkToCode {
   std::size_t layer = 0, block = 0;  // of the description
-  std::size_t layer_of_object = 0;
+  std::size_t object = 0, layer_of_object = 0;
   ObjectWeights* weights = nullptr;
-  std::size_t width = 1, height = 1;
-  std::vector<std::size_t> sizes;
-  std::vector<std::vector<float>> textures;       // [chunk sample], gamma-coded
+  ChunkSource source;
   std::vector<std::vector<std::size_t>> seen_at;  // [chunk sample], samples that draw it
 };
 
@@ -159,30 +162,43 @@ std::optional<ChunkToCode> chunk_of(const InferredManifest& field, const SampleG
                                     const InferredLayer& layer, const FieldBlock& block,
                                     const TexturesByName& textures) {
   ChunkToCode chunk;
-  chunk.sizes = block.chunk_sizes();
+  auto& textures_of = chunk.source.textures;
+  chunk.source.sizes = block.chunk_sizes();
   std::size_t count = 1;
-  for (const std::size_t size : chunk.sizes) count *= size;
-  chunk.textures.resize(count);
+  for (const std::size_t size : chunk.source.sizes) count *= size;
+  textures_of.resize(count);
   chunk.seen_at.resize(count);
   for (const std::size_t s : grid.samples_in(block)) {
     const TextureMapping& mapping = object.mappings[static_cast<std::size_t>(object.mapping_of_sample[s])];
-    chunk.width = static_cast<std::size_t>(mapping.width);
-    chunk.height = static_cast<std::size_t>(mapping.height);
+    chunk.source.width = static_cast<std::size_t>(mapping.width);
+    chunk.source.height = static_cast<std::size_t>(mapping.height);
     if (layer.textures[s].empty()) continue;
     const std::size_t number = block.chunk_sample(field.samples[s].at);
-    if (chunk.textures[number].empty()) chunk.textures[number] = finest_gamma_coded(textures.at(layer.textures[s]));
+    if (textures_of[number].empty()) textures_of[number] = finest_gamma_coded(textures.at(layer.textures[s]));
     chunk.seen_at[number].push_back(s);
   }
   // What nobody draws is what costs nothing: a neighbour's.
-  const auto first =
-      std::find_if(chunk.textures.begin(), chunk.textures.end(), [](const auto& t) { return !t.empty(); });
-  if (first == chunk.textures.end()) return {};
+  const auto first = std::find_if(textures_of.begin(), textures_of.end(), [](const auto& t) { return !t.empty(); });
+  if (first == textures_of.end()) return {};
   const std::vector<float>* last = &*first;
-  for (std::vector<float>& texture : chunk.textures) {
+  for (std::vector<float>& texture : textures_of) {
     if (texture.empty()) texture = *last;
     last = &texture;
   }
   return chunk;
+}
+
+void find_masses(ChunkToCode& chunk) {
+  const ObjectWeights& weights = *chunk.weights;
+  std::set<std::size_t> poses;
+  for (const auto& samples : chunk.seen_at)
+    for (const std::size_t s : samples) poses.insert(weights.pose_of_sample[s]);
+  std::vector<float>& masses = chunk.source.texel_weights;
+  masses.resize(chunk.source.width * chunk.source.height);
+  for (const std::size_t pose : poses) {
+    const std::vector<float> one = texel_masses(weights.poses[pose]);
+    for (std::size_t i = 0; i < masses.size(); ++i) masses[i] += one[i];
+  }
 }
 
 void read_object(const FieldPackSettings& settings, const InferredManifest& field, std::size_t number,
@@ -192,6 +208,8 @@ void read_object(const FieldPackSettings& settings, const InferredManifest& fiel
   if (object.layers.empty()) return;
   ObjectWeights& weights = *source.weights.back();
   read_matrices(settings.folder, field, object, weights);
+  for (const std::size_t pose : weights.pose_of_sample)
+    for (const float coverage : weights.poses[pose].coverage) weights.pixels += static_cast<double>(coverage);
   const TexturesByName textures = read_textures(settings.folder, object, settings.threads);
   find_shares(object, textures, settings.threads, weights);
   std::size_t texels = 1;
@@ -216,8 +234,10 @@ void read_object(const FieldPackSettings& settings, const InferredManifest& fiel
       if (!chunk) continue;
       chunk->layer = source.description.layers.size();
       chunk->block = b;
+      chunk->object = number;
       chunk->layer_of_object = l;
       chunk->weights = &weights;
+      find_masses(*chunk);
       source.chunks.push_back(std::move(*chunk));
     }
     source.description.layers.push_back(std::move(packed));
@@ -250,109 +270,169 @@ FieldSource read_field(const FieldPackSettings& settings, Progress* progress) {
   return source;
 }
 
-ChunkCandidates candidates_for(const std::vector<std::size_t>& sizes, std::optional<ImageCoder> coder) {
-  ChunkCandidates candidates;
-  candidates.coders = {{ImageCoder::kDct, 16}, {ImageCoder::kDct, 8}, {ImageCoder::kWavelet, 16}};
-  if (coder) std::erase_if(candidates.coders, [&](const auto& candidate) { return candidate.first != *coder; });
-  const auto plain = plain_levels(sizes);
-  candidates.pyramids.push_back(plain);
-  const auto& top = plain.front();
-  const auto& finest = plain.back();
-  if (plain.size() == 1) return candidates;
-  if (sizes.size() == 1) {
-    if (plain.size() > 2) candidates.pyramids.push_back({top, finest});
-  } else {
-    auto first_along_one = top;
-    first_along_one.front() = 0;
-    if (first_along_one != top && first_along_one != finest)
-      candidates.pyramids.push_back({top, first_along_one, finest});
-    // One dimension after the other, the last first.
-    std::vector<ParameterPyramid::Halvings> taking_turns = {top};
-    for (auto next = top; next != finest; taking_turns.push_back(next)) {
-      const auto most = std::max_element(next.rbegin(), next.rend());
-      --*most;
-    }
-    candidates.pyramids.push_back(taking_turns);
-  }
-  candidates.basis_images = sizes.size() == 1 ? std::vector<std::size_t>{4, 8} : std::vector<std::size_t>{8, 12};
-  return candidates;
-}
+/// Of a round before, kept while lambda stays near.
+struct KeptChunk {
+  ChosenChunk chosen;
+  double lambda = 0.0;     // it was coded with
+  double chosen_at = 0.0;  // lambda at which all candidates were tried; 0: never
+};
 
-EncodedChunk coded(const ChunkToCode& chunk, ImageTransforms& transforms, std::optional<ImageCoder> coder,
-                   double lambda, SharedProgress& progress) {
+ChosenChunk coded(const ChunkToCode& chunk, const ChunkCandidates& candidates, const ChunkSettings* settings,
+                  double lambda, SharedProgress& progress) {
   ObjectWeights& weights = *chunk.weights;
   std::vector<std::size_t> poses;
   for (const auto& samples : chunk.seen_at)
     for (const std::size_t s : samples) poses.push_back(weights.pose_of_sample[s]);
   std::sort(poses.begin(), poses.end());
   poses.erase(std::unique(poses.begin(), poses.end()), poses.end());
-  std::vector<float> masses(chunk.width * chunk.height);
-  for (const std::size_t pose : poses) {
-    const std::vector<float> one = texel_masses(weights.poses[pose]);
-    for (std::size_t i = 0; i < masses.size(); ++i) masses[i] += one[i];
-  }
-  const auto source_of = [&](ImageCoder tried, std::size_t side) {
-    const auto& energies = weights.energies(poses.front(), tried, side);
-    const CoefficientLayout layout{tried, chunk.width, chunk.height, side};
-    const auto cells = cells_of_coefficients(layout);
-    ChunkSource source{chunk.width, chunk.height, chunk.sizes, chunk.textures, masses, {}};
-    // Axes depend on textures and masses alone: all candidates of a layout start from the same coefficients.
-    source.coefficients = [&chunk, &transforms, layout,
-                           kept = std::make_shared<std::vector<PlaneCoefficients>>()](const PlaneAxes& axes) {
-      if (kept->empty()) *kept = transforms.coefficients(layout, chunk.textures, axes);
-      return *kept;
-    };
-    source.coefficient_weights = [&weights, &chunk, &energies, cells, &progress](std::size_t sample) {
-      progress.advance(0);
-      std::vector<float> sum(cells.size());
-      for (const std::size_t s : chunk.seen_at[sample]) {
-        const std::vector<float>& shares = weights.shares[s][chunk.layer_of_object];
-        const std::vector<float>& energy = energies[weights.pose_of_sample[s]];
-        for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += energy[j] * shares[cells[j]];
-      }
-      return sum;
-    };
-    return source;
+  const auto weights_of = [&](ImageCoder coder, std::size_t side) -> CoefficientWeights {
+    const auto& energies = weights.energies(poses.front(), coder, side);
+    return
+        [&, cells = cells_of_coefficients({coder, chunk.source.width, chunk.source.height, side})](std::size_t sample) {
+          progress.advance(0);
+          std::vector<float> sum(cells.size());
+          for (const std::size_t s : chunk.seen_at[sample]) {
+            const std::vector<float>& shares = weights.shares[s][chunk.layer_of_object];
+            const std::vector<float>& energy = energies[weights.pose_of_sample[s]];
+            for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += energy[j] * shares[cells[j]];
+          }
+          return sum;
+        };
   };
-  EncodedChunk result = best_chunk(source_of, candidates_for(chunk.sizes, coder), lambda);
-  progress.advance(1);
+  const auto step = [&progress] { progress.advance(0); };
+  if (settings == nullptr) return best_chunk(chunk.source, weights_of, candidates, lambda, step);
+  ChosenChunk result{{}, *settings};
+  result.settings.lambda = lambda;
+  ChunkEncoder encoder(chunk.source, weights_of(settings->coder, settings->side), settings->coder, settings->side);
+  result.chunk = encoder.encode(result.settings, step);
   return result;
 }
 
 /// Everything coded for one lambda.
 struct Round {
   double lambda = 0.0, mse = 0.0;
+  std::vector<double> object_mse;  // of each object's pixels
+  double mse_covered = 0.0;
   std::vector<EncodedChunk> chunks;
   std::vector<std::uint8_t> file;
 };
 
-Round coded_field(const FieldSource& source, const std::vector<std::uint8_t>& description,
-                  const FieldPackSettings& settings, double lambda, Progress* progress) {
-  progress_stage(progress, fmt::format("code, a bit worth {:.4g}", lambda));
-  Round round;
-  round.lambda = lambda;
-  round.chunks.resize(source.chunks.size());
-  SharedProgress shared(progress);
-  for_each_item(static_cast<int>(source.chunks.size()), settings.threads, [&](int i) {
-    const auto c = static_cast<std::size_t>(i);
-    round.chunks[c] = coded(source.chunks[c], *source.transforms, settings.coder, lambda, shared);
-  });
-  std::vector<SectionSource> sections = {{static_cast<std::uint32_t>(SectionKind::kDescription), 0, 0, description}};
-  for (std::size_t c = 0; c < round.chunks.size(); ++c) {
-    round.mse += round.chunks[c].error / source.values;
-    sections.push_back({static_cast<std::uint32_t>(SectionKind::kChunk),
-                        static_cast<std::uint32_t>(source.chunks[c].layer),
-                        static_cast<std::uint32_t>(source.chunks[c].block), round.chunks[c].bytes});
+/// Codes all chunks again and again, for one lambda after another.
+class FieldCoder {
+ public:
+  FieldCoder(const FieldSource& source, const std::vector<std::uint8_t>& description, const FieldPackSettings& settings,
+             Progress* progress)
+      : source_(source),
+        description_(description),
+        settings_(settings),
+        progress_(progress),
+        kept_(source.chunks.size()),
+        shares_(source.weights.size(), 1.0) {
+    for (const ChunkToCode& chunk : source.chunks)
+      candidates_.push_back(chunk_candidates(chunk.source.sizes, settings.pyramid, settings.coder, settings.open_loop));
   }
-  round.file = packed_file(sections);
-  return round;
-}
+
+  Round code(double lambda) {
+    ++rounds_;
+    progress_stage(progress_, fmt::format("code, a bit worth {:.4g}", lambda));
+    std::vector<std::size_t> all(source_.chunks.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    code_chunks(all, lambda);
+    Round round;
+    round.lambda = lambda;
+    std::vector<SectionSource> sections = {{static_cast<std::uint32_t>(SectionKind::kDescription), 0, 0, description_}};
+    for (std::size_t c = 0; c < kept_.size(); ++c) {
+      const EncodedChunk& chunk = kept_[c].chosen.chunk;
+      round.chunks.push_back(chunk);
+      round.mse += chunk.error / source_.values;
+      sections.push_back({static_cast<std::uint32_t>(SectionKind::kChunk),
+                          static_cast<std::uint32_t>(source_.chunks[c].layer),
+                          static_cast<std::uint32_t>(source_.chunks[c].block), chunk.bytes});
+    }
+    double covered = 0.0;
+    for (std::size_t k = 0; k < source_.weights.size(); ++k) {
+      round.object_mse.push_back(object_mse(k));
+      covered += 3.0 * source_.weights[k]->pixels;
+    }
+    round.mse_covered = covered > 0.0 ? round.mse * source_.values / covered : 0.0;
+    round.file = packed_file(sections);
+    return round;
+  }
+
+  double lambda_of(std::size_t object, double lambda) const { return std::max(kLambdaMin, lambda * shares_[object]); }
+  int rounds() const { return rounds_; }
+
+  /// Lowers the share of lambda of each object whose error is above alpha times the mean. False: there is none.
+  bool hold(const Round& round) {
+    const double mse_max = settings_.alpha * round.mse_covered;
+    bool any = false;
+    for (std::size_t k = 0; k < round.object_mse.size(); ++k) {
+      if (settings_.alpha <= 0.0 || round.object_mse[k] <= mse_max) continue;
+      any = true;
+      hold_object(k, round.lambda, round.object_mse[k], mse_max);
+    }
+    return any;
+  }
+
+ private:
+  /// A choice of coder and pyramid is kept while lambda is within this factor of that for which it was made. On
+  /// field_demo1 a search that starts at 500 ends within it.
+  static constexpr double kChoiceRange = 2.0;
+
+  void code_chunks(const std::vector<std::size_t>& numbers, double lambda) {
+    SharedProgress shared(progress_);
+    for_each_item(static_cast<int>(numbers.size()), settings_.threads, [&](int i) {
+      const std::size_t c = numbers[static_cast<std::size_t>(i)];
+      const ChunkToCode& chunk = source_.chunks[c];
+      const double own = lambda_of(chunk.object, lambda);
+      KeptChunk& kept = kept_[c];
+      if (kept.lambda != own) {
+        const bool is_near =
+            kept.chosen_at > 0.0 && own <= kChoiceRange * kept.chosen_at && kept.chosen_at <= kChoiceRange * own;
+        const ChunkSettings before = kept.chosen.settings;
+        kept.chosen = coded(chunk, candidates_[c], is_near ? &before : nullptr, own, shared);
+        kept.lambda = own;
+        if (!is_near) kept.chosen_at = own;
+      }
+      shared.advance(1);
+    });
+  }
+
+  double object_mse(std::size_t object) const {
+    double error = 0.0;
+    for (std::size_t c = 0; c < kept_.size(); ++c)
+      if (source_.chunks[c].object == object) error += kept_[c].chosen.chunk.error;
+    const double values = 3.0 * source_.weights[object]->pixels;
+    return values > 0.0 ? error / values : 0.0;
+  }
+
+  /// Errors grow as lambda^0.6: a few steps of that lead to a share of lambda at which the object's error is met. A
+  /// share, not a lambda: when the others' lambda changes for the file's size, so do its error and the mean.
+  void hold_object(std::size_t object, double lambda, double mse, double mse_max) {
+    std::vector<std::size_t> numbers;
+    for (std::size_t c = 0; c < kept_.size(); ++c)
+      if (source_.chunks[c].object == object) numbers.push_back(c);
+    for (int i = 0; i < 6 && mse > mse_max && lambda_of(object, lambda) > kLambdaMin; ++i) {
+      shares_[object] *= std::pow(0.985 * mse_max / mse, 1.0 / 0.6);
+      code_chunks(numbers, lambda);
+      mse = object_mse(object);
+    }
+  }
+
+  const FieldSource& source_;
+  const std::vector<std::uint8_t>& description_;
+  const FieldPackSettings& settings_;
+  Progress* progress_;
+  std::vector<ChunkCandidates> candidates_;  // of each chunk
+  std::vector<KeptChunk> kept_;              // the same
+  std::vector<double> shares_;               // of lambda, of each object, up to 1
+  int rounds_ = 0;
+};
 
 /// The largest file of at most so many bytes, or the smallest of at most so much error: log(bytes) and log(error) are
 /// nearly linear in log(lambda), of slopes -0.56 and 0.6 on a field of 64 samples.
 template <typename Code>
-Round search(double limit, bool is_error, const Code& code) {
-  constexpr double kLambdaMin = 1e-4, kLambdaMax = 1e9;
+Round search(double limit, bool is_error, double lambda, const Code& code) {
   const auto excess_of = [&](const Round& round) {
     const double value = is_error ? round.mse : static_cast<double>(round.file.size());
     return std::log(std::max(value, 1e-12) / limit);
@@ -363,7 +443,7 @@ Round search(double limit, bool is_error, const Code& code) {
     double x = 0.0, excess = 0.0;
     bool is_there = false;
   } met, missed;  // the nearest of either kind
-  double x = std::log(500.0);
+  double x = std::log(lambda);
   double least = 0.0;
   for (int i = 0; i < kRoundsMax; ++i) {
     Round round = code(std::exp(x));
@@ -401,7 +481,7 @@ void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& pat
 }  // namespace
 
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress) {
-  MULTUM_CHECK(settings.block >= 1);
+  MULTUM_CHECK(settings.block >= 1 && (settings.alpha == 0.0 || settings.alpha > 1.0));
   check_paths_differ({settings.folder + "/" + kInferredManifestName}, {settings.output});
   check_writable(settings.output);
   progress_start(progress, 0);
@@ -412,15 +492,18 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   const std::vector<std::uint8_t> description = encode_description(source.description);
   FieldPackReport report;
   progress_start(progress, source.chunks.size() * (settings.target.lambda ? 1u : 4u));
-  const auto code = [&](double lambda) {
-    ++report.rounds;
-    return coded_field(source, description, settings, lambda, progress);
-  };
+  FieldCoder coder(source, description, settings, progress);
+  const auto code = [&](double lambda) { return coder.code(lambda); };
   const FieldTarget& target = settings.target;
   const double by_ratio = source.values / target.ratio.value_or(kDefaultRatio);
-  const Round round = target.lambda ? code(*target.lambda)
-                      : target.mse  ? search(*target.mse, true, code)
-                                    : search(target.bytes.value_or(by_ratio), false, code);
+  const auto met = [&](double first) {
+    return target.lambda ? code(*target.lambda)
+           : target.mse  ? search(*target.mse, true, first, code)
+                         : search(target.bytes.value_or(by_ratio), false, first, code);
+  };
+  Round round = met(kLambdaFirst);
+  // What the objects that are held take, the others are short of: then one more may be above alpha times the mean.
+  for (int pass = 0; pass < kAlphaPassesMax && coder.hold(round); ++pass) round = met(round.lambda);
   write_packed(round.file, settings.output);
   progress_finish(progress);
   report.bytes = round.file.size();
@@ -428,6 +511,14 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   report.raw_bytes = static_cast<std::uint64_t>(source.values);
   report.lambda = round.lambda;
   report.mse = round.mse;
+  report.rounds = coder.rounds();
+  report.mse_covered = round.mse_covered;
+  for (std::size_t k = 0; k < source.weights.size(); ++k) {
+    if (!(source.weights[k]->pixels > 0.0)) continue;
+    report.objects.push_back({source.description.field.objects[k].name, source.weights[k]->pixels, round.object_mse[k],
+                              coder.lambda_of(k, round.lambda)});
+    if (settings.alpha > 0.0 && round.object_mse[k] > settings.alpha * round.mse_covered) report.is_alpha_met = false;
+  }
   for (std::size_t c = 0; c < source.chunks.size(); ++c) {
     const PackedLayer& layer = source.description.layers[source.chunks[c].layer];
     report.chunks.push_back({source.description.field.objects[layer.object].name, layer.name, source.chunks[c].block,

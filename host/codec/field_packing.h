@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "host/base/progress.h"
-#include "host/codec/decoder/texture_chunk_format.h"
-#include "host/codec/image_transforms.h"
+#include "host/codec/chunk_choice.h"
 
 namespace multum {
 
@@ -26,6 +25,12 @@ struct FieldTarget {
 struct FieldPackSettings {
   std::string folder, output;  // output *.mpt
   FieldTarget target;
+  /// Above 1: no object's mean error a pixel may be more than so many times that of all objects' pixels together
+  /// (Hakura et al. 2000, section 4). 0: any.
+  double alpha = 1.25;
+  PyramidChoice pyramid = PyramidChoice::kAdaptive;
+  std::optional<ImageCoder> coder;  // the best of all when not given
+  bool open_loop = false;
   int block = 8;                       // samples of a chunk along a parameter, at most
   bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output's folder
   int threads = 0;                     // <= 0: all; the bytes are the same
@@ -37,10 +42,20 @@ struct PackedChunkReport {
   double mse = 0.0;  // its share of the estimate
 };
 
+struct PackedObjectReport {
+  std::string object;
+  double pixels = 0.0;  // that it covers, of all samples
+  double mse = 0.0;     // of these, estimated
+  double lambda = 0.0;  // that its chunks were coded with
+};
+
 struct FieldPackReport {
   std::uint64_t bytes = 0, description_bytes = 0, raw_bytes = 0;  // raw: of 24-bit frames
   double lambda = 0.0, mse = 0.0;
-  int rounds = 0;  // of coding everything
+  int rounds = 0;            // of coding everything
+  double mse_covered = 0.0;  // of pixels that objects cover: what alpha is of
+  bool is_alpha_met = true;
+  std::vector<PackedObjectReport> objects;  // of those with textures
   std::vector<PackedChunkReport> chunks;
 };
 

@@ -7,7 +7,6 @@
 
 #include "host/base/error.h"
 #include "host/codec/byte_writer.h"
-#include "host/codec/colour_axes.h"
 #include "host/codec/dct_stream_encoder.h"
 #include "host/codec/symmetric_eigenvectors.h"
 #include "host/codec/wavelet_stream_encoder.h"
@@ -203,86 +202,55 @@ float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
+using SampleCoefficients = std::array<std::vector<float>, 3>;
+
 /// What the samples still lack, coefficient by coefficient, and what of it an image shall be.
 class Residual {
  public:
-  Residual(const ChunkSource& source, std::vector<PlaneCoefficients> coefficients)
-      : source_(source), lacking_(std::move(coefficients)) {}
-
-  /// Products of any two samples, coefficients weighed by the roots of what their errors weigh: [sample][sample].
-  std::vector<double> covariance() const {
-    const std::size_t n = lacking_.size();
-    std::vector<std::vector<float>> roots;
-    for (std::size_t s = 0; s < n; ++s) {
-      roots.push_back(source_.coefficient_weights(s));
-      for (float& weight : roots.back()) weight = std::sqrt(weight);
-    }
-    std::vector<double> products(n * n);
-    for (std::size_t s = 0; s < n; ++s)
-      for (std::size_t t = 0; t <= s; ++t) {
-        double sum = 0.0;
-        for (std::size_t p = 0; p < 3; ++p)
-          for (std::size_t i = 0; i < roots[s].size(); ++i)
-            sum += static_cast<double>(roots[s][i] * lacking_[s][p][i] * roots[t][i] * lacking_[t][p][i]);
-        products[s * n + t] = products[t * n + s] = sum;
-      }
-    return products;
-  }
+  /// `weights`: [sample][coefficient]; they must outlive it.
+  Residual(std::vector<SampleCoefficients> lacking, const std::vector<std::vector<float>>& weights)
+      : lacking_(std::move(lacking)), weights_(weights) {}
 
   /// Least squares over the image's samples, each by itself: sum q w r / t / sum q w, q of error_share. `weights`
   /// becomes the denominator.
-  std::array<std::vector<float>, 3> wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
-                                           std::vector<float>& weights) const {
+  SampleCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
+                            std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();
-    std::array<std::vector<float>, 3> sums;
+    SampleCoefficients sums;
     for (auto& plane : sums) plane.assign(size, 0.0f);
     weights.assign(size, 0.0f);
     for (const Share& share : shares) {
-      const std::vector<float> of_sample = source_.coefficient_weights(share.sample);
+      const std::vector<float>& of_sample = weights_[share.sample];
       const float error = error_share(format, share), factor = format.basis.empty() ? error : share.weight;
-      for (std::size_t i = 0; i < size; ++i) {
-        weights[i] += error * of_sample[i];
-        for (std::size_t p = 0; p < 3; ++p) sums[p][i] += factor * of_sample[i] * lacking_[share.sample][p][i];
-      }
+      for (std::size_t i = 0; i < size; ++i) weights[i] += error * of_sample[i];
+      for (std::size_t p = 0; p < 3; ++p)
+        for (std::size_t i = 0; i < size; ++i) sums[p][i] += factor * of_sample[i] * lacking_[share.sample][p][i];
     }
-    for (std::size_t i = 0; i < size; ++i)
-      for (auto& plane : sums) plane[i] = weights[i] > kWeightMin ? plane[i] / weights[i] : 0.0f;
+    for (auto& plane : sums)
+      for (std::size_t i = 0; i < size; ++i) plane[i] = weights[i] > kWeightMin ? plane[i] / weights[i] : 0.0f;
     return sums;
   }
 
   double error() const {
     double sum = 0.0;
-    for (std::size_t s = 0; s < lacking_.size(); ++s) {
-      const std::vector<float> weights = source_.coefficient_weights(s);
+    for (std::size_t s = 0; s < lacking_.size(); ++s)
       for (const auto& plane : lacking_[s])
-        for (std::size_t i = 0; i < weights.size(); ++i) sum += static_cast<double>(weights[i] * plane[i] * plane[i]);
-    }
+        for (std::size_t i = 0; i < plane.size(); ++i) sum += static_cast<double>(weights_[s][i] * plane[i] * plane[i]);
     return sum;
   }
 
-  void subtract(const std::vector<Share>& shares, const std::array<std::vector<float>, 3>& decoded) {
+  void subtract(const std::vector<Share>& shares, const SampleCoefficients& image) {
     for (const Share& share : shares)
       for (std::size_t p = 0; p < 3; ++p)
-        for (std::size_t i = 0; i < decoded[p].size(); ++i)
-          lacking_[share.sample][p][i] -= share.weight * decoded[p][i];
+        for (std::size_t i = 0; i < image[p].size(); ++i) lacking_[share.sample][p][i] -= share.weight * image[p][i];
   }
 
  private:
   static constexpr float kWeightMin = 1e-9f;  // of a pixel: nothing sees it
 
-  const ChunkSource& source_;
-  std::vector<PlaneCoefficients> lacking_;
+  std::vector<SampleCoefficients> lacking_;
+  const std::vector<std::vector<float>>& weights_;
 };
-
-std::vector<float> summed_weights(const ChunkSource& source) {
-  std::vector<float> sums;
-  for (std::size_t s = 0; s < source.textures.size(); ++s) {
-    const auto weights = source.coefficient_weights(s);
-    sums.resize(weights.size());
-    for (std::size_t i = 0; i < weights.size(); ++i) sums[i] += weights[i];
-  }
-  return sums;
-}
 
 void choose_steps(TextureChunkFormat& format, const std::vector<float>& weights) {
   format.step_codes =
@@ -306,11 +274,11 @@ void choose_scales(TextureChunkFormat& format, const std::vector<float>& weights
   }
 }
 
-/// The block's first eigenvectors, each scaled so that its largest weight is 127.
-std::vector<std::vector<std::int8_t>> learnt_basis(const Residual& residual, std::size_t samples, std::size_t images) {
-  const auto vectors = symmetric_eigenvectors(residual.covariance(), samples);
+/// The first eigenvectors, each scaled so that its largest weight is 127.
+std::vector<std::vector<std::int8_t>> learnt_basis(const std::vector<std::vector<double>>& vectors,
+                                                   std::size_t images) {
   std::vector<std::vector<std::int8_t>> basis;
-  for (std::size_t k = 0; k < std::min(images, samples); ++k) {
+  for (std::size_t k = 0; k < std::min(images, vectors.size()); ++k) {
     double largest = 0.0;
     for (const double part : vectors[k])
       if (std::abs(part) > std::abs(largest)) largest = part;
@@ -321,53 +289,96 @@ std::vector<std::vector<std::int8_t>> learnt_basis(const Residual& residual, std
   return basis;
 }
 
+std::unique_ptr<ImageCoding> coding_of(const TextureChunkFormat& format, double lambda) {
+  if (format.coder == ImageCoder::kDct) return std::make_unique<DctCoding>(format, static_cast<float>(lambda));
+  return std::make_unique<WaveletCoding>(format, static_cast<float>(lambda));
+}
+
 }  // namespace
 
-EncodedChunk encode_chunk(const ChunkSource& source, const ChunkSettings& settings) {
-  MULTUM_CHECK(settings.lambda > 0.0);
-  TextureChunkFormat format;
-  format.coder = settings.coder;
-  format.width = source.width;
-  format.height = source.height;
-  format.sizes = source.sizes;
-  format.levels = settings.levels;
-  format.linear = settings.linear;
-  format.side = static_cast<std::uint8_t>(settings.side);
-  const std::vector<float> weights = summed_weights(source);
-  choose_steps(format, weights);
+ChunkEncoder::ChunkEncoder(const ChunkSource& source, const CoefficientWeights& weights, ImageCoder coder,
+                           std::size_t side)
+    : source_(source) {
+  format_.coder = coder;
+  format_.width = source.width;
+  format_.height = source.height;
+  format_.sizes = source.sizes;
+  format_.side = static_cast<std::uint8_t>(side);
+  for (std::size_t s = 0; s < source.textures.size(); ++s) {
+    weights_.push_back(weights(s));
+    summed_weights_.resize(weights_.back().size());
+    for (std::size_t i = 0; i < summed_weights_.size(); ++i) summed_weights_[i] += weights_.back()[i];
+  }
+  choose_steps(format_, summed_weights_);
   const ColourAxes axes = colour_axes(source.textures, source.texel_weights);
-  format.rotation = axes.quaternion;
-  PlaneAxes planes{format.rotation_rows(), {}};
+  format_.rotation = axes.quaternion;
+  const auto rows = format_.rotation_rows();
   for (std::size_t p = 0; p < 3; ++p) {
     float offset = 0.0f;
-    for (std::size_t c = 0; c < 3; ++c) offset += planes.rows[p][c] * axes.mean[c];
-    format.offsets[p] = static_cast<std::int16_t>(std::clamp(std::lround(offset / kOffsetUnit), -32767l, 32767l));
-    planes.offsets[p] = kOffsetUnit * static_cast<float>(format.offsets[p]);
+    for (std::size_t c = 0; c < 3; ++c) offset += rows[p][c] * axes.mean[c];
+    format_.offsets[p] = static_cast<std::int16_t>(std::clamp(std::lround(offset / kOffsetUnit), -32767l, 32767l));
   }
+  const auto coding = coding_of(format_, 1.0);
+  for (const auto& texture : source.textures) {
+    SampleCoefficients coefficients;
+    for (std::size_t p = 0; p < 3; ++p) {
+      std::vector<float> plane(source.width * source.height, -kOffsetUnit * static_cast<float>(format_.offsets[p]));
+      for (std::size_t i = 0; i < plane.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) plane[i] += rows[p][c] * texture[3 * i + c];
+      coefficients[p] = coding->transformed(std::move(plane));
+    }
+    coefficients_.push_back(std::move(coefficients));
+  }
+}
 
-  const auto lambda = static_cast<float>(settings.lambda);
-  std::unique_ptr<ImageCoding> coding;
-  if (format.coder == ImageCoder::kDct) coding = std::make_unique<DctCoding>(format, lambda);
-  else coding = std::make_unique<WaveletCoding>(format, lambda);
-  const CoefficientLayout layout{format.coder, source.width, source.height, settings.side};
-  Residual residual(source, source.coefficients ? source.coefficients(planes)
-                                                : HostImageTransforms().coefficients(layout, source.textures, planes));
-  if (format.levels.empty()) format.basis = learnt_basis(residual, source.textures.size(), settings.basis_images);
+/// Of the products of any two samples, coefficients weighed by the roots of what their errors weigh.
+const std::vector<std::vector<double>>& ChunkEncoder::eigenvectors() {
+  if (eigenvectors_) return *eigenvectors_;
+  const std::size_t n = coefficients_.size();
+  std::vector<double> products(n * n);
+  std::vector<float> rooted;
+  for (std::size_t s = 0; s < n; ++s)
+    for (std::size_t p = 0; p < 3; ++p) {
+      rooted = coefficients_[s][p];
+      for (std::size_t i = 0; i < rooted.size(); ++i) rooted[i] *= std::sqrt(weights_[s][i]);
+      for (std::size_t t = 0; t <= s; ++t) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < rooted.size(); ++i)
+          sum += static_cast<double>(rooted[i] * std::sqrt(weights_[t][i]) * coefficients_[t][p][i]);
+        products[s * n + t] += sum;
+        if (t != s) products[t * n + s] += sum;
+      }
+    }
+  return eigenvectors_.emplace(symmetric_eigenvectors(std::move(products), n));
+}
+
+EncodedChunk ChunkEncoder::encode(const ChunkSettings& settings, const std::function<void()>& step) {
+  MULTUM_CHECK(settings.lambda > 0.0 && settings.coder == format_.coder);
+  TextureChunkFormat format = format_;
+  format.levels = settings.levels;
+  format.linear = settings.linear;
+  if (format.levels.empty()) format.basis = learnt_basis(eigenvectors(), settings.basis_images);
   const auto plan = format.plan();
-  MULTUM_CHECK(plan.has_value() && plan->of_samples.size() == source.textures.size());
+  MULTUM_CHECK(plan.has_value() && plan->of_samples.size() == source_.textures.size());
   const auto shares = shares_of_images(*plan);
-  choose_scales(format, weights, settings.lambda, *plan, shares);
+  choose_scales(format, summed_weights_, settings.lambda, *plan, shares);
+  const auto coding = coding_of(format, settings.lambda);
+  Residual left(coefficients_, weights_);
+  std::optional<Residual> aim;  // of an open loop: what images shall add up to
+  if (settings.open_loop) aim.emplace(left);
   for (std::size_t i = 0; i < plan->image_count(); ++i) {
+    step();
     std::vector<float> of_image;
-    auto wanted = residual.wanted(format, shares[i], of_image);
+    auto wanted = (aim ? *aim : left).wanted(format, shares[i], of_image);
+    if (aim) aim->subtract(shares[i], wanted);
     const std::size_t level = plan->levels[i];
-    residual.subtract(shares[i], coding->add(std::move(wanted), std::move(of_image), plan->parents[i], level,
-                                             format.level_scale(level)));
+    left.subtract(shares[i], coding->add(std::move(wanted), std::move(of_image), plan->parents[i], level,
+                                         format.level_scale(level)));
   }
   ByteWriter writer;
   write_format(writer, format);
   writer.bytes(coding->finish());
-  return {writer.written(), residual.error()};
+  return {writer.written(), left.error()};
 }
 
 }  // namespace multum

@@ -9,7 +9,9 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
+#include "host/codec/colour_axes.h"
 #include "host/codec/decoder/texture_chunk.h"
 #include "host/codec/image_transforms.h"
 
@@ -22,12 +24,11 @@ struct ChunkSource {
   std::vector<std::vector<float>> textures;
   /// What the square of a texel's error weighs, summed over the samples, at least 0: for the choice of colour axes.
   std::vector<float> texel_weights;
-  /// What the square of an error of each coefficient weighs in one sample, at least 0: cosines [block][v][u], wavelets
-  /// [height][width]. Called once for each sample and level.
-  std::function<std::vector<float>(std::size_t sample)> coefficient_weights;
-  /// Coefficients of all textures in planes; none: HostImageTransforms makes them, anew for every chunk.
-  std::function<std::vector<PlaneCoefficients>(const PlaneAxes& axes)> coefficients = {};
 };
+
+/// What the square of an error of each coefficient weighs in one sample, at least 0: cosines [block][v][u], wavelets
+/// [height][width]. Called once for each sample.
+using CoefficientWeights = std::function<std::vector<float>(std::size_t sample)>;
 
 struct ChunkSettings {
   ImageCoder coder = ImageCoder::kDct;
@@ -37,6 +38,8 @@ struct ChunkSettings {
   std::vector<ParameterPyramid::Halvings> levels;
   std::size_t basis_images = 8;
   bool linear = false;
+  /// Images are of what the coarser ones were to be, not of what they have become: as the paper has it.
+  bool open_loop = false;
   double lambda = 1.0;  // weighed squared error that one bit is worth, above 0
 };
 
@@ -48,7 +51,26 @@ struct EncodedChunk {
   double cost(double lambda) const { return error + 8.0 * lambda * static_cast<double>(bytes.size()); }
 };
 
-/// Stops the program where source and settings contradict one another.
-EncodedChunk encode_chunk(const ChunkSource& source, const ChunkSettings& settings);
+/// What all ways to code a chunk by one image coder share: its textures in that coder's coefficients, and what those
+/// weigh. Not for two threads at once.
+class ChunkEncoder {
+ public:
+  /// `side`: of cosine blocks. The source must outlive the encoder.
+  ChunkEncoder(const ChunkSource& source, const CoefficientWeights& weights, ImageCoder coder, std::size_t side);
+
+  /// Stops the program where source and settings contradict one another. `step` is called before each image, and may
+  /// throw.
+  EncodedChunk encode(const ChunkSettings& settings, const std::function<void()>& step);
+
+ private:
+  const std::vector<std::vector<double>>& eigenvectors();
+
+  const ChunkSource& source_;
+  TextureChunkFormat format_;                                       // of all ways: without levels
+  std::vector<std::array<std::vector<float>, 3>> coefficients_;     // [sample][plane][coefficient]
+  std::vector<std::vector<float>> weights_;                         // [sample][coefficient]
+  std::vector<float> summed_weights_;                               // [coefficient]
+  std::optional<std::vector<std::vector<double>>> eigenvectors_{};  // made when first asked for
+};
 
 }  // namespace multum

@@ -56,6 +56,34 @@ const ParameterTable& pack_parameters() {
                     .high = 64,
                     .default_text = "8",
                     .surfaces = kPackJob});
+    rows.push_back({.name = "alpha",
+                    .kind = ParameterKind::kNumber,
+                    .help = "an object's mean error over that of all objects' pixels, at most; above 1, or 0: any",
+                    .low = 0,
+                    .high = 1e6,
+                    .default_text = "1.25",
+                    .surfaces = kPackJob});
+    rows.push_back({.name = "pyramid",
+                    .kind = ParameterKind::kChoice,
+                    .help =
+                        "images of a chunk: the best of a few pyramids over the parameters and of learnt bases, the "
+                        "paper's greedy search, 1, 2, 4 ... samples along all parameters, or every sample by itself",
+                    .default_text = "adaptive",
+                    .choices = {"adaptive", "greedy", "plain", "none"},
+                    .surfaces = kPackJob});
+    rows.push_back({.name = "coder",
+                    .kind = ParameterKind::kChoice,
+                    .help = "coder of images: block cosines, embedded wavelets, or of each chunk the better one",
+                    .default_text = "auto",
+                    .choices = {"auto", "dct", "wavelet"},
+                    .surfaces = kPackJob});
+    rows.push_back({.name = "loop",
+                    .kind = ParameterKind::kChoice,
+                    .help = "finer images correct what coding has done to coarser ones (closed), or not, as in the "
+                            "paper (open)",
+                    .default_text = "closed",
+                    .choices = {"closed", "open"},
+                    .surfaces = kPackJob});
     rows.push_back(absolute_geometry_parameter());
     return ParameterTable("pack", std::move(rows));
   }();

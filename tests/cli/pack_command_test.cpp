@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -146,22 +147,67 @@ TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {
   EXPECT_LT(drawn_mse("blocks"), 2.0);
 }
 
-TEST_F(PackCommandTest, OneImageCoderMayBeAskedFor) {
-  for (const auto& [coder, flag] : {std::pair<std::string, int>("dct", 0), {"wavelet", 1}}) {
-    const std::string file = coder + ".mpt";
-    ASSERT_EQ(pack(file, {"--lambda", "5", "--coder", coder}).exit_code, 0);
-    PackedFieldFile packed(path(file));
-    std::size_t chunks = 0;
-    for (std::size_t i = 0; i < packed.index().sections().size(); ++i) {
-      if (packed.index().sections()[i].kind != static_cast<std::uint32_t>(SectionKind::kChunk)) continue;
-      ++chunks;
-      EXPECT_EQ(packed.section(i).front() & 1, flag) << packed.section_name(i);
-    }
-    EXPECT_GT(chunks, 0u);
-    ASSERT_EQ(unpack(file, coder).exit_code, 0);
-    EXPECT_LT(drawn_mse(coder), 4.0) << coder;
+// Each object's mean error within --alpha times the mean of all; without it some object is above that.
+TEST_F(PackCommandTest, AlphaHoldsWhatAnObjectMayBeOff) {
+  FieldPackSettings settings;
+  settings.folder = path("out");
+  settings.output = path("field.mpt");
+  settings.target.lambda = 100.0;
+  settings.alpha = 0.0;
+  const FieldPackReport free = pack_field(settings, nullptr);
+  double most = 0.0, error = 0.0, pixels = 0.0;
+  for (const PackedObjectReport& object : free.objects) {
+    most = std::max(most, object.mse / free.mse_covered);
+    error += object.mse * object.pixels;
+    pixels += object.pixels;
+    EXPECT_EQ(object.lambda, 100.0);
   }
-  expect_refusal(pack("none.mpt", {"--coder", "jpeg"}), kUsage, {"--coder", "jpeg", "wavelet"});
+  EXPECT_NEAR(error / pixels, free.mse_covered, 1e-6 * free.mse_covered);
+  ASSERT_GT(most, 1.05) << "nothing to hold";
+  settings.alpha = 1.0 + 0.5 * (most - 1.0);
+  for (const bool by_bytes : {false, true}) {
+    if (by_bytes) {
+      settings.target = {};
+      settings.target.bytes = static_cast<double>(free.bytes);
+    }
+    const FieldPackReport held = pack_field(settings, nullptr);
+    EXPECT_TRUE(held.is_alpha_met);
+    bool any = false;
+    for (const PackedObjectReport& object : held.objects) {
+      EXPECT_LE(object.mse, settings.alpha * held.mse_covered) << object.object;
+      any |= object.lambda < held.lambda;
+    }
+    EXPECT_TRUE(any);
+    EXPECT_TRUE(!by_bytes || held.bytes <= free.bytes);
+  }
+  expect_refusal(pack("none.mpt", {"--alpha", "0.5"}), kUsage, {"--alpha", "0.5", "above 1"});
+}
+
+TEST_F(PackCommandTest, CodersPyramidsAndLoopsAreChosen) {
+  const auto cost = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--lambda", "50", "--alpha", "0", "-v"});
+    const ProgramResult result = pack("field.mpt", more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(multum({"verify", path("field.mpt")}).exit_code, 0);
+    const std::size_t at = result.out.find("MSE of about ");
+    return std::stod(result.out.substr(at + 13)) * 6.0 * 96 * 72 * 3 +
+           8.0 * 50.0 * static_cast<double>(fs::file_size(path("field.mpt")));
+  };
+  const auto coders = [&] {
+    PackedFieldFile packed(path("field.mpt"));
+    std::set<ImageCoder> found;
+    for (std::size_t l = 0; l < packed.description().layers.size(); ++l)
+      if (const auto chunk = packed.chunk(l, 0)) found.insert(chunk->format().coder);
+    return found;
+  };
+  const double best = cost({}), plain = cost({"--pyramid", "plain"});
+  EXPECT_LE(best, 1.001 * plain);
+  EXPECT_LE(plain, 1.02 * cost({"--pyramid", "none"}));
+  cost({"--coder", "dct"});
+  EXPECT_EQ(coders(), std::set<ImageCoder>{ImageCoder::kDct});
+  EXPECT_LE(best, 1.001 * cost({"--coder", "wavelet"}));
+  EXPECT_EQ(coders(), std::set<ImageCoder>{ImageCoder::kWavelet});
+  EXPECT_GT(cost({"--pyramid", "plain", "--loop", "open"}), plain);
 }
 
 TEST_F(PackCommandTest, ADamagedChunkCostsThatChunkAndIsNamed) {

@@ -27,14 +27,14 @@ std::vector<std::uint8_t> small_chunk(ImageCoder coder, bool has_basis) {
   }
   source.texel_weights.assign(21 * 9, 1.0f);
   const std::size_t coefficients = coder == ImageCoder::kDct ? 3 * 2 * 64 : 21 * 9;
-  source.coefficient_weights = [coefficients](std::size_t) { return std::vector<float>(coefficients, 1.0f); };
+  const auto weights = [coefficients](std::size_t) { return std::vector<float>(coefficients, 1.0f); };
   ChunkSettings settings;
   settings.coder = coder;
   settings.side = 8;
   settings.lambda = 100.0;
   settings.basis_images = 2;
   if (!has_basis) settings.levels = plain_levels(source.sizes);
-  return encode_chunk(source, settings).bytes;
+  return ChunkEncoder(source, weights, coder, settings.side).encode(settings, [] {}).bytes;
 }
 
 std::string seed(char kind, const std::vector<std::uint8_t>& bytes) {

@@ -4,7 +4,11 @@
 #include <filesystem>
 #include <memory>
 
+#include <fmt/format.h>
+
+#include "host/base/choices.h"
 #include "host/base/error.h"
+#include "host/base/log.h"
 #include "host/base/shown_text.h"
 #include "host/codec/field_packing.h"
 #include "host/codec/field_unpacking.h"
@@ -26,7 +30,19 @@ struct UnpackOptions {
   std::string file, folder;
 };
 
+const Choices<PyramidChoice> kPyramids = {{"adaptive", PyramidChoice::kAdaptive},
+                                          {"greedy", PyramidChoice::kGreedy},
+                                          {"plain", PyramidChoice::kPlain},
+                                          {"none", PyramidChoice::kNone}};
+
 void apply(const ParameterValues& values, FieldPackSettings& settings) {
+  settings.alpha = values.number("alpha").value_or(settings.alpha);
+  if (settings.alpha != 0.0 && settings.alpha <= 1.0)
+    throw Error(ErrorCode::kUsage, fmt::format("--alpha is {:g}, expected a number above 1, or 0", settings.alpha));
+  settings.pyramid = values.choice("pyramid", kPyramids).value_or(settings.pyramid);
+  const std::string coder = values.text("coder").value_or("auto");
+  if (coder != "auto") settings.coder = coder == "dct" ? ImageCoder::kDct : ImageCoder::kWavelet;
+  settings.open_loop = values.text("loop") == "open";
   settings.target.ratio = values.number("ratio");
   if (const auto bytes = values.bytes("bytes")) settings.target.bytes = static_cast<double>(*bytes);
   settings.target.mse = values.number("mse_max");
@@ -48,10 +64,17 @@ int run_pack(PackOptions& o) {
   o.settings.folder = field_folder(o.settings.folder);
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
-  if (o.common.verbose)
+  if (o.common.verbose) {
+    for (const PackedObjectReport& object : report.objects)
+      print_shown(stdout, "object '%s': MSE %.3f of its pixels, %.2f of the mean; lambda %.5g\n", object.object.c_str(),
+                  object.mse, object.mse / report.mse_covered, object.lambda);
     for (const PackedChunkReport& chunk : report.chunks)
       print_shown(stdout, "%8zu bytes, MSE %.3f: layer '%s' of object '%s', block %zu\n", chunk.bytes, chunk.mse,
                   chunk.layer.c_str(), chunk.object.c_str(), chunk.block);
+  }
+  if (!report.is_alpha_met)
+    log_warning(fmt::format("{}: an object's error is above --alpha {:g} times the mean: --verbose lists them",
+                            o.settings.output, o.settings.alpha));
   if (!o.common.quiet)
     print_shown(stdout,
                 "%s: written: %llu bytes, %.1f:1 of raw frames; %llu of description, %zu chunks; MSE of about %.2f "

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kChunkWidth = 45, kChunkHeight = 26, kChunkTexels = kChunkWidth * kChunkHeight;
 
 /// Green textures that drift with the first parameter and brighten with the second.
-ChunkSource test_source(std::vector<std::size_t> sizes, ImageCoder coder, std::size_t side, std::uint64_t seed) {
+ChunkSource test_source(std::vector<std::size_t> sizes, std::uint64_t seed) {
   SplitMix64 random(seed);
   ChunkSource source;
   source.width = kChunkWidth;
@@ -35,10 +35,18 @@ ChunkSource test_source(std::vector<std::size_t> sizes, ImageCoder coder, std::s
     source.textures.push_back(std::move(texture));
   }
   source.texel_weights.assign(kChunkTexels, 1.0f);
+  return source;
+}
+
+CoefficientWeights even_weights(ImageCoder coder, std::size_t side) {
   const BlockGrid grid{kChunkWidth, kChunkHeight, side};
   const std::size_t coefficients = coder == ImageCoder::kDct ? grid.count() * side * side : kChunkTexels;
-  source.coefficient_weights = [coefficients](std::size_t) { return std::vector<float>(coefficients, 1.0f); };
-  return source;
+  return [coefficients](std::size_t) { return std::vector<float>(coefficients, 1.0f); };
+}
+
+EncodedChunk encode_chunk(const ChunkSource& source, const ChunkSettings& settings) {
+  return ChunkEncoder(source, even_weights(settings.coder, settings.side), settings.coder, settings.side)
+      .encode(settings, [] {});
 }
 
 double error_of(const TextureChunk& chunk, const ChunkSource& source) {
@@ -62,7 +70,7 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
       settings.coder = coder;
       settings.side = 8;
       settings.levels = plain_levels(sizes);
-      const ChunkSource source = test_source(sizes, coder, settings.side, 11);
+      const ChunkSource source = test_source(sizes, 11);
       std::size_t bytes_before = 0;
       double error_before = 1e9;
       for (const double lambda : {300.0, 20.0, 1.0}) {
@@ -84,7 +92,7 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
 
 TEST(TextureChunk, PyramidsShareWhatSamplesHaveInCommon) {
   const std::vector<std::size_t> sizes = {4, 4};
-  const ChunkSource source = test_source(sizes, ImageCoder::kDct, 8, 12);
+  const ChunkSource source = test_source(sizes, 12);
   ChunkSettings settings;
   settings.side = 8;
   settings.lambda = 60.0;
@@ -101,7 +109,7 @@ TEST(TextureChunk, PyramidsShareWhatSamplesHaveInCommon) {
 }
 
 TEST(TextureChunk, LinearReconstructionFollowsRampsBetter) {
-  ChunkSource source = test_source({8}, ImageCoder::kDct, 8, 13);
+  ChunkSource source = test_source({8}, 13);
   for (std::size_t s = 0; s < 8; ++s)
     for (auto& value : source.textures[s]) value = 40.0f + 10.0f * static_cast<float>(s);
   ChunkSettings settings;
@@ -119,7 +127,7 @@ TEST(TextureChunk, LinearReconstructionFollowsRampsBetter) {
 TEST(TextureChunk, ErrorIsWhatIsLeft) {
   // Blocks that end within the texture: what lies beyond its borders counts in the encoder's error, not here.
   for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet}) {
-    const ChunkSource source = test_source({2, 2}, coder, 8, 21);
+    const ChunkSource source = test_source({2, 2}, 21);
     ChunkSettings settings;
     settings.coder = coder;
     settings.side = 8;
@@ -132,29 +140,67 @@ TEST(TextureChunk, ErrorIsWhatIsLeft) {
 }
 
 TEST(BestChunk, IsNoWorseThanAnyCandidateOfTheFirstCoder) {
-  const auto source_of = [](ImageCoder coder, std::size_t side) { return test_source({4, 2}, coder, side, 22); };
+  const ChunkSource source = test_source({4, 2}, 22);
   ChunkCandidates candidates;
   candidates.coders = {{ImageCoder::kDct, 8}, {ImageCoder::kDct, 16}, {ImageCoder::kWavelet, 16}};
   candidates.pyramids = {plain_levels({4, 2}), {{2, 1}, {0, 1}, {0, 0}}, {{0, 0}}};
   candidates.basis_images = {1, 2, 4};
   const double lambda = 40.0;
-  const EncodedChunk best = best_chunk(source_of, candidates, lambda);
+  const ChosenChunk chosen = best_chunk(source, even_weights, candidates, lambda, [] {});
+  const EncodedChunk& best = chosen.chunk;
+  EXPECT_EQ(encode_chunk(source, chosen.settings).bytes, best.bytes) << "what was chosen makes it again";
   ChunkSettings settings;
   settings.side = 8;
   settings.lambda = lambda;
   for (const auto& levels : candidates.pyramids) {
     settings.levels = levels;
-    EXPECT_LE(best.cost(lambda), encode_chunk(source_of(ImageCoder::kDct, 8), settings).cost(lambda));
+    EXPECT_LE(best.cost(lambda), encode_chunk(source, settings).cost(lambda));
   }
   settings.levels.clear();
   settings.basis_images = 1;
-  EXPECT_LE(best.cost(lambda), encode_chunk(source_of(ImageCoder::kDct, 8), settings).cost(lambda));
+  EXPECT_LE(best.cost(lambda), encode_chunk(source, settings).cost(lambda));
   EXPECT_NE(decoded(best.bytes), nullptr);
+}
+
+TEST(BestChunk, TriesWhatItIsAskedTo) {
+  const std::vector<std::size_t> sizes = {4, 2};
+  const ChunkSource source = test_source(sizes, 23);
+  const double lambda = 40.0;
+  const auto cost = [&](PyramidChoice pyramid, std::optional<ImageCoder> coder) {
+    const auto candidates = chunk_candidates(sizes, pyramid, coder, false);
+    const ChosenChunk chosen = best_chunk(source, even_weights, candidates, lambda, [] {});
+    const std::vector<ParameterPyramid::Halvings> alone = {{0, 0}};
+    EXPECT_EQ(decoded(chosen.chunk.bytes)->format().coder, coder.value_or(chosen.settings.coder));
+    EXPECT_TRUE(pyramid != PyramidChoice::kPlain || chosen.settings.levels == plain_levels(sizes));
+    EXPECT_TRUE(pyramid != PyramidChoice::kNone || chosen.settings.levels == alone);
+    return chosen.chunk.cost(lambda);
+  };
+  const double plain = cost(PyramidChoice::kPlain, {}), none = cost(PyramidChoice::kNone, {});
+  EXPECT_LT(plain, none) << "samples have much in common";
+  EXPECT_LE(cost(PyramidChoice::kAdaptive, {}), plain);
+  EXPECT_LT(cost(PyramidChoice::kGreedy, {}), none);
+  for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet})
+    EXPECT_GE(cost(PyramidChoice::kPlain, coder), plain);
+}
+
+// Finer images cannot repair what coding did to coarser ones: each level's error is left in the sum.
+TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
+  const ChunkSource source = test_source({4, 4}, 24);
+  ChunkSettings settings;
+  settings.side = 8;
+  settings.lambda = 2.0;
+  settings.levels = plain_levels(source.sizes);
+  const EncodedChunk closed = encode_chunk(source, settings);
+  settings.open_loop = true;
+  const EncodedChunk open = encode_chunk(source, settings);
+  EXPECT_GT(open.cost(settings.lambda), 1.02 * closed.cost(settings.lambda));
+  const double left = 16.0 * 3.0 * static_cast<double>(kChunkTexels) * error_of(*decoded(open.bytes), source);
+  EXPECT_NEAR(open.error / left, 1.1, 0.15) << "the encoder knows";
 }
 
 TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
   // Samples that are multiples of one texture: one image of a basis says what a pyramid needs differences for.
-  ChunkSource source = test_source({8}, ImageCoder::kDct, 8, 18);
+  ChunkSource source = test_source({8}, 18);
   for (std::size_t s = 1; s < 8; ++s)
     for (std::size_t i = 0; i < source.textures[s].size(); ++i)
       source.textures[s][i] = source.textures[0][i] * (0.4f + 0.08f * static_cast<float>(s));
@@ -173,7 +219,7 @@ TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
 }
 
 TEST(TextureChunk, ALearntBasisOfAllImagesLosesNothing) {
-  const ChunkSource source = test_source({2, 3}, ImageCoder::kWavelet, 16, 19);
+  const ChunkSource source = test_source({2, 3}, 19);
   ChunkSettings settings;
   settings.coder = ImageCoder::kWavelet;
   settings.lambda = 0.05;
@@ -205,7 +251,7 @@ TEST(SymmetricEigenvectors, DiagonalizeAndAreSorted) {
 }
 
 TEST(TextureChunk, SameBytesEveryTime) {
-  const ChunkSource source = test_source({3, 3}, ImageCoder::kDct, 16, 14);
+  const ChunkSource source = test_source({3, 3}, 14);
   ChunkSettings settings;
   settings.levels = plain_levels(source.sizes);
   EXPECT_EQ(encode_chunk(source, settings).bytes, encode_chunk(source, settings).bytes);
@@ -218,7 +264,7 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
     settings.coder = coder;
     settings.lambda = 30.0;
     if (kind < 2) settings.levels = {{2, 2}, {0, 2}, {0, 0}};
-    const auto bytes = encode_chunk(test_source({4, 3}, coder, settings.side, 15), settings).bytes;
+    const auto bytes = encode_chunk(test_source({4, 3}, 15), settings).bytes;
     for (std::size_t cut = 0; cut < bytes.size(); cut += 1 + cut / 8) {
       std::string problem;
       const auto chunk = TextureChunk::decode(std::span<const std::uint8_t>(bytes).first(cut), problem);
