@@ -93,7 +93,6 @@ struct FieldSource {
   std::vector<std::unique_ptr<ObjectWeights>> weights;  // of objects
   std::vector<ChunkToCode> chunks;
   double values = 0.0;  // of all frames, three a pixel
-  ImageTransforms* transforms = nullptr;
 };
 
 void read_matrices(const std::string& folder, const InferredManifest& field, const InferredObject& object,
@@ -487,8 +486,7 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   progress_start(progress, 0);
   progress_stage(progress, "read");
   FieldSource source = read_field(settings, progress);
-  HostImageTransforms on_host;
-  source.transforms = settings.transforms != nullptr ? settings.transforms : &on_host;
+  for (ChunkToCode& chunk : source.chunks) chunk.source.transforms = settings.transforms;
   const std::vector<std::uint8_t> description = encode_description(source.description);
   FieldPackReport report;
   progress_start(progress, source.chunks.size() * (settings.target.lambda ? 1u : 4u));

@@ -27,13 +27,14 @@ struct FieldPackSettings {
   FieldTarget target;
   /// Above 1: no object's mean error a pixel may be more than so many times that of all objects' pixels together
   /// (Hakura et al. 2000, section 4). 0: any.
-  double alpha = 1.25;
+  double alpha = 0.0;
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
   std::optional<ImageCoder> coder;  // the best of all when not given
   bool open_loop = false;
   int block = 8;                       // samples of a chunk along a parameter, at most
   bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output's folder
   int threads = 0;                     // <= 0: all; the bytes are the same
+  ImageTransforms* transforms = nullptr;  // that make coefficients; null: those without a device
 };
 
 struct PackedChunkReport {

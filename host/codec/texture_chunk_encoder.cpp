@@ -202,21 +202,20 @@ float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
-using SampleCoefficients = std::array<std::vector<float>, 3>;
 
 /// What the samples still lack, coefficient by coefficient, and what of it an image shall be.
 class Residual {
  public:
   /// `weights`: [sample][coefficient]; they must outlive it.
-  Residual(std::vector<SampleCoefficients> lacking, const std::vector<std::vector<float>>& weights)
+  Residual(std::vector<PlaneCoefficients> lacking, const std::vector<std::vector<float>>& weights)
       : lacking_(std::move(lacking)), weights_(weights) {}
 
   /// Least squares over the image's samples, each by itself: sum q w r / t / sum q w, q of error_share. `weights`
   /// becomes the denominator.
-  SampleCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
+  PlaneCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
                             std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();
-    SampleCoefficients sums;
+    PlaneCoefficients sums;
     for (auto& plane : sums) plane.assign(size, 0.0f);
     weights.assign(size, 0.0f);
     for (const Share& share : shares) {
@@ -239,7 +238,7 @@ class Residual {
     return sum;
   }
 
-  void subtract(const std::vector<Share>& shares, const SampleCoefficients& image) {
+  void subtract(const std::vector<Share>& shares, const PlaneCoefficients& image) {
     for (const Share& share : shares)
       for (std::size_t p = 0; p < 3; ++p)
         for (std::size_t i = 0; i < image[p].size(); ++i) lacking_[share.sample][p][i] -= share.weight * image[p][i];
@@ -248,7 +247,7 @@ class Residual {
  private:
   static constexpr float kWeightMin = 1e-9f;  // of a pixel: nothing sees it
 
-  std::vector<SampleCoefficients> lacking_;
+  std::vector<PlaneCoefficients> lacking_;
   const std::vector<std::vector<float>>& weights_;
 };
 
@@ -312,23 +311,16 @@ ChunkEncoder::ChunkEncoder(const ChunkSource& source, const CoefficientWeights& 
   choose_steps(format_, summed_weights_);
   const ColourAxes axes = colour_axes(source.textures, source.texel_weights);
   format_.rotation = axes.quaternion;
-  const auto rows = format_.rotation_rows();
+  PlaneAxes planes{format_.rotation_rows(), {}};
   for (std::size_t p = 0; p < 3; ++p) {
     float offset = 0.0f;
-    for (std::size_t c = 0; c < 3; ++c) offset += rows[p][c] * axes.mean[c];
+    for (std::size_t c = 0; c < 3; ++c) offset += planes.rows[p][c] * axes.mean[c];
     format_.offsets[p] = static_cast<std::int16_t>(std::clamp(std::lround(offset / kOffsetUnit), -32767l, 32767l));
+    planes.offsets[p] = kOffsetUnit * static_cast<float>(format_.offsets[p]);
   }
-  const auto coding = coding_of(format_, 1.0);
-  for (const auto& texture : source.textures) {
-    SampleCoefficients coefficients;
-    for (std::size_t p = 0; p < 3; ++p) {
-      std::vector<float> plane(source.width * source.height, -kOffsetUnit * static_cast<float>(format_.offsets[p]));
-      for (std::size_t i = 0; i < plane.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) plane[i] += rows[p][c] * texture[3 * i + c];
-      coefficients[p] = coding->transformed(std::move(plane));
-    }
-    coefficients_.push_back(std::move(coefficients));
-  }
+  HostImageTransforms on_host;
+  ImageTransforms& transforms = source.transforms != nullptr ? *source.transforms : on_host;
+  coefficients_ = transforms.coefficients({coder, source.width, source.height, side}, source.textures, planes);
 }
 
 /// Of the products of any two samples, coefficients weighed by the roots of what their errors weigh.

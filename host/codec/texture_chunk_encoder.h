@@ -24,6 +24,8 @@ struct ChunkSource {
   std::vector<std::vector<float>> textures;
   /// What the square of a texel's error weighs, summed over the samples, at least 0: for the choice of colour axes.
   std::vector<float> texel_weights;
+  /// Makes coefficients of the textures, all of them together; null: HostImageTransforms.
+  ImageTransforms* transforms = nullptr;
 };
 
 /// What the square of an error of each coefficient weighs in one sample, at least 0: cosines [block][v][u], wavelets
@@ -67,7 +69,7 @@ class ChunkEncoder {
 
   const ChunkSource& source_;
   TextureChunkFormat format_;                                       // of all ways: without levels
-  std::vector<std::array<std::vector<float>, 3>> coefficients_;     // [sample][plane][coefficient]
+  std::vector<PlaneCoefficients> coefficients_;                     // of each sample
   std::vector<std::vector<float>> weights_;                         // [sample][coefficient]
   std::vector<float> summed_weights_;                               // [coefficient]
   std::optional<std::vector<std::vector<double>>> eigenvectors_{};  // made when first asked for

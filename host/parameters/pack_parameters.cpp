@@ -61,7 +61,7 @@ const ParameterTable& pack_parameters() {
                     .help = "an object's mean error over that of all objects' pixels, at most; above 1, or 0: any",
                     .low = 0,
                     .high = 1e6,
-                    .default_text = "1.25",
+                    .default_text = "0",
                     .surfaces = kPackJob});
     rows.push_back({.name = "pyramid",
                     .kind = ParameterKind::kChoice,

@@ -77,8 +77,8 @@ std::vector<std::uint8_t> chunk_of(const ChunkKind& kind, std::uint64_t seed) {
   const BlockGrid grid{kind.width, kind.height, kind.settings.side};
   const std::size_t count =
       kind.settings.coder == ImageCoder::kDct ? grid.count() * grid.side * grid.side : kind.width * kind.height;
-  source.coefficient_weights = [count](std::size_t) { return std::vector<float>(count, 1.0f); };
-  return encode_chunk(source, kind.settings).bytes;
+  const CoefficientWeights weights = [count](std::size_t) { return std::vector<float>(count, 1.0f); };
+  return ChunkEncoder(source, weights, kind.settings.coder, kind.settings.side).encode(kind.settings, [] {}).bytes;
 }
 
 std::vector<std::unique_ptr<TextureChunk>> decoded_chunks(const std::string& path, nlohmann::json& list) {

@@ -12,6 +12,7 @@
 #include "host/base/shown_text.h"
 #include "host/codec/field_packing.h"
 #include "host/codec/field_unpacking.h"
+#include "host/codec/transforms/device_image_transforms.h"
 #include "host/parameters/pack_parameters.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
@@ -23,6 +24,7 @@ struct PackOptions {
   CommonOptions common;
   FieldPackSettings settings;
   ParameterValues values{pack_parameters()};
+  std::string device;
 };
 
 struct UnpackOptions {
@@ -62,6 +64,9 @@ int run_pack(PackOptions& o) {
   o.settings.threads = apply(o.common);
   apply(o.values, o.settings);
   o.settings.folder = field_folder(o.settings.folder);
+  Device device = Device::when_needed(DeviceChoice{o.device});
+  DeviceImageTransforms transforms(device);
+  o.settings.transforms = &transforms;
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
   if (o.common.verbose) {
@@ -106,6 +111,7 @@ void add_pack(CLI::App& app, int* exit_code) {
   pack->add_option("folder", o.settings.folder, "folder that `multum infer` wrote, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
   add_parameter_options(*pack, o.values);
+  pack->add_option("--device", o.device, "OpenCL device: its number in `multum devices`, or part of its name");
   add_common_options(*pack, o.common);
   pack->callback([options, exit_code] { *exit_code = run_pack(*options); });
 }
