@@ -28,9 +28,9 @@ PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "
 # What each part of the encoder brings: its options, as the binary has them.
 CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
               ("plain pyramid over parameters", ("--pyramid", "plain")),
-              ("adaptive pyramid", ("--pyramid", "adaptive")), ("basis learnt from the block", ("--pyramid", "basis")),
-              ("open loop", ("--loop", "open",)), ("no object above 1.25 times the mean", ("--alpha", "1.25")),
-              ("blocks of 4 samples a parameter", ("--block", "4")), ("every sample by itself", ("--block", "1")))
+              ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
+              ("open loop", ("--loop", "open")), ("no object above 1.25 times the mean", ("--alpha", "1.25")),
+              ("blocks of 4 samples a parameter", ("--block", "4")), ("every sample by itself", ("--pyramid", "none")))
 # Changes of the job's `[texture]`, and options of `multum infer`.
 INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolution_scale": 1.5}, ()),
               ("textures of twice the side", {"resolution_scale": 2}, ()),

@@ -31,9 +31,9 @@ struct FieldPackSettings {
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
   std::optional<ImageCoder> coder;  // the best of all when not given
   bool open_loop = false;
-  int block = 8;                       // samples of a chunk along a parameter, at most
-  bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output's folder
-  int threads = 0;                     // <= 0: all; the bytes are the same
+  int block = 8;                          // samples of a chunk along a parameter, at most
+  bool has_absolute_geometry = false;     // the scene file's path is noted whole, not relative to the output's folder
+  int threads = 0;                        // <= 0: all; the bytes are the same
   ImageTransforms* transforms = nullptr;  // that make coefficients; null: those without a device
 };
 

@@ -202,7 +202,6 @@ float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
-
 /// What the samples still lack, coefficient by coefficient, and what of it an image shall be.
 class Residual {
  public:
@@ -213,7 +212,7 @@ class Residual {
   /// Least squares over the image's samples, each by itself: sum q w r / t / sum q w, q of error_share. `weights`
   /// becomes the denominator.
   PlaneCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
-                            std::vector<float>& weights) const {
+                           std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();
     PlaneCoefficients sums;
     for (auto& plane : sums) plane.assign(size, 0.0f);
