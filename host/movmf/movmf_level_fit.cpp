@@ -121,16 +121,13 @@ void LevelFit::make_windows(Device& device, const MovmfSettings& settings, const
 void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
   const RowRange first = rows_of_step(0), last = rows_of_step(steps_ - 1);
   for (int front = whole_ ? 0 : first.begin; front - steps_ + 1 < last.end; front += band_rows_) {
-    const RowRange window = window_at(front), next = window_at(front + band_rows_);
-    if (window.begin < window.end) move_windows(window);
+    const int window_begin = whole_ ? 0 : std::max(front - steps_, lower_bound());
+    const int window_end = whole_ ? fit_.height : std::min(front + band_rows_, upper_bound());
+    if (window_begin < window_end) move_windows({window_begin, window_end});
     for (int step = 0; step < steps_; ++step) {
       const int lag = whole_ ? 0 : step;
       const RowRange allowed = rows_of_step(step);
       run_step(step, {std::max(front - lag, allowed.begin), std::min(front - lag + band_rows_, allowed.end)});
-    }
-    if (!whole_ && windows_of_map_ && next.begin < next.end) {
-      const RowRange map = map_rows_of(next);
-      windows_of_map_->read_ahead(map.begin, map.end - map.begin);
     }
     em_step_.finish(progress_);
     const int lag = whole_ ? 0 : steps_ - 1;
@@ -143,11 +140,6 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
     }
     if (whole_) break;
   }
-}
-
-LevelFit::RowRange LevelFit::window_at(int front) const {
-  if (whole_) return {0, fit_.height};
-  return {std::max(front - steps_, lower_bound()), std::min(front + band_rows_, upper_bound())};
 }
 
 // The rows that step `step` must fit so that the last step's rows are right: those, and as many more as steps follow.
@@ -190,16 +182,12 @@ void LevelFit::move_windows(RowRange rows) {
     for (std::size_t t = 0; t < windows_.binned_planes.size(); ++t)
       windows_.binned_planes[t].move_to(rows.begin, count, fill_binned(from, from.rgb_planes[t], binned_bytes(fit_)));
   } else if (reads_map_rows()) {
-    const RowRange map = map_rows_of(rows);
-    windows_.map->move_to(map.begin, map.end - map.begin);
-    fit_.map_first_row = wrapped_row(map.begin, fit_.map_height);
-    fit_.map_window_rows = map.end - map.begin;
+    const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
+    const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
+    windows_.map->move_to(begin, end - begin);
+    fit_.map_first_row = wrapped_row(begin, fit_.map_height);
+    fit_.map_window_rows = end - begin;
   }
-}
-
-LevelFit::RowRange LevelFit::map_rows_of(RowRange rows) const {
-  if (whole_) return {0, fit_.map_height};
-  return {first_covered_row(fit_, rows.begin), last_map_row(rows.end - 1)};
 }
 
 int LevelFit::last_map_row(int row) const {

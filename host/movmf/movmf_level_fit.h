@@ -83,9 +83,6 @@ class LevelFit {
   RowRange rows_of_step(int step) const;
   void move_windows(RowRange rows);
   int last_map_row(int row) const;
-  // The rows of the level that windows hold while its first step is at row `front`, and of the map that these cover.
-  RowRange window_at(int front) const;
-  RowRange map_rows_of(RowRange rows) const;
   RowWindow::Fill fill_alignment_vectors(const RowWindow::Fill& fill_lobes);
   std::vector<int> texels_of_step(int step, RowRange rows) const;
   void run_step(int step, RowRange rows);

@@ -115,12 +115,8 @@ void release_staging(DeviceState& state) {
 const TransferCounts& Device::transfers() const { return state().transfers; }
 
 void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
-  MULTUM_CHECK(byte_count <= buffer.byte_count_);
-  if (byte_count == 0) return;
-  check_cl(clEnqueueWriteBuffer(state().queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
-                                0, nullptr, nullptr),
-           "clEnqueueWriteBuffer");
-  state().count_upload(byte_count);
+  queue_write(buffer, data, byte_count);
+  finish();
 }
 
 void Device::queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {

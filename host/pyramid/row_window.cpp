@@ -60,11 +60,6 @@ void RowWindow::move_to(int first_row, int row_count, const Fill& fill) {
   }
 }
 
-std::pair<int, int> RowWindow::rows_behind(int first_row, int row_count) const {
-  const int end = first_row + row_count, has_end = first_row_ + row_count_;
-  return {first_row >= first_row_ ? std::clamp(has_end, first_row, end) : first_row, end};
-}
-
 BufferRange RowWindow::rows_of_plane(int plane, int first, int count) const {
   const auto before = static_cast<std::size_t>(plane) * static_cast<std::size_t>(capacity_rows_);
   return {&buffer_, (before + static_cast<std::size_t>(first)) * row_bytes_,
@@ -142,11 +137,6 @@ void MapWindows::move_to(int first_row, int row_count) {
   for (MapWindow& rgb_plane : rgb_planes) rgb_plane.move_to(first_row, row_count);
 }
 
-void MapWindows::read_ahead(int first_row, int row_count) {
-  normals.read_ahead(first_row, row_count);
-  for (MapWindow& rgb_plane : rgb_planes) rgb_plane.read_ahead(first_row, row_count);
-}
-
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
                                         const std::vector<const PlaneStore*>& rgb_planes) {
   const std::uint64_t texels =
@@ -160,32 +150,13 @@ std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normal
 
 void MapWindow::move_to(int first_row, int row_count) {
   const auto width = static_cast<std::size_t>(store_->width());
-  for (std::size_t p = 0; p < 3; ++p)
-    planes_[p].move_to(first_row, row_count, [&](int row, int count, const std::vector<unsigned char*>& to) {
-      if (row < ahead_first_row_ || row + count > ahead_first_row_ + ahead_row_count_)
-        return read(static_cast<int>(p), row, count, reinterpret_cast<float*>(to[0]));
-      const std::size_t before =
-          p * static_cast<std::size_t>(ahead_row_count_) + static_cast<std::size_t>(row - ahead_first_row_);
-      std::memcpy(to[0], ahead_.data() + before * width, static_cast<std::size_t>(count) * width * sizeof(float));
-    });
-  ahead_row_count_ = 0;
-}
-
-void MapWindow::read_ahead(int first_row, int row_count) {
-  const auto [begin, end] = planes_[0].rows_behind(first_row, row_count);
-  ahead_first_row_ = begin;
-  ahead_row_count_ = end - begin;
-  const std::size_t plane = static_cast<std::size_t>(ahead_row_count_) * static_cast<std::size_t>(store_->width());
-  ahead_.resize(std::max(ahead_.size(), 3 * plane));
-  for (std::size_t p = 0; p < 3; ++p)
-    read(static_cast<int>(p), ahead_first_row_, ahead_row_count_, ahead_.data() + p * plane);
-}
-
-void MapWindow::read(int plane, int first_row, int row_count, float* to) const {
-  const auto width = static_cast<std::size_t>(store_->width());
-  for_each_piece(first_row, row_count, store_->height(), [&](int first, int piece, int at) {
-    store_->read_rows(plane, first, piece, to + static_cast<std::size_t>(at) * width);
-  });
+  for (int p = 0; p < 3; ++p)
+    planes_[static_cast<std::size_t>(p)].move_to(
+        first_row, row_count, [&](int row, int count, const std::vector<unsigned char*>& to) {
+          for_each_piece(row, count, store_->height(), [&](int first, int piece, int at) {
+            store_->read_rows(p, first, piece, reinterpret_cast<float*>(to[0]) + static_cast<std::size_t>(at) * width);
+          });
+        });
 }
 
 }  // namespace multum

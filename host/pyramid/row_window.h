@@ -10,7 +10,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/image/plane_store.h"
@@ -43,8 +42,6 @@ class RowWindow {
   /// `planes[p]` is where row `row` of plane p goes. Without `fill` they hold anything.
   using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
   void move_to(int first_row, int row_count, const Fill& fill);
-  /// Rows [begin, end) of those that the window would need if it were moved there, behind those that it has.
-  std::pair<int, int> rows_behind(int first_row, int row_count) const;
   /// As kept elsewhere: rows [first_row, + count), each row with its planes one after another.
   void copy_rows(int first_row, int count, void* rows) const;
 
@@ -75,16 +72,10 @@ class MapWindow {
   const DeviceBuffer& operator[](std::size_t plane) const { return planes_[plane].buffer(); }
   const PlaneStore& store() const { return *store_; }
   void move_to(int first_row, int row_count);
-  /// Reads from the store what move_to() of the same rows will need, while the device is busy with those that it has.
-  void read_ahead(int first_row, int row_count);
 
  private:
-  void read(int plane, int first_row, int row_count, float* to) const;
-
   const PlaneStore* store_;
   std::vector<RowWindow> planes_;
-  int ahead_first_row_ = 0, ahead_row_count_ = 0;
-  std::vector<float> ahead_;  // [plane][row][column]
 };
 
 /// The same rows of a map's normals and of its features.
@@ -95,7 +86,6 @@ struct MapWindows {
   MapWindows(Device& device, const PlaneStore& normals, const std::vector<const PlaneStore*>& rgb_planes,
              int capacity_rows);
   void move_to(int first_row, int row_count);
-  void read_ahead(int first_row, int row_count);
 };
 
 /// All rows, copied once for all levels, on a device with memory of its own that has room for them beside the windows
