@@ -84,6 +84,7 @@ struct ChunkToCode {
   std::size_t layer = 0, block = 0;  // of the description
   std::size_t object = 0, layer_of_object = 0;
   ObjectWeights* weights = nullptr;
+  std::size_t pose = 0;  // the first of those that draw it: all have its mapping
   ChunkSource source;
   std::vector<std::vector<std::size_t>> seen_at;  // [chunk sample], samples that draw it
 };
@@ -187,11 +188,12 @@ std::optional<ChunkToCode> chunk_of(const InferredManifest& field, const SampleG
   return chunk;
 }
 
-void find_masses(ChunkToCode& chunk) {
+void find_masses_and_pose(ChunkToCode& chunk) {
   const ObjectWeights& weights = *chunk.weights;
   std::set<std::size_t> poses;
   for (const auto& samples : chunk.seen_at)
     for (const std::size_t s : samples) poses.insert(weights.pose_of_sample[s]);
+  chunk.pose = *poses.begin();
   std::vector<float>& masses = chunk.source.texel_weights;
   masses.resize(chunk.source.width * chunk.source.height);
   for (const std::size_t pose : poses) {
@@ -236,7 +238,7 @@ void read_object(const FieldPackSettings& settings, const InferredManifest& fiel
       chunk->object = number;
       chunk->layer_of_object = l;
       chunk->weights = &weights;
-      find_masses(*chunk);
+      find_masses_and_pose(*chunk);
       source.chunks.push_back(std::move(*chunk));
     }
     source.description.layers.push_back(std::move(packed));
@@ -279,13 +281,8 @@ struct KeptChunk {
 ChosenChunk coded(const ChunkToCode& chunk, const ChunkCandidates& candidates, const ChunkSettings* settings,
                   double lambda, SharedProgress& progress) {
   ObjectWeights& weights = *chunk.weights;
-  std::vector<std::size_t> poses;
-  for (const auto& samples : chunk.seen_at)
-    for (const std::size_t s : samples) poses.push_back(weights.pose_of_sample[s]);
-  std::sort(poses.begin(), poses.end());
-  poses.erase(std::unique(poses.begin(), poses.end()), poses.end());
   const auto weights_of = [&](ImageCoder coder, std::size_t side) -> CoefficientWeights {
-    const auto& energies = weights.energies(poses.front(), coder, side);
+    const auto& energies = weights.energies(chunk.pose, coder, side);
     return
         [&, cells = cells_of_coefficients({coder, chunk.source.width, chunk.source.height, side})](std::size_t sample) {
           progress.advance(0);
