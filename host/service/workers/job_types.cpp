@@ -8,6 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
+#include <utility>
 
 #include "host/asset/inferred/field_files.h"
 #include "host/asset/representation.h"
@@ -254,6 +256,7 @@ void check_is_one_map(const JobType& type, const Json& parameters) {
 
 Json parameters_schema(const JobType& type) {
   Json properties = Json::object(), former = Json::object();
+  std::set<std::pair<std::string, std::string>> both;  // names that exclude one another
   for (const Parameter& parameter : type.table->rows()) {
     if (!parameter.is_on(kInService)) continue;
     Json one = value_schema(parameter);
@@ -262,10 +265,14 @@ Json parameters_schema(const JobType& type) {
     if (!parameter.default_text.empty())
       one["description"] = parameter.help + " (default: " + parameter.default_text + ")";
     properties[parameter.name] = one;
+    for (const std::string& excluded : parameter.excludes)
+      for (const std::string& name : parameter.all_names())
+        for (const std::string& other : type.table->at(excluded).all_names()) both.insert(std::minmax(name, other));
   }
   Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
   if (!former.empty()) schema["patternProperties"] = former;
   if (!type.input.empty()) schema["required"] = {type.input};
+  for (const auto& [name, other] : both) schema["not"]["anyOf"].push_back({{"required", {name, other}}});
   return schema;
 }
 
