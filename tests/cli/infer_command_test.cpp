@@ -20,25 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class InferCommandTest : public CliTest {
+class InferCommandTest : public TracedSceneTest {
  protected:
-  void write_scene(const TracedScene& scene) {
-    fs::create_directory(path("renders"));
-    write_traced_folder(path("renders"), scene);
-    const ProgramResult result = multum({"animation", path("renders"), "-o", path("animation.toml")});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-  }
   // Puts a line of the job in another's place.
   void change_job(const std::string& from, const std::string& to) {
     std::string text = read_bytes(path("animation.toml"));
     const std::size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     write_bytes(path("animation.toml"), text.replace(at, from.size(), to));
-  }
-  ProgramResult infer(std::vector<std::string> more = {"--no-comparison"}) const {
-    std::vector<std::string> arguments = {"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return multum(arguments);
   }
   InferredManifest manifest() const { return read_inferred_manifest(path("out/inferred.json")); }
   std::vector<std::string> textures() const {

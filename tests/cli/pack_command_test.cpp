@@ -22,18 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class PackCommandTest : public CliTest {
+class PackCommandTest : public TracedSceneTest {
  protected:
   void SetUp() override {
     TracedScene scene;
     scene.views = 3;
-    fs::create_directory(path("renders"));
-    write_traced_folder(path("renders"), scene);
-    ASSERT_EQ(multum({"animation", path("renders"), "-o", path("animation.toml")}).exit_code, 0);
-    ASSERT_EQ(multum({"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa", "--no-frames",
-                      "--no-comparison"})
-                  .exit_code,
-              0);
+    infer_scene(scene);
   }
   ProgramResult pack(const std::string& file, std::vector<std::string> more) const {
     std::vector<std::string> arguments = {"pack", path("out"), "-o", path(file)};

@@ -98,7 +98,7 @@ std::vector<std::unique_ptr<TextureChunk>> decoded_chunks(const std::string& pat
   return chunks;
 }
 
-class PackedReadersTest : public CliTest {
+class PackedReadersTest : public TracedSceneTest {
  protected:
   void write_all_kinds() {
     std::vector<std::vector<std::uint8_t>> chunks;
@@ -112,13 +112,7 @@ class PackedReadersTest : public CliTest {
   void pack_traced_scene() {
     TracedScene scene;
     scene.views = 2;
-    std::filesystem::create_directory(path("renders"));
-    write_traced_folder(path("renders"), scene);
-    ASSERT_EQ(multum({"animation", path("renders"), "-o", path("animation.toml")}).exit_code, 0);
-    ASSERT_EQ(multum({"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa", "--no-frames",
-                      "--no-comparison"})
-                  .exit_code,
-              0);
+    infer_scene(scene);
     ASSERT_EQ(multum({"pack", path("out"), "-o", path("field.mpt"), "--lambda", "100"}).exit_code, 0);
     ASSERT_EQ(multum({"unpack", path("field.mpt"), "-o", path("unpacked")}).exit_code, 0);
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -248,6 +249,25 @@ void write_traced_folder(const std::string& folder, const TracedScene& scene) {
   }
   write_bytes(folder + "/scene.json", json.dump(1));
   write_bytes(folder + "/geometry.obj", obj);
+}
+
+void TracedSceneTest::write_scene(const TracedScene& scene) {
+  std::filesystem::create_directory(path("renders"));
+  write_traced_folder(path("renders"), scene);
+  const ProgramResult result = multum({"animation", path("renders"), "-o", path("animation.toml")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+}
+
+ProgramResult TracedSceneTest::infer(std::vector<std::string> more) const {
+  std::vector<std::string> arguments = {"infer", path("animation.toml"), "-o", path("out"), "--context", "osmesa"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return multum(arguments);
+}
+
+void TracedSceneTest::infer_scene(const TracedScene& scene) {
+  write_scene(scene);
+  const ProgramResult result = infer({"--no-frames", "--no-comparison"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
 }
 
 }  // namespace multum::testing

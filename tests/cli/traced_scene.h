@@ -6,6 +6,9 @@
 
 #include <functional>
 #include <string>
+#include <vector>
+
+#include "tests/cli/program.h"
 
 namespace multum::testing {
 
@@ -21,5 +24,14 @@ struct TracedScene {
 
 /// scene.json, geometry.obj, rad_vVV_pPP.exr, geom_vVV.exr.
 void write_traced_folder(const std::string& folder, const TracedScene& scene);
+
+/// Tests of what becomes of one: renders/, animation.toml and out/, its textures.
+class TracedSceneTest : public CliTest {
+ protected:
+  void write_scene(const TracedScene& scene);
+  ProgramResult infer(std::vector<std::string> more = {"--no-comparison"}) const;
+  /// Both, as fast as they go.
+  void infer_scene(const TracedScene& scene);
+};
 
 }  // namespace multum::testing
