@@ -181,6 +181,9 @@ class ClientCase(ServiceCase):
     def output(self, name):
         return os.path.join(self.service.root, name)
 
+    def results(self):
+        return os.path.join(os.path.realpath(self.service.data), "results")
+
     def drill(self, seconds=0, **job):
         parameters = {"seconds": seconds}
         for name in ("then", "text"):
