@@ -478,6 +478,9 @@ void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& pat
 
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress) {
   MULTUM_CHECK(settings.block >= 1 && (settings.alpha == 0.0 || settings.alpha > 1.0));
+  if (!settings.output.ends_with(".mpt"))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: is not a name for a packed field, expected one that ends in .mpt", settings.output));
   check_paths_differ({settings.folder + "/" + kInferredManifestName}, {settings.output});
   check_writable(settings.output);
   progress_start(progress, 0);

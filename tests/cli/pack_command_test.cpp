@@ -174,6 +174,7 @@ TEST_F(PackCommandTest, AlphaHoldsWhatAnObjectMayBeOff) {
     EXPECT_TRUE(any);
     EXPECT_TRUE(!by_bytes || held.bytes <= free.bytes);
   }
+  expect_refusal(pack("field.png", {"--lambda", "100"}), kUsage, {"field.png", ".mpt"});
   expect_refusal(pack("none.mpt", {"--alpha", "0.5"}), kUsage, {"--alpha", "0.5", "above 1"});
 }
 
