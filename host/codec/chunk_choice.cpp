@@ -59,13 +59,19 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
   return levels;
 }
 
+std::vector<CoderAndSide> image_coders(std::optional<ImageCoder> coder) {
+  std::vector<CoderAndSide> coders;
+  for (const CoderAndSide& one :
+       {CoderAndSide(ImageCoder::kDct, 16), CoderAndSide(ImageCoder::kDct, 8), CoderAndSide(ImageCoder::kWavelet, 16)})
+    if (!coder || one.first == *coder) coders.push_back(one);
+  return coders;
+}
+
 ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidChoice pyramid,
                                  std::optional<ImageCoder> coder, bool open_loop) {
   ChunkCandidates candidates;
   candidates.open_loop = open_loop;
-  for (const auto& one :
-       {std::pair(ImageCoder::kDct, 16), std::pair(ImageCoder::kDct, 8), std::pair(ImageCoder::kWavelet, 16)})
-    if (!coder || one.first == *coder) candidates.coders.emplace_back(one.first, one.second);
+  candidates.coders = image_coders(coder);
   const auto plain = plain_levels(sizes);
   const auto& top = plain.front();
   const auto& finest = plain.back();

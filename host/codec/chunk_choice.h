@@ -26,8 +26,14 @@ enum class PyramidChoice {
   kNone,      // every sample by itself
 };
 
+/// An image coder and the side of cosine blocks.
+using CoderAndSide = std::pair<ImageCoder, std::size_t>;
+
+/// What is tried, in this order. `coder`: of all when not given.
+std::vector<CoderAndSide> image_coders(std::optional<ImageCoder> coder);
+
 struct ChunkCandidates {
-  std::vector<std::pair<ImageCoder, std::size_t>> coders;  // and the side of cosine blocks, at least one
+  std::vector<CoderAndSide> coders;  // at least one
   std::vector<std::vector<ParameterPyramid::Halvings>> pyramids;
   bool has_greedy = false;
   std::vector<std::size_t> basis_images;  // rising; at least one pyramid, has_greedy, or one of these

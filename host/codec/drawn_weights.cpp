@@ -153,9 +153,10 @@ std::vector<float> texel_masses(const FilterMatrix& matrix) {
   return masses;
 }
 
-std::vector<float> coefficient_energies(const FilterMatrix& matrix, const CoefficientLayout& layout) {
+std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMatrix>& matrices,
+                                                     const CoefficientLayout& layout) {
   const Probe probe(layout);
-  std::vector<float> energies(probe.coefficients());
+  std::vector<std::vector<float>> energies(matrices.size(), std::vector<float>(probe.coefficients()));
   SplitMix64 random(1);
   // Wavelets overlap one another: what a single choice of signs gives is noise to a third.
   const std::size_t rounds = probe.is_dct() ? 1 : 4;
@@ -166,14 +167,19 @@ std::vector<float> coefficient_energies(const FilterMatrix& matrix, const Coeffi
       const auto image = probe.image((kind + c) % probe.kinds(), random);
       for (std::size_t i = 0; i < image.size(); ++i) finest[3 * i + c] = image[i];
     }
-    auto pixels = drawn(matrix, mip_levels(layout.width, layout.height, finest));
-    for (float& value : pixels) value *= value;
-    const auto texels = handed_back(matrix, pixels);
-    for (std::size_t c = 0; c < count; ++c) probe.collect((kind + c) % probe.kinds(), texels, c, energies);
+    const std::vector<float> levels = mip_levels(layout.width, layout.height, finest);
+    for (std::size_t m = 0; m < matrices.size(); ++m) {
+      auto pixels = drawn(matrices[m], levels);
+      for (float& value : pixels) value *= value;
+      const auto texels = handed_back(matrices[m], pixels);
+      for (std::size_t c = 0; c < count; ++c) probe.collect((kind + c) % probe.kinds(), texels, c, energies[m]);
+    }
   }
-  for (float& energy : energies) energy /= static_cast<float>(rounds);
-  if (probe.is_dct()) raise_partly_seen(probe, texel_masses(matrix), layout.width, energies);
-  else raise_beside_seen(probe, layout.width, energies);
+  for (std::size_t m = 0; m < matrices.size(); ++m) {
+    for (float& energy : energies[m]) energy /= static_cast<float>(rounds);
+    if (probe.is_dct()) raise_partly_seen(probe, texel_masses(matrices[m]), layout.width, energies[m]);
+    else raise_beside_seen(probe, layout.width, energies[m]);
+  }
   return energies;
 }
 

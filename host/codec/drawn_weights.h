@@ -17,10 +17,12 @@ namespace multum {
 /// Side of the squares of texels over which shares of layers are averaged.
 constexpr std::size_t kShareCell = 16;
 
-/// What the square of an error of each coefficient weighs in the picture of a pose: cosines [block][v][u], wavelets
-/// [height][width]. Coefficients whose place is seen in part, or has a neighbour that is seen, weigh more than that:
-/// their errors are not independent where little of them is seen.
-std::vector<float> coefficient_energies(const FilterMatrix& matrix, const CoefficientLayout& layout);
+/// What the square of an error of each coefficient weighs in the picture of each pose: cosines [pose][block][v][u],
+/// wavelets [pose][height][width]. All matrices are of textures of the layout's size. Coefficients whose place is seen
+/// in part, or has a neighbour that is seen, weigh more than that: their errors are not independent where little of
+/// them is seen.
+std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMatrix>& matrices,
+                                                     const CoefficientLayout& layout);
 
 /// What the finest texels, with what the coarser ones hand down to them, weigh in the picture: A^T 1.
 std::vector<float> texel_masses(const FilterMatrix& matrix);

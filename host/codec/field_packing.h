@@ -34,6 +34,8 @@ struct FieldPackSettings {
   int block = 8;                          // samples of a chunk along a parameter, at most
   bool has_absolute_geometry = false;     // the scene file's path is noted whole, not relative to the output's folder
   int threads = 0;                        // <= 0: all; the bytes are the same
+  std::uint64_t memory_bytes = 0;         // resident memory to stay within; 0: a quarter of the machine's
+  bool resume = false;                    // takes up what a packing of the same that was stopped has done
   ImageTransforms* transforms = nullptr;  // that make coefficients; null: those without a device
 };
 
@@ -53,8 +55,9 @@ struct PackedObjectReport {
 struct FieldPackReport {
   std::uint64_t bytes = 0, description_bytes = 0, raw_bytes = 0;  // raw: of 24-bit frames
   double lambda = 0.0, mse = 0.0;
-  int rounds = 0;            // of coding everything
-  double mse_covered = 0.0;  // of pixels that objects cover: what alpha is of
+  int rounds = 0;                  // of coding everything
+  std::size_t chunks_resumed = 0;  // how often one was taken from a packing that was stopped
+  double mse_covered = 0.0;        // of pixels that objects cover: what alpha is of
   bool is_alpha_met = true;
   std::vector<PackedObjectReport> objects;  // of those with textures
   std::vector<PackedChunkReport> chunks;

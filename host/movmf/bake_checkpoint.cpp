@@ -13,17 +13,12 @@
 
 #include "host/base/error.h"
 #include "host/base/files/checksum.h"
+#include "host/base/files/output_paths.h"
 
 namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string folder_of(const std::string& output) {
-  const fs::path path(output);
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return (folder / (".multum-partial-" + path.filename().string())).string();
-}
 
 void append_line(const std::string& path, const std::string& line) {
   std::ofstream out(path, std::ios::app);
@@ -34,7 +29,7 @@ void append_line(const std::string& path, const std::string& line) {
 }  // namespace
 
 std::unique_ptr<BakeCheckpoint> BakeCheckpoint::open(const std::string& output, const std::string& key, bool resume) {
-  std::string folder = folder_of(output);
+  std::string folder = partial_folder(output);
   std::unique_ptr<FolderLock> lock = FolderLock::take(folder);
   if (lock == nullptr) return nullptr;
   return std::unique_ptr<BakeCheckpoint>(new BakeCheckpoint(std::move(folder), std::move(lock), key, resume));

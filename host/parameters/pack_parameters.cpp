@@ -7,6 +7,7 @@ namespace multum {
 namespace {
 
 constexpr unsigned kPackJob = kOnCommandLine | kInService;
+constexpr double kLeastPackMemory = 256.0 * 1024 * 1024;
 
 /// Of these at most one is given.
 std::vector<Parameter> target_parameters() {
@@ -84,6 +85,13 @@ const ParameterTable& pack_parameters() {
                     .default_text = "closed",
                     .choices = {"closed", "open"},
                     .surfaces = kPackJob});
+    rows.push_back(
+        memory_parameter("resident memory to stay within: fewer chunks are coded at once, and textures read "
+                         "again, with the same result",
+                         kLeastPackMemory, "a quarter of the machine's", kPackJob));
+    rows.push_back({.name = "resume",
+                    .help = "take up what a packing to the same output has coded before it was stopped",
+                    .surfaces = kOnCommandLine});
     rows.push_back(absolute_geometry_parameter());
     return ParameterTable("pack", std::move(rows));
   }();

@@ -50,6 +50,8 @@ void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.target.mse = values.number("mse_max");
   settings.target.lambda = values.number("lambda");
   settings.block = values.integer("block").value_or(settings.block);
+  if (const auto bytes = values.bytes("memory")) settings.memory_bytes = static_cast<std::uint64_t>(*bytes);
+  settings.resume = values.flag("resume");
   settings.has_absolute_geometry = values.flag("absolute_geometry");
 }
 
@@ -70,6 +72,8 @@ int run_pack(PackOptions& o) {
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
   if (o.common.verbose) {
+    if (report.chunks_resumed > 0)
+      print_shown(stdout, "%zu times a chunk was taken from a packing that was stopped\n", report.chunks_resumed);
     for (const PackedObjectReport& object : report.objects)
       print_shown(stdout, "object '%s': MSE %.3f of its pixels, %.2f of the mean; lambda %.5g\n", object.object.c_str(),
                   object.mse, object.mse / report.mse_covered, object.lambda);

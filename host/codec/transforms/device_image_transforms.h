@@ -12,7 +12,7 @@ namespace multum {
 
 class DeviceImageTransforms : public ImageTransforms {
  public:
-  static constexpr std::size_t kBatchBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
 
   /// The device must outlive it. `batch_bytes`: of a buffer, at most, but for a single texture; no coefficient depends
   /// on it.

@@ -31,17 +31,21 @@ FilterMatrix half_seen(int width, int height, int block) {
   return matrix;
 }
 
+std::vector<float> energies_of(const FilterMatrix& matrix, const CoefficientLayout& layout) {
+  return coefficient_energies({matrix}, layout).at(0);
+}
+
 TEST(DrawnWeights, OneTexelAPixelWeighsEveryCosineOne) {
   const FilterMatrix matrix = half_seen(64, 32, 1);
   const CoefficientLayout layout{ImageCoder::kDct, 64, 32, 8};
-  const auto energies = coefficient_energies(matrix, layout);
+  const auto energies = energies_of(matrix, layout);
   ASSERT_EQ(energies.size(), 64u * 32u);
   for (std::size_t i = 0; i < energies.size(); ++i) EXPECT_NEAR(energies[i], i / 64 % 8 < 4 ? 1.0f : 0.0f, 1e-4f) << i;
 }
 
 TEST(DrawnWeights, PixelsOverManyTexelsWeighHighFrequenciesLess) {
   const FilterMatrix matrix = half_seen(64, 32, 4);
-  const auto energies = coefficient_energies(matrix, {ImageCoder::kDct, 64, 32, 8});
+  const auto energies = energies_of(matrix, {ImageCoder::kDct, 64, 32, 8});
   // The constant of a block is 1/8 in 64 texels, so 1/8 in its 4 pixels: 4/64. Frequency 4 along a row sums to zero
   // over every 4 texels.
   EXPECT_NEAR(energies[0], 4.0f / 64.0f, 1e-4f);
@@ -51,7 +55,7 @@ TEST(DrawnWeights, PixelsOverManyTexelsWeighHighFrequenciesLess) {
 
 TEST(DrawnWeights, WaveletsAreHeaviestWhereTheyAreSeen) {
   const FilterMatrix matrix = half_seen(64, 32, 1);
-  const auto energies = coefficient_energies(matrix, {ImageCoder::kWavelet, 64, 32, 16});
+  const auto energies = energies_of(matrix, {ImageCoder::kWavelet, 64, 32, 16});
   for (const WaveletBand& band : wavelet_bands(64, 32)) {
     const std::size_t row = (band.y + band.height / 2) * 64 + band.x;
     float sum = 0.0f;  // of the seen half, but for its border
@@ -62,6 +66,17 @@ TEST(DrawnWeights, WaveletsAreHeaviestWhereTheyAreSeen) {
     if (band.width >= 8) {
       EXPECT_LT(energies[row + band.width - 1], 0.05f) << band.depth << ' ' << band.kind;
     }
+  }
+}
+
+TEST(DrawnWeights, PosesTogetherWeighWhatEachWeighsAlone) {
+  const FilterMatrix sharp = half_seen(64, 32, 1), coarse = half_seen(64, 32, 4);
+  for (const CoefficientLayout& layout :
+       {CoefficientLayout{ImageCoder::kDct, 64, 32, 8}, CoefficientLayout{ImageCoder::kWavelet, 64, 32, 16}}) {
+    const auto together = coefficient_energies({sharp, coarse}, layout);
+    ASSERT_EQ(together.size(), 2u);
+    EXPECT_EQ(together[0], energies_of(sharp, layout));
+    EXPECT_EQ(together[1], energies_of(coarse, layout));
   }
 }
 
