@@ -117,7 +117,7 @@ class PackedReadersTest : public TracedSceneTest {
     ASSERT_EQ(multum({"unpack", path("field.mpt"), "-o", path("unpacked")}).exit_code, 0);
   }
   ProgramResult python(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> command = {MULTUM_NUMPY_PYTHON, MULTUM_SOURCE_DIR "/tests/cli/mpt_reading.py"};
+    std::vector<std::string> command = {MULTUM_NUMPY_PYTHON, MULTUM_SOURCE_DIR "/tests/cli/packing/mpt_reading.py"};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return run_program(command);
   }
@@ -254,7 +254,7 @@ TEST_F(PackedReadersTest, InNodeTheModuleGivesTheSameBytes) {
   pack_traced_scene();
   for (const std::string name : {"kinds.mpt", "field.mpt"}) {
     const ProgramResult result = run_program(
-        {"node", MULTUM_SOURCE_DIR "/tests/cli/decode_in_node.mjs", path("module"), path(name), path("decoded")});
+        {"node", MULTUM_SOURCE_DIR "/tests/cli/packing/decode_in_node.mjs", path("module"), path(name), path("decoded")});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(read_bytes(path("decoded")) == native_bytes(path(name))) << name;
     const auto said = nlohmann::json::parse(result.out);
