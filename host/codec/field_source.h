@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is packed of a folder that multum infer wrote: its description, its chunks, and what weighs their errors in
+// Reads a folder that multum infer wrote for packing: its description, its chunks, and what weighs their errors in
 // drawn frames. Textures are read when they are asked for: not all of a field's fit in memory.
 #pragma once
 

@@ -253,8 +253,8 @@ TEST_F(PackedReadersTest, InNodeTheModuleGivesTheSameBytes) {
   write_all_kinds();
   pack_traced_scene();
   for (const std::string name : {"kinds.mpt", "field.mpt"}) {
-    const ProgramResult result = run_program(
-        {"node", MULTUM_SOURCE_DIR "/tests/cli/packing/decode_in_node.mjs", path("module"), path(name), path("decoded")});
+    const std::string decoding = MULTUM_SOURCE_DIR "/tests/cli/packing/decode_in_node.mjs";
+    const ProgramResult result = run_program({"node", decoding, path("module"), path(name), path("decoded")});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(read_bytes(path("decoded")) == native_bytes(path(name))) << name;
     const auto said = nlohmann::json::parse(result.out);
