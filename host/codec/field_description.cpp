@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/asset/inferred/manifest_json.h"
 #include "host/asset/inferred/matrix_json.h"
 #include "host/base/error.h"
 #include "host/codec/byte_writer.h"
@@ -22,9 +23,7 @@ using nlohmann::json;
 constexpr std::uint64_t kTextBytesMax = std::uint64_t{1} << 26;
 constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensionsMax);
 
-[[noreturn]] void refuse_description(const std::string& what) {
-  throw Error(ErrorCode::kInput, "its description " + what);
-}
+[[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
 // The shortest decimal that is read back as the same single.
 json single_json(double value) {
@@ -121,13 +120,12 @@ void read_samples(const json& description, InferredManifest& field) {
     InferredSample sample;
     sample.name = entry.at(0).get<std::string>();
     sample.at = entry.at(1).get<std::vector<int>>();
-    if (sample.at.size() != field.parameters.size()) refuse_description("has a sample at another number of indices");
     sample.world_to_clip = views.at(entry.at(2).get<std::size_t>());
     for (const auto& [name, matrix] : description.at("moves").at(entry.at(3).get<std::size_t>()).items())
       sample.object_to_world[name] = matrix_from_json(matrix);
     field.samples.push_back(std::move(sample));
   }
-  if (field.samples.empty()) refuse_description("has no samples");
+  check_samples(field);
 }
 
 FieldBlock block_from(const json& entry, const SampleGrid& grid) {
@@ -178,9 +176,7 @@ void read_objects(const json& description, FieldDescription& result) {
     object.anisotropy = anisotropy_from_json(entry.at("anisotropy"));
     for (const json& mapping : entry.at("mappings")) object.mappings.push_back(mapping_from(mapping));
     object.mapping_of_sample = entry.at("mappingOfSample").get<std::vector<int>>();
-    if (object.mapping_of_sample.size() != field.samples.size()) refuse_description("has mappings for other samples");
-    for (const int number : object.mapping_of_sample)
-      if (number < 0 || number >= std::ssize(object.mappings)) refuse_description("names a mapping that there is not");
+    check_mappings(field, object);
     for (const json& layer : entry.at("layers"))
       result.layers.push_back(layer_from(layer, field.objects.size(), field, result.grid));
     field.objects.push_back(std::move(object));
@@ -191,10 +187,8 @@ void read_objects(const json& description, FieldDescription& result) {
 
 std::vector<std::uint8_t> encode_description(const FieldDescription& description) {
   const InferredManifest& field = description.field;
-  json object = {{"geometry", field.geometry_file}, {"geometryHash", field.geometry_hash},
-                 {"uvSet", field.uv_set},           {"width", field.width},
-                 {"height", field.height},          {"supersampling", field.supersampling},
-                 {"parameters", field.parameters},  {"objects", objects_json(description)}};
+  json object = scene_keys_json(field);
+  object["objects"] = objects_json(description);
   object["samples"] = poses_json(field, object);
   const std::string text = object.dump();
   std::vector<Bytef> packed(compressBound(static_cast<uLong>(text.size())));
@@ -208,24 +202,19 @@ std::vector<std::uint8_t> encode_description(const FieldDescription& description
 }
 
 FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
+  const auto refuse = [](const std::string& what) { throw Error(ErrorCode::kInput, "its description " + what); };
   FieldDescription result;
   try {
     const json object = json::parse(inflated(bytes));
-    InferredManifest& field = result.field;
-    field.geometry_file = object.at("geometry").get<std::string>();
-    field.geometry_hash = object.at("geometryHash").get<std::string>();
-    field.uv_set = object.at("uvSet").get<int>();
-    field.width = object.at("width").get<int>();
-    field.height = object.at("height").get<int>();
-    field.supersampling = object.at("supersampling").get<int>();
-    check_picture_size(field.width, field.height, field.supersampling);
-    field.parameters = object.at("parameters").get<std::vector<std::string>>();
-    read_samples(object, field);
+    read_scene_keys(object, result.field);
+    read_samples(object, result.field);
     read_objects(object, result);
+  } catch (const Error& error) {
+    refuse(error.what());
   } catch (const json::exception& error) {
-    refuse_description(std::string("is damaged: ") + error.what());
+    refuse(std::string("is damaged: ") + error.what());
   } catch (const std::out_of_range&) {
-    refuse_description("names a view that there is not");
+    refuse("names a view that there is not");
   }
   return result;
 }

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "host/asset/inferred/inferred_texture.h"
+#include "host/asset/inferred/manifest_json.h"
 #include "host/asset/inferred/matrix_json.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
@@ -56,24 +57,8 @@ InferredObject object_from(const nlohmann::json& json) {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-void check_mappings(const InferredManifest& manifest, const InferredObject& object) {
-  const std::vector<int>& of_sample = object.mapping_of_sample;
-  if (of_sample.size() != manifest.samples.size())
-    refuse("object '" + object.name + "' has mappingOfSample for " + std::to_string(of_sample.size()) + " of " +
-           std::to_string(manifest.samples.size()) + " samples");
-  for (const int number : of_sample)
-    if (number < 0 || number >= std::ssize(object.mappings))
-      refuse("object '" + object.name + "' has mapping " + std::to_string(number) +
-             " at a sample, expected one of its " + std::to_string(object.mappings.size()));
-}
-
 void check(const InferredManifest& manifest) {
-  check_picture_size(manifest.width, manifest.height, manifest.supersampling);
-  if (manifest.samples.empty()) refuse("has no samples");
-  for (const InferredSample& sample : manifest.samples)
-    if (sample.at.size() != manifest.parameters.size())
-      refuse("sample '" + sample.name + "' has " + std::to_string(sample.at.size()) + " indices, expected " +
-             std::to_string(manifest.parameters.size()));
+  check_samples(manifest);
   for (const InferredObject& object : manifest.objects) {
     check_mappings(manifest, object);
     for (const InferredLayer& layer : object.layers)
@@ -88,13 +73,7 @@ void check(const InferredManifest& manifest) {
 InferredManifest manifest_from(const nlohmann::json& json) {
   if (json.at("multumInferredTextures").get<int>() != 1) refuse("is a manifest of another version, expected 1");
   InferredManifest manifest;
-  manifest.geometry_file = json.at("geometry").get<std::string>();
-  manifest.geometry_hash = json.at("geometryHash").get<std::string>();
-  manifest.uv_set = json.at("uvSet").get<int>();
-  manifest.width = json.at("width").get<int>();
-  manifest.height = json.at("height").get<int>();
-  manifest.supersampling = json.at("supersampling").get<int>();
-  manifest.parameters = json.at("parameters").get<std::vector<std::string>>();
+  read_scene_keys(json, manifest);
   for (const nlohmann::json& sample : json.at("samples")) manifest.samples.push_back(sample_from(sample));
   for (const nlohmann::json& object : json.at("objects")) manifest.objects.push_back(object_from(object));
   check(manifest);
@@ -107,16 +86,10 @@ void write_inferred_manifest(const InferredManifest& manifest, const std::string
   nlohmann::json samples = nlohmann::json::array(), objects = nlohmann::json::array();
   for (const InferredSample& sample : manifest.samples) samples.push_back(sample_json(sample));
   for (const InferredObject& object : manifest.objects) objects.push_back(object_json(object));
-  const nlohmann::json json = {{"multumInferredTextures", 1},
-                               {"geometry", manifest.geometry_file},
-                               {"geometryHash", manifest.geometry_hash},
-                               {"uvSet", manifest.uv_set},
-                               {"width", manifest.width},
-                               {"height", manifest.height},
-                               {"supersampling", manifest.supersampling},
-                               {"parameters", manifest.parameters},
-                               {"samples", samples},
-                               {"objects", objects}};
+  nlohmann::json json = scene_keys_json(manifest);
+  json["multumInferredTextures"] = 1;
+  json["samples"] = std::move(samples);
+  json["objects"] = std::move(objects);
   write_text_file(path, json.dump(1) + "\n");
 }
 
