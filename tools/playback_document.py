@@ -139,6 +139,18 @@ class FieldMeasurement:
             self.rows.measured(self.name, "cost", f"{threads} threads", lambda: {
                 "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
 
+    def stated_errors(self, inferred):
+        """MSE at each stated ratio, and the processor seconds of packing at the main one; of a curve, where it has
+        them."""
+        result = {}
+        for ratio in self.stated:
+            row = self.rows.find(self.name, "pack", f"{PACKINGS[0][0]}, {ratio:g}:1") if inferred is None else None
+            packed = row or self.packed(["--ratio", f"{ratio:g}"], inferred)
+            result[f"mse_{ratio:g}"] = packed.get("mse")
+            if self.main[1] == f"{ratio:g}":
+                result["pack_seconds"] = packed.get("processor_seconds")
+        return result
+
     def measure_inference(self, keeps, ways):
         """`keeps`: textures of all ways stay in the work folder. `ways`: the first so many of INFERENCES."""
         from fields import error_places, mse, squared_errors
@@ -148,20 +160,19 @@ class FieldMeasurement:
             def measure():
                 if not changes and not options:
                     row = self.rows.find(self.name, "field", "inferred")
-                    packed = self.packed_at_main(())
                     return {"own": mse(self.own, self.traced), "places": places(self.own),
-                            "infer_seconds": row["processor_seconds"], "mse": packed.get("mse")}
+                            "infer_seconds": row["processor_seconds"], **self.stated_errors(None)}
                 job = self.field.path.with_name("changed.toml")
                 job.write_text(with_texture_settings(self.field.path.read_text(), changes))
                 inferred = self.scratch / "changed"
                 shutil.rmtree(inferred, ignore_errors=True)
                 done = self.programs.infer(job, inferred, options)
                 frames = self.programs.drawn_frames(inferred, self.field)
-                packed = self.packed(self.main, inferred)
+                errors = self.stated_errors(inferred)
                 if not keeps:
                     shutil.rmtree(inferred)
                 return {"own": mse(frames, self.traced), "places": places(frames),
-                        "infer_seconds": done.processor_seconds, "mse": packed.get("mse")}
+                        "infer_seconds": done.processor_seconds, **errors}
             self.rows.measured(self.name, "inference", name, measure)
 
 
@@ -293,7 +304,7 @@ def coder_section(rows, name, main):
                   lines), *([f"Left out: {'; '.join(left_out)}."] if left_out else [])]
 
 
-def inference_section(rows, name, main):
+def inference_section(rows, name, stated):
     found = rows.of(name, "inference")
     if not found:
         return []
@@ -306,9 +317,12 @@ def inference_section(rows, name, main):
         places = {(one["object"], one["place"]): one for one in row["places"]}
         silhouette = sum(one["part"] for one in row["places"] if one["place"] == "silhouette")
         lines.append([row["name"], f"{row['own']:.2f}", f"{silhouette:.2f}", f"{row['own'] - silhouette:.2f}",
-                      number(row["mse"]), f"{row['infer_seconds']:.0f}"])
-    parts.append(table(["inferred", "MSE", "part of silhouettes", "part of interiors", f"MSE at {main:g}:1",
-                        "processor, s"], lines))
+                      *[number(row.get(f"mse_{ratio:g}")) for ratio in stated], f"{row['infer_seconds']:.0f}",
+                      number(row.get("pack_seconds"), 0)])
+    main = stated[len(stated) // 2]
+    parts.append(table(["inferred", "MSE", "part of silhouettes", "part of interiors",
+                        *[f"MSE at {ratio:g}:1" for ratio in stated], "inference, processor s",
+                        f"packing at {main:g}:1"], lines))
     lines = []
     for key in keys:
         cells = []
@@ -364,7 +378,7 @@ def document(rows, names, video_codecs, stated, machine, pictures):
                   f"{row['geometry_bytes']:,} bytes, {row['geometry_deflated_bytes']:,} deflated. Frames drawn of the "
                   f"inferred textures, nothing packed, have an MSE of {row['own']:.1f}.",
                   *curves_section(rows, name, video_codecs, stated, pictures), *coder_section(rows, name, main),
-                  *inference_section(rows, name, main), *costs_section(rows, name, main)]
+                  *inference_section(rows, name, stated), *costs_section(rows, name, main)]
     return "\n\n".join(parts) + "\n"
 
 
