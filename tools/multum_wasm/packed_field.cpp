@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "host/codec/decoder/mip_levels.h"
 #include "host/codec/decoder/packed_index.h"
 #include "host/codec/decoder/texture_chunk.h"
 
@@ -91,7 +92,11 @@ MultumTextureChunk* multum_decode(const MultumPackedField* field, std::size_t ch
     last_problem = "the chunk is damaged: its checksum differs";
     return nullptr;
   }
-  auto decoded = multum::TextureChunk::decode(bytes, last_problem);
+  return multum_decode_section(bytes.data(), bytes.size());
+}
+
+MultumTextureChunk* multum_decode_section(const std::uint8_t* bytes, std::size_t size) {
+  auto decoded = multum::TextureChunk::decode({bytes, size}, last_problem);
   if (decoded == nullptr) return nullptr;
   if (decoded->was_cut_short()) {
     last_problem = "the chunk is damaged: it ends before its images do";
@@ -114,4 +119,15 @@ void multum_radiance_halves(const MultumTextureChunk* chunk, std::size_t sample,
   const std::vector<float> texture = chunk->decoded->texture(sample);
   std::transform(texture.begin(), texture.end(), out,
                  [](float value) { return half_bits(multum::radiance_of(value)); });
+}
+
+std::size_t multum_level_texels(const MultumTextureChunk* chunk) {
+  return multum::mip_texel_count(multum_width(chunk), multum_height(chunk));
+}
+
+void multum_radiance_levels(const MultumTextureChunk* chunk, std::size_t sample, std::uint16_t* out) {
+  std::vector<float> texture = chunk->decoded->texture(sample);
+  std::transform(texture.begin(), texture.end(), texture.begin(), multum::radiance_of);
+  const std::vector<float> levels = multum::mip_levels(multum_width(chunk), multum_height(chunk), texture);
+  std::transform(levels.begin(), levels.end(), out, half_bits);
 }

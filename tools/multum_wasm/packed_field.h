@@ -37,6 +37,9 @@ MULTUM_EXPORT(multum_chunk_block) std::uint32_t multum_chunk_block(const MultumP
 
 /// Coefficients of all the chunk's images; null where it is damaged. Needs the field no longer.
 MULTUM_EXPORT(multum_decode) MultumTextureChunk* multum_decode(const MultumPackedField* field, std::size_t chunk);
+/// The same of a chunk's section alone, whose checksum the caller has compared: for who fetches ranges of a file.
+MULTUM_EXPORT(multum_decode_section)
+MultumTextureChunk* multum_decode_section(const std::uint8_t* bytes, std::size_t size);
 MULTUM_EXPORT(multum_chunk_close) void multum_chunk_close(MultumTextureChunk* chunk);
 /// Texels of each texture.
 MULTUM_EXPORT(multum_width) std::size_t multum_width(const MultumTextureChunk* chunk);
@@ -50,3 +53,9 @@ MULTUM_EXPORT(multum_texture) void multum_texture(const MultumTextureChunk* chun
 /// The same as radiance, halves, rounded to the nearest; the largest is 65504.
 MULTUM_EXPORT(multum_radiance_halves)
 void multum_radiance_halves(const MultumTextureChunk* chunk, std::size_t sample, std::uint16_t* out);
+
+/// Texels of all mip levels of a chunk's texture.
+MULTUM_EXPORT(multum_level_texels) std::size_t multum_level_texels(const MultumTextureChunk* chunk);
+/// Radiance of all mip levels, the finest first, halves, as `multum unpack` writes them; [texels][3].
+MULTUM_EXPORT(multum_radiance_levels)
+void multum_radiance_levels(const MultumTextureChunk* chunk, std::size_t sample, std::uint16_t* out);

@@ -7,6 +7,7 @@
 //     const chunk = field.chunk(0)                  // of field.chunkCount; its layer and block, width, height
 //     chunk.radianceHalves(sample)                  // Uint16Array, [height][width][3], for a texture of halves
 //     chunk.close(); field.close()
+//     decoder.chunkOf(bytesOfSection)               // where single ranges of a file are fetched
 
 const notSupported = 52  // ENOSYS of WASI: the decoder knows neither files nor time
 
@@ -37,6 +38,16 @@ class Decoder {
       throw new Error(this.problem())
     }
     return new PackedField(this, memory, field)
+  }
+
+  // A chunk by its section's bytes, whose checksum the caller has compared. Throws Error saying what is wrong.
+  chunkOf(bytes) {
+    const memory = this.allocated(bytes.length)
+    new Uint8Array(this.wasm.memory.buffer, memory, bytes.length).set(bytes)
+    const chunk = this.wasm.multum_decode_section(memory, bytes.length)
+    this.wasm.multum_release(memory)
+    if (chunk === 0) throw new Error(this.problem())
+    return new TextureChunk(this, chunk, null, null)
   }
 
   allocated(size) {
@@ -100,9 +111,14 @@ class TextureChunk {
   // Radiance, as the bits of halves.
   radianceHalves(sample) { return this.values(sample, 'multum_radiance_halves', Uint16Array) }
 
-  values(sample, name, List) {
+  // The same with all mip levels, the finest first, as `multum unpack` writes them: [texels][3].
+  radianceLevels(sample) {
+    return this.values(sample, 'multum_radiance_levels', Uint16Array, this.decoder.wasm.multum_level_texels(this.chunk))
+  }
+
+  values(sample, name, List, texels = this.width * this.height) {
     if (!(sample >= 0 && sample < this.sampleCount)) throw new RangeError(`there is no sample ${sample}`)
-    const count = 3 * this.width * this.height
+    const count = 3 * texels
     const memory = this.decoder.allocated(count * List.BYTES_PER_ELEMENT)
     this.decoder.wasm[name](this.chunk, sample, memory)
     const values = new List(this.decoder.wasm.memory.buffer, memory, count).slice()

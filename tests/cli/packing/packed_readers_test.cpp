@@ -12,6 +12,7 @@
 #include "host/asset/inferred/inferred_texture.h"
 #include "host/base/split_mix.h"
 #include "host/codec/chunk_choice.h"
+#include "host/codec/decoder/mip_levels.h"
 #include "host/codec/field_unpacking.h"
 #include "host/codec/packed_file.h"
 #include "tests/cli/program.h"
@@ -225,6 +226,19 @@ TEST_F(PackedReadersTest, FunctionsForWebAssemblyGiveWhatTheDecoderGives) {
     }
   EXPECT_EQ(at, bytes.size());
   EXPECT_GT(denormal, 100u);
+  // Of a section alone, with mip levels.
+  const std::vector<std::uint8_t> section = chunk_of(all_kinds()[1], 8);
+  MultumTextureChunk* alone = multum_decode_section(section.data(), section.size());
+  ASSERT_NE(alone, nullptr) << multum_problem();
+  std::vector<float> finest = chunks[1]->texture(2);
+  std::transform(finest.begin(), finest.end(), finest.begin(), radiance_of);
+  const std::vector<float> levels = mip_levels(multum_width(alone), multum_height(alone), finest);
+  ASSERT_EQ(levels.size(), 3 * multum_level_texels(alone));
+  std::vector<std::uint16_t> halves(levels.size());
+  multum_radiance_levels(alone, 2, halves.data());
+  for (std::size_t i = 0; i < levels.size(); ++i) ASSERT_EQ(halves[i], half(levels[i]).bits()) << i;
+  multum_chunk_close(alone);
+  EXPECT_EQ(multum_decode_section(section.data(), 3), nullptr);
   const std::string file = read_bytes(path("kinds.mpt"));
   const auto open = [&](const std::string& text) {
     return multum_open(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
