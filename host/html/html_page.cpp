@@ -8,16 +8,6 @@
 namespace multum {
 namespace {
 
-// JSON that may stand in a script element: without '<' neither "</script" nor "<!--" can end or change it, and with
-// escapes alone beyond ASCII no U+2028 ends a line. What is no UTF-8, in the name of a file, becomes U+FFFD.
-std::string script_json(const nlohmann::ordered_json& data) {
-  std::string html;
-  for (const char c : data.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace))
-    if (c == '<') html += "\\u003c";
-    else html += c;
-  return html;
-}
-
 std::string both(const std::string& name, std::string_view own) {
   const std::string text = std::string(html_templates().at(name)) + std::string(own);
   MULTUM_CHECK(text.find("</script") == std::string::npos && text.find("<!--") == std::string::npos);
@@ -25,6 +15,16 @@ std::string both(const std::string& name, std::string_view own) {
 }
 
 }  // namespace
+
+// Without '<' neither "</script" nor "<!--" can end or change the element, and with escapes alone beyond ASCII no
+// U+2028 ends a line. What is no UTF-8, in the name of a file, becomes U+FFFD.
+std::string script_json(const nlohmann::ordered_json& data) {
+  std::string html;
+  for (const char c : data.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace))
+    if (c == '<') html += "\\u003c";
+    else html += c;
+  return html;
+}
 
 std::string html_page(const PageTemplate& page, const nlohmann::ordered_json& data) {
   const std::map<std::string, std::string> parts = {{"style", both("page.css", page.style)},

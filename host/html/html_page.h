@@ -20,6 +20,9 @@ struct PageTemplate {
 /// `data` may hold any text of strangers: it reaches the page as data, and its script makes text nodes of it.
 std::string html_page(const PageTemplate& page, const nlohmann::ordered_json& data);
 
+/// JSON that may stand in a script element: nothing of it can end or change the element.
+std::string script_json(const nlohmann::ordered_json& data);
+
 /// The files of host/html/templates, by name. Made by tools/embed_files.py.
 const std::map<std::string, std::string_view>& html_templates();
 

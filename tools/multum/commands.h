@@ -39,6 +39,7 @@ void add_bake_command(CLI::App& app, int* exit_code);
 void add_infer_command(CLI::App& app, int* exit_code);
 /// pack, unpack.
 void add_pack_commands(CLI::App& app, int* exit_code);
+void add_player_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
 void add_selftest_command(CLI::App& app, int* exit_code);

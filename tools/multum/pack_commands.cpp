@@ -8,12 +8,14 @@
 
 #include "host/base/choices.h"
 #include "host/base/error.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/shown_text.h"
 #include "host/codec/field_packing.h"
 #include "host/codec/field_unpacking.h"
 #include "host/codec/transforms/device_image_transforms.h"
 #include "host/parameters/pack_parameters.h"
+#include "host/player/player_output.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
 
@@ -23,6 +25,7 @@ namespace {
 struct PackOptions {
   CommonOptions common;
   FieldPackSettings settings;
+  PlayerOutput player;
   ParameterValues values{pack_parameters()};
   std::string device;
 };
@@ -66,6 +69,8 @@ int run_pack(PackOptions& o) {
   o.settings.threads = apply(o.common);
   apply(o.values, o.settings);
   o.settings.folder = field_folder(o.settings.folder);
+  check_paths_differ({}, {o.settings.output, o.player.folder, o.player.page});
+  check_player_output(o.player);
   Device device = Device::when_needed(DeviceChoice{o.device});
   DeviceImageTransforms transforms(device);
   o.settings.transforms = &transforms;
@@ -92,6 +97,9 @@ int run_pack(PackOptions& o) {
                 static_cast<double>(report.raw_bytes) / static_cast<double>(report.bytes),
                 static_cast<unsigned long long>(report.description_bytes), report.chunks.size(), report.mse,
                 report.lambda, report.rounds);
+  write_player(o.settings.output, o.player);
+  for (const std::string& written : {o.player.folder, o.player.page})
+    if (!written.empty() && !o.common.quiet) print_shown(stdout, "%s: written: the player\n", written.c_str());
   return 0;
 }
 
@@ -114,6 +122,8 @@ void add_pack(CLI::App& app, int* exit_code) {
       app.add_subcommand("pack", "compress the textures of `multum infer` to one file (docs/ANIMATION.md)");
   pack->add_option("folder", o.settings.folder, "folder that `multum infer` wrote, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
+  pack->add_option("--player", o.player.folder, "folder to write a player for browsers to, for any static server");
+  pack->add_option("--page", o.player.page, "page to write, *.html: player, field and geometry in one file");
   add_parameter_options(*pack, o.values);
   pack->add_option("--device", o.device, "OpenCL device: its number in `multum devices`, or part of its name");
   add_common_options(*pack, o.common);

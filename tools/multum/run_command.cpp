@@ -69,6 +69,7 @@ int run_command(int argc, char** argv) {
   add_animation_command(app, &exit_code);
   add_infer_command(app, &exit_code);
   add_pack_commands(app, &exit_code);
+  add_player_command(app, &exit_code);
   add_serve_commands(app, &exit_code);
   add_client_commands(app, &exit_code);
   set_program_cache_folder(program_cache_folder());

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/player/player_output.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/files/output_paths.h"
+#include "host/codec/field_unpacking.h"
+#include "host/html/html_page.h"
+#include "host/mesh/object_mesh.h"
+#include "host/player/player_files.h"
+#include "host/player/scene_glb.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr const char* kGeometryName = "geometry.glb";
+constexpr const char* kWasmName = "packed_field.wasm";
+
+// Modules in the order of what they import. In one page they are one script, so no two may share a name at top level.
+constexpr std::array kPageModules = {"byte_source.js",   "checksum.js",     "mpt_file.js",      "field_description.js",
+                                     "matrices.js",      "glb.js",          "texture_store.js", "player_gl.js",
+                                     "decoding_pool.js", "field_player.js", "recorded_path.js", "parameter_controls.js",
+                                     "player.js"};
+constexpr std::array kWorkerModules = {"packed_field.js", "chunk_head.js", "decoding_worker.js"};
+
+/// Of a file of the player; packed_field.mjs is a .js there, since not all servers know the other ending.
+std::string_view player_file(const std::string& name) {
+  if (name == "packed_field.js") return player_module_files().at("packed_field.mjs");
+  if (name == kWasmName) return player_module_files().at(name);
+  return player_web_files().at(name);
+}
+
+std::string file_bytes(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw Error(ErrorCode::kInput, path + ": cannot be read");
+  return bytes;
+}
+
+/// The objects that the field draws, of the scene file that it names.
+std::string geometry_of(const std::string& field) {
+  const PackedFieldFile file(field);
+  const InferredManifest& manifest = file.description().field;
+  const std::string path = (fs::path(field).parent_path() / manifest.geometry_file).string();
+  if (hash_file(path) != manifest.geometry_hash)
+    throw Error(ErrorCode::kInput, path + ": is not the geometry that textures were inferred for (SHA-256 " +
+                                       manifest.geometry_hash + ")");
+  std::set<std::string> drawn;
+  for (const InferredObject& object : manifest.objects) drawn.insert(object.mesh);
+  std::vector<ObjectMesh> objects = read_object_meshes(path, manifest.uv_set);
+  std::erase_if(objects, [&](const ObjectMesh& object) { return drawn.count(object.name) == 0; });
+  if (objects.size() != drawn.size())
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: has {} of the {} objects that the field draws", path, objects.size(), drawn.size()));
+  return scene_glb(objects, manifest.uv_set);
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t value = 0;
+    for (std::size_t k = 0; k < 3; ++k) value = value << 8 | (k < count ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[value >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+/// Modules as one script: without what they import from one another, and what they export.
+template <std::size_t kCount>
+std::string joined(const std::array<const char*, kCount>& names) {
+  std::string script;
+  for (const char* name : names) {
+    const std::string text(player_file(name));
+    bool is_import = false;
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+      std::string line = text.substr(begin, end - begin);
+      begin = end;
+      if (line.starts_with("import ")) is_import = true;
+      if (!is_import) script += line.starts_with("export ") ? line.substr(7) : line;
+      if (is_import && line.find(" from \"") != std::string::npos) is_import = false;
+    }
+  }
+  MULTUM_CHECK(script.find("</script") == std::string::npos && script.find("<!--") == std::string::npos);
+  return script;
+}
+
+void replace(std::string& text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  MULTUM_CHECK(at != std::string::npos);
+  text.replace(at, what.size(), with);
+}
+
+std::string configured_page(const ordered_json& configuration, const std::string& blocks) {
+  std::string html(player_file("player.html"));
+  const std::string block = R"(<script type="application/json" id="player-config">{}</script>)";
+  replace(html, block,
+          R"(<script type="application/json" id="player-config">)" + script_json(configuration) + "</script>" + blocks);
+  return html;
+}
+
+std::string one_page(const std::string& name, const std::string& title, const std::string& field,
+                     const std::string& geometry) {
+  const auto block = [](const char* id, const std::string& content) {
+    return fmt::format("\n<script type=\"text/plain\" id=\"{}\">{}</script>", id, content);
+  };
+  std::string html = configured_page({{"file", name}, {"geometry", kGeometryName}, {"title", title}},
+                                     block("data-field", base64(field)) + block("data-geometry", base64(geometry)) +
+                                         block("data-wasm", base64(player_file(kWasmName))) +
+                                         block("worker-source", joined(kWorkerModules)));
+  replace(html, R"(<link rel="stylesheet" href="player.css">)",
+          "<style>\n" + std::string(player_file("player.css")) + "</style>");
+  replace(html, R"(<script type="module" src="player.js"></script>)",
+          "<script type=\"module\">\n" + joined(kPageModules) + "</script>");
+  return html;
+}
+
+void write_folder(const std::string& name, const std::string& title, const std::string& field,
+                  const std::string& geometry, const std::string& folder) {
+  make_folder(folder);
+  const auto write = [&](const std::string& file, std::string_view bytes) {
+    write_text_file((fs::path(folder) / file).string(), bytes);
+  };
+  for (const auto& [file, text] : player_web_files())
+    if (file != "player.html") write(file, text);
+  for (const char* file : {"packed_field.js", kWasmName}) write(file, player_file(file));
+  write(kGeometryName, geometry);
+  write(name, field);
+  write("index.html", configured_page({{"file", name}, {"geometry", kGeometryName}, {"title", title}}, ""));
+}
+
+}  // namespace
+
+void check_player_output(const PlayerOutput& output) {
+  if (!output.is_asked_for()) return;
+  if (player_module_files().count(kWasmName) == 0)
+    throw Error(ErrorCode::kEnvironment,
+                "this multum was built without the decoder for browsers: its build found no compiler for WebAssembly. "
+                "On Debian: apt-get install clang lld wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32, and "
+                "build again");
+  if (!output.page.empty() && fs::path(output.page).extension() != ".html")
+    throw Error(ErrorCode::kUsage, output.page + ": expected the name of a page, *.html");
+  if (!output.page.empty()) check_writable(output.page);
+  if (!output.folder.empty() && fs::exists(output.folder) && !fs::is_directory(output.folder))
+    throw Error(ErrorCode::kUsage, output.folder + ": is a file, expected a folder to write a player to");
+}
+
+void write_player(const std::string& field, const PlayerOutput& output) {
+  if (!output.is_asked_for()) return;
+  check_player_output(output);
+  const std::string geometry = geometry_of(field), bytes = file_bytes(field);
+  const std::string name = fs::path(field).filename().string(), title = fs::path(field).stem().string();
+  if (!output.folder.empty()) write_folder(name, title, bytes, geometry, output.folder);
+  if (output.page.empty()) return;
+  if (bytes.size() + geometry.size() > kPlayerPageBytesMax)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: the field and its geometry have {} bytes, a page takes {} at most; expected a folder "
+                            "for a player (--player)",
+                            output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
+  write_text_file(output.page, one_page(name, title, bytes, geometry));
+}
+
+}  // namespace multum

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the bytes of a packed field come from: a URL that is read by ranges, a file that the reader of the page chose,
+// or bytes in the page itself. All have a `name` for messages, `read(offset, length, signal)`, and `size`, which is
+// known after the first read.
+
+const ATTEMPTS = 4;
+const FIRST_PAUSE_MS = 250; // doubled from attempt to attempt
+const SILENCE_MS = 20000; // without a byte: the connection counts as cut
+const BODY_BYTES_MAX = 2 ** 31; // of a server without ranges
+
+export class FieldError extends Error {}
+
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** Reads at most `limit` bytes of a response; fewer where it ends early, which `isCut` then says. */
+async function bodyBytes(response, limit, abort) {
+  const parts = [];
+  let count = 0;
+  let timer = 0;
+  let isCut = false;
+  const reader = response.body.getReader();
+  try {
+    for (;;) {
+      timer = setTimeout(abort, SILENCE_MS);
+      const { done, value } = await reader.read();
+      clearTimeout(timer);
+      if (done) break;
+      parts.push(value);
+      count += value.length;
+      if (count > limit) {
+        await reader.cancel();
+        break;
+      }
+    }
+  } catch {
+    isCut = true;
+  } finally {
+    clearTimeout(timer);
+  }
+  const bytes = new Uint8Array(count);
+  let at = 0;
+  for (const part of parts) {
+    bytes.set(part, at);
+    at += part.length;
+  }
+  return { bytes, isCut };
+}
+
+/** A GET that is tried again while the network or the server fails. `counts.fetched` and `counts.retries` grow. */
+class PatientRequest {
+  constructor(url, name, counts) {
+    Object.assign(this, { url, name, counts });
+  }
+
+  /** `accept(response)` returns how many bytes are expected, at most, or throws FieldError for what cannot be used. */
+  async run(headers, accept, signal) {
+    let reason = "";
+    for (let attempt = 0; attempt < ATTEMPTS; ++attempt) {
+      if (attempt > 0) {
+        ++this.counts.retries;
+        await pause(FIRST_PAUSE_MS * 2 ** (attempt - 1));
+      }
+      signal?.throwIfAborted();
+      const own = new AbortController();
+      const forward = () => own.abort();
+      signal?.addEventListener("abort", forward);
+      try {
+        const response = await fetch(this.url, { headers, signal: own.signal });
+        if (response.status >= 500) {
+          reason = `the server answered ${response.status}`;
+          continue;
+        }
+        const expected = accept(response);
+        const { bytes, isCut } = await bodyBytes(response, expected.most, forward);
+        this.counts.fetched += bytes.length;
+        if (!isCut && bytes.length >= expected.least) return { bytes, response };
+        reason = `the connection was cut after ${bytes.length} of ${expected.least} bytes`;
+      } catch (error) {
+        if (error instanceof FieldError) throw error;
+        reason = `the server cannot be reached (${error.message})`;
+      } finally {
+        signal?.removeEventListener("abort", forward);
+      }
+    }
+    signal?.throwIfAborted();
+    throw new FieldError(`${this.name}: ${reason}; tried ${ATTEMPTS} times`);
+  }
+}
+
+export class UrlSource {
+  constructor(url, counts) {
+    this.url = String(url);
+    this.name = decodeURIComponent(new URL(this.url).pathname.split("/").pop()) || this.url;
+    this.counts = counts;
+    this.size = null;
+    this.whole = null; // of a server without ranges
+  }
+
+  async read(offset, length, signal) {
+    if (this.whole !== null) return this.whole.slice(offset, offset + length);
+    if (length === 0) return new Uint8Array(0);
+    const request = new PatientRequest(this.url, this.name, this.counts);
+    const range = `bytes=${offset}-${offset + length - 1}`;
+    const { bytes, response } = await request.run({ Range: range }, (answer) => this.expected(answer, offset, length),
+      signal);
+    if (response.status === 206) return bytes;
+    this.whole = bytes;
+    this.size = bytes.length;
+    return bytes.slice(offset, offset + length);
+  }
+
+  /** Bytes that the answer to a range should have. */
+  expected(response, offset, length) {
+    if (response.status === 206) {
+      const [, first, total] = /^bytes (\d+)-\d+\/(\d+)$/.exec(response.headers.get("Content-Range") ?? "") ?? [];
+      if (first === undefined || Number(first) !== offset)
+        throw new FieldError(`${this.name}: the server answered another range than was asked for`);
+      if (this.size !== null && this.size !== Number(total))
+        throw new FieldError(`${this.name}: has ${total} bytes now, had ${this.size} before: it was replaced; ` +
+          "load the page again");
+      this.size = Number(total);
+      const count = Math.min(length, this.size - offset);
+      return { least: count, most: count };
+    }
+    if (response.status === 416) throw new FieldError(`${this.name}: ends before byte ${offset}`);
+    if (response.status !== 200)
+      throw new FieldError(`${this.name}: the server answered ${response.status}, expected 200 or 206`);
+    // Compressed on its way, the length says nothing of the file's.
+    const isPlain = !response.headers.get("Content-Encoding");
+    return { least: isPlain ? Number(response.headers.get("Content-Length") ?? 0) : 0, most: BODY_BYTES_MAX };
+  }
+}
+
+/** The whole body at a URL: geometry and the decoder. */
+export async function wholeBody(url, name, counts, most) {
+  const request = new PatientRequest(String(url), name, counts);
+  const { bytes } = await request.run({}, (response) => {
+    if (!response.ok) throw new FieldError(`${name}: the server answered ${response.status}, expected 200`);
+    const isPlain = !response.headers.get("Content-Encoding");
+    return { least: isPlain ? Number(response.headers.get("Content-Length") ?? 0) : 0, most };
+  });
+  if (bytes.length > most) throw new FieldError(`${name}: has more than ${most} bytes`);
+  return bytes;
+}
+
+export class BlobSource {
+  constructor(blob, name) {
+    Object.assign(this, { blob, name, size: blob.size });
+  }
+
+  async read(offset, length) {
+    return new Uint8Array(await this.blob.slice(offset, offset + length).arrayBuffer());
+  }
+}

@@ -1,0 +1,488 @@
+// SPDX-License-Identifier: Apache-2.0
+// Walks through the player of packed fields in headless Chromium. Started by player_page_test.cpp, which makes FOLDER:
+// player/, page.html, expected.json and the pictures that it names.
+//
+//   node player_test.mjs CHROMIUM FOLDER SCREENSHOTS [STEP [SECONDS_OF_WANDERING]]
+import assert from "node:assert/strict";
+import { readFile, writeFile } from "node:fs/promises";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "../service/web/node_modules/playwright-core/index.mjs";
+import { descriptionOf, descriptionSection, fileOf, sectionsOf } from "./mpt_writing.mjs";
+import { RangeServer } from "./range_server.mjs";
+
+const [executablePath, folder, screenshots, only = "", seconds = "10"] = process.argv.slice(2);
+const PATIENCE = 30000; // ms: a machine may be busy with other things
+// Of pictures beside multum-view's, in 8-bit values: this GL has 4 bits below a pixel where the other has 8, so pixels
+// at edges differ by their coverage; all others by roundings of halves and of the sRGB curve.
+const NEAR = 2;
+const NEAR_SHARE_LEAST = 0.995;
+const MEAN_MOST = 0.15;
+
+const server = await RangeServer.start(folder);
+const browser = await chromium.launch({
+  executablePath,
+  args: ["--no-sandbox", "--headless=new", "--disable-dev-shm-usage", "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader", "--enable-precise-memory-info"],
+});
+const field = (await import("node:fs")).readdirSync(path.join(folder, "player")).find((name) => name.endsWith(".mpt"));
+const bytes = await readFile(path.join(folder, "player", field));
+const expected = JSON.parse(await readFile(path.join(folder, "expected.json")));
+const complaints = []; // of any page
+const expectedNoise = /GL Driver Message|Failed to load resource|GPU stall/;
+
+async function openPage(url, { width = 1280, height = 800, colorScheme = "light", hasTouch = false } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme, hasTouch });
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type()) && !expectedNoise.test(message.text()))
+      complaints.push(message.text());
+  });
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("dialog", (dialog) => complaints.push(`a script of a stranger says ${dialog.message()}`));
+  page.on("request", (request) => {
+    if (!/^(data|blob|file):/.test(request.url()) && !request.url().startsWith(server.url))
+      complaints.push(`a request to ${request.url()}`);
+  });
+  await page.goto(url);
+  return page;
+}
+async function openPlayer(url, options) {
+  const page = await openPage(url, options);
+  await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
+  return page;
+}
+const goTo = (page, at) => page.evaluate(async (place) => {
+  globalThis.multumPlayer.moveTo(place);
+  await globalThis.multumPlayer.settled();
+}, at);
+const position = (page) => page.evaluate(() => globalThis.multumPlayer.position);
+const problems = (page) => page.locator("#problem-list li").allTextContents();
+async function problem(page, pattern) {
+  await page.locator("#problem-list li").first().waitFor();
+  const texts = await problems(page);
+  assert.ok(texts.some((text) => pattern.test(text)), `${JSON.stringify(texts)} has no ${pattern}`);
+}
+
+/** How the current picture differs from a PNG, given as base64. */
+const difference = (page, png) => page.evaluate(async (data) => {
+  const image = new Image();
+  image.src = `data:image/png;base64,${data}`;
+  await image.decode();
+  const canvas = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height });
+  const context = canvas.getContext("2d");
+  context.drawImage(image, 0, 0);
+  const want = context.getImageData(0, 0, image.width, image.height).data;
+  const found = globalThis.multumPlayer.pixels();
+  if (found.length !== want.length) throw new Error(`${found.length} values, expected ${want.length}`);
+  const differences = [...want].flatMap((value, i) => (i % 4 === 3 ? [] : [Math.abs(value - found[i])]));
+  const spread = Math.max(...want.filter((_, i) => i % 4 === 1));
+  return { spread, mean: differences.reduce((sum, one) => sum + one, 0) / differences.length,
+    most: differences.reduce((a, b) => Math.max(a, b), 0), histogram: differences.reduce((counts, one) => {
+      counts[one] = (counts[one] ?? 0) + 1;
+      return counts;
+    }, []) };
+}, png.toString("base64"));
+
+async function comparePictures(page, list = expected) {
+  let most = 0;
+  let meanMost = 0;
+  for (const { at, picture } of list) {
+    await goTo(page, at);
+    const found = await difference(page, await readFile(path.join(folder, picture)));
+    const total = found.histogram.reduce((sum, one) => sum + (one ?? 0), 0);
+    const near = found.histogram.slice(0, NEAR + 1).reduce((sum, one) => sum + (one ?? 0), 0);
+    assert.ok(found.spread > 100, `${picture} is dark: ${found.spread}`);
+    assert.ok(near / total >= NEAR_SHARE_LEAST && found.mean <= MEAN_MOST, `${picture} at ${at}: mean ${found.mean}, ` +
+      `within ${NEAR}: ${near / total}, at most ${found.most}`);
+    most = Math.max(most, found.most);
+    meanMost = Math.max(meanMost, found.mean);
+  }
+  console.log(`  ${list.length} pictures: mean difference ${meanMost.toFixed(3)} at most, single values ${most}`);
+}
+
+const noSideways = async (page) => {
+  const [scroll, client] = await page.evaluate(() =>
+    [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
+  assert.ok(scroll <= client, `the page is ${scroll} px wide in ${client}`);
+};
+const shoot = (page, name) => page.screenshot({ path: path.join(screenshots, `${name}.png`), fullPage: true });
+const close = (page) => page.context().close();
+const variant = (name, file, behave) => server.copy(name, "player", { [field]: file }, behave);
+const described = (change) => {
+  const sections = sectionsOf(bytes);
+  const place = sections.findIndex(({ kind }) => kind === 0);
+  const json = descriptionOf(sections[place]);
+  sections[place] = descriptionSection(change(json) ?? json);
+  return fileOf(sections);
+};
+/** With a section in front of all others, so that they lie beyond the first bytes that are read. */
+const farApart = fileOf([{ kind: 9, layer: 0, block: 0, bytes: Buffer.alloc(200000, 7) }, ...sectionsOf(bytes)]);
+
+// ---- Steps
+
+const steps = {
+  async picturesAreThoseOfMultumView() {
+    const page = await openPlayer(`${server.url}/player/index.html`);
+    await comparePictures(page);
+    await goTo(page, [0.5, 0]);
+    assert.deepEqual(await problems(page), []);
+    // In between, it is neither of both and no mere copy.
+    for (const { picture } of expected.slice(0, 2)) {
+      const found = await difference(page, await readFile(path.join(folder, picture)));
+      assert.ok(found.mean > 0.3, `half way is ${picture}`);
+    }
+    await close(page);
+  },
+
+  async oneFileOpensFromDisk() {
+    const page = await openPlayer(pathToFileURL(path.join(folder, "page.html")).href);
+    await comparePictures(page, expected.slice(-2));
+    assert.deepEqual(await problems(page), []);
+    await close(page);
+  },
+
+  async sectionsAreFetchedByRanges() {
+    const url = variant("far", farApart);
+    server.requests = [];
+    const page = await openPlayer(url);
+    await comparePictures(page, expected.slice(0, 1));
+    const asked = server.requests.filter(({ name }) => name.endsWith(field)).map(({ range }) => range);
+    assert.ok(asked.length >= 3 && asked.every((range) => range !== undefined), asked.join(" "));
+    const fetched = asked.map((range) => /(\d+)-(\d+)/.exec(range).slice(1).map(Number))
+      .reduce((sum, [first, last]) => sum + last - first + 1, 0);
+    assert.ok(fetched < farApart.length / 2, `${fetched} of ${farApart.length} bytes were asked for`);
+    await close(page);
+  },
+
+  async aServerWithoutRangesServesToo() {
+    const page = await openPlayer(variant("rangeless", farApart, () => ({ noRanges: true })));
+    await comparePictures(page, expected.slice(1, 2));
+    await close(page);
+  },
+
+  async cutConnectionsAreTriedAgain() {
+    let cuts = 0;
+    const page = await openPlayer(variant("cut", farApart, (file, count) => {
+      if (file !== field || count % 2 === 1) return {};
+      ++cuts;
+      return { cut: count === 0 ? 0 : 10 };
+    }));
+    await comparePictures(page, expected.slice(0, 1));
+    assert.deepEqual(await problems(page), []);
+    assert.ok(cuts >= 2);
+    await page.keyboard.press("s");
+    await page.getByText("Requests tried again").waitFor();
+    await close(page);
+  },
+
+  async whatStaysCutIsSaidAndTriedByHand() {
+    let isUp = false;
+    const page = await openPage(variant("down", bytes, (file) => (file === field && !isUp ? { cut: 5 } : {})));
+    await problem(page, new RegExp(`${field}: .*(cut after 5 of \\d+ bytes|cannot be reached).*tried 4 times`));
+    await shoot(page, "cut");
+    isUp = true;
+    await page.getByRole("button", { name: "Try again" }).click();
+    await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
+    await comparePictures(page, expected.slice(0, 1));
+    await close(page);
+    // One chunk alone: the rest plays, and it comes when it is asked for again.
+    let isThere = false;
+    let failed = null;
+    const other = await openPlayer(variant("chunkless", farApart, (file, count) => {
+      if (file !== field || count < 2) return {};
+      failed ??= count;
+      return isThere || count % 2 === failed % 2 ? {} : { status: 503 };
+    }));
+    await goTo(other, [0, 0]);
+    isThere = true;
+    if ((await problems(other)).length > 0) await other.getByRole("button", { name: "Try again" }).click();
+    await comparePictures(other, expected.slice(0, 1));
+    await close(other);
+  },
+
+  async aDamagedBlockIsNamedAndTheRestPlays() {
+    const sections = sectionsOf(bytes);
+    const place = sections.findLastIndex(({ kind }) => kind === 1);
+    const damaged = Buffer.from(bytes);
+    const begin = bytes.length - sections.slice(place).reduce((sum, one) => sum + one.bytes.length, 0);
+    damaged[begin + 9] ^= 64;
+    const page = await openPlayer(variant("damaged", damaged));
+    for (const { at } of expected) await goTo(page, at);
+    await problem(page, /section \d+ \(layer '.+' of object '.+', block \d+\) is damaged: its checksum differs/);
+    const picture = await page.evaluate(() =>
+      Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1)));
+    assert.ok(picture > 60, "nothing is drawn");
+    await shoot(page, "damaged");
+    // The same under a checksum that is right: what the decoder makes of it, or refuses, but the page lives.
+    for (const change of [(b) => { b[9] ^= 64; }, (b) => b.fill(255, 1, 8), (b) => { b[1] = 1; }]) {
+      const own = sectionsOf(bytes);
+      own[place].bytes = Buffer.from(own[place].bytes);
+      change(own[place].bytes);
+      const live = await openPlayer(variant("rotten", fileOf(own)));
+      for (const { at } of expected) await goTo(live, at);
+      await close(live);
+    }
+    await close(page);
+  },
+
+  async hostileFilesAreRefusedWithWords() {
+    const cases = {
+      empty: [Buffer.alloc(0), /has 0 bytes|answered|cut/],
+      text: [Buffer.from("this is no packed field at all"), /does not begin with MPTF/],
+      version: [Buffer.from(bytes.map((b, i) => (i === 4 ? 2 : b))), /version 2, expected 1/],
+      short: [bytes.subarray(0, bytes.length - 20), /has \d+ bytes, its index says \d+/],
+      index: [Buffer.from(bytes.map((b, i) => (i === 12 ? b ^ 1 : b))), /index is damaged/],
+      tiny: [bytes.subarray(0, 30), /cut short within its index/],
+      hugeIndex: [Buffer.from(bytes.map((b, i) => (i >= 5 && i < 9 ? 255 : b))), /expected at most 2\^26/],
+      bomb: [fileOf([descriptionSection(`"${" ".repeat(50000000)}"`, 1000)]), /longer than it says/],
+      noJson: [fileOf([descriptionSection("{", 1)]), /no JSON/],
+      nothing: [fileOf([]), /no description/],
+      list: [fileOf([descriptionSection("[]")]), /is no object/],
+      wide: [described((json) => { json.width = 1e9; }), /width is 1000000000, expected 1 to 16384/],
+      matrix: [described((json) => { json.views[0][1][2] = "1"; }), /views is no finite number/],
+      sample: [described((json) => { json.samples.pop(); }), /samples are 5, expected 3 x 2/],
+      view: [described((json) => { json.samples[0][2] = 77; }), /samples is 77/],
+      mapping: [described((json) => { json.objects[0].mappingOfSample[0] = -1; }), /mappingOfSample is -1/],
+      block: [described((json) => { json.objects[0].layers[0].blocks[0][1][0] = 99; }), /layers is 99/],
+      holes: [described((json) => { json.objects[0].layers[0].blocks.pop(); }), /leave samples out/],
+      mesh: [described((json) => { json.objects[0].mesh = "<img src=x onerror=alert(1)>"; }), /no object '<img/],
+    };
+    for (const [name, [file, pattern]] of Object.entries(cases)) {
+      const page = await openPage(variant(`hostile_${name}`, file));
+      await problem(page, pattern);
+      assert.equal(await page.locator("#problem-list img").count(), 0);
+      assert.equal(await page.evaluate(() => globalThis.multumPlayer), undefined, name);
+      await close(page);
+    }
+    // Geometry too.
+    const geometry = await readFile(path.join(folder, "player", "geometry.glb"));
+    for (const [name, file, pattern] of [["glb_text", Buffer.from("o quad\nv 0 0 0\n and so on"), /no binary glTF/],
+      ["glb_cut", geometry.subarray(0, geometry.length - 100), /its head says/],
+      ["glb_json", Buffer.from(geometry.map((b, i) => (i === 20 ? 0 : b))), /JSON is damaged/]]) {
+      const page = await openPage(server.copy(name, "player", { "geometry.glb": file }));
+      await problem(page, pattern);
+      await close(page);
+    }
+    const page = await openPage(server.copy("absent", "player", {}, (file) =>
+      (file === "geometry.glb" ? { status: 404 } : {})));
+    await problem(page, /geometry\.glb: the server answered 404/);
+    await close(page);
+  },
+
+  async itLooksAsItShould() {
+    for (const [name, options] of [["light", {}], ["dark", { colorScheme: "dark" }],
+      ["narrow", { width: 360, height: 720 }], ["narrow_dark", { width: 360, height: 720, colorScheme: "dark" }]]) {
+      const page = await openPlayer(`${server.url}/player/index.html`, options);
+      await goTo(page, [1, 1]);
+      await noSideways(page);
+      await shoot(page, name);
+      for (const summary of await page.locator("summary").all()) await summary.click();
+      await page.locator("#statistics-list dt").first().waitFor();
+      await noSideways(page);
+      await shoot(page, `${name}_open`);
+      await close(page);
+    }
+  },
+
+  async everythingByKeyboardAlone() {
+    const page = await openPlayer(`${server.url}/player/index.html`);
+    const seen = [];
+    for (let i = 0; i < 14; ++i) {
+      await page.keyboard.press("Tab");
+      const [name, isSeen] = await page.evaluate(() => {
+        const element = document.activeElement;
+        const around = element.type === "file" ? element.closest("label") : element;
+        const style = getComputedStyle(around);
+        return [element.id || element.tagName, style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2];
+      });
+      if (name !== "BODY") assert.ok(isSeen, `no focus is seen on ${name}`);
+      seen.push(name);
+    }
+    const places = ["open", "stage", "play", "record", "full-screen", "pad", "parameter-0", "parameter-1"];
+    assert.deepEqual(seen.filter((one) => places.includes(one)).slice(0, places.length), places);
+    await page.locator("#stage").focus();
+    const from = await position(page);
+    await page.keyboard.press("Shift+ArrowUp");
+    await page.keyboard.press("ArrowLeft");
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("Shift+ArrowRight");
+    await page.keyboard.press("Shift+ArrowLeft");
+    const there = await position(page);
+    assert.notDeepEqual(there, from);
+    assert.equal(there[1], 1);
+    await page.locator("#parameter-0").focus();
+    await page.keyboard.press("End");
+    assert.equal((await position(page))[0], 2);
+    await page.locator("#pad").focus();
+    await page.keyboard.press("ArrowLeft");
+    assert.equal((await position(page))[0], 1.75);
+    await page.keyboard.press("f");
+    await page.waitForFunction(() => document.fullscreenElement?.id === "player");
+    await page.keyboard.press("f");
+    await page.waitForFunction(() => document.fullscreenElement === null);
+    for (const element of await page.locator("button, input, select, [tabindex]").all()) {
+      const name = await element.evaluate((one) => one.getAttribute("aria-label") || one.labels?.[0]?.textContent ||
+        one.textContent);
+      assert.ok(name.trim().length > 0, await element.evaluate((one) => one.outerHTML));
+    }
+    await close(page);
+  },
+
+  async draggingTurnsAndTouchDoes() {
+    const page = await openPlayer(`${server.url}/player/index.html`, { hasTouch: true });
+    const box = await page.locator("#stage").boundingBox();
+    await goTo(page, [1, 0]);
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 + box.width / 8, box.y + box.height / 2 - 40, { steps: 5 });
+    await page.mouse.up();
+    const dragged = await position(page);
+    assert.ok(Math.abs(Math.abs(dragged[0] - 1) - 2 / 8 / 0.75) < 0.05, `${dragged}`);
+    assert.ok(dragged[1] > 0);
+    const pad = await page.locator("#pad").boundingBox();
+    await page.touchscreen.tap(pad.x + pad.width * 0.5, pad.y + pad.height * 0.25);
+    const tapped = await position(page);
+    assert.ok(Math.abs(tapped[0] - 1) < 0.02 && Math.abs(tapped[1] - 0.75) < 0.02, `${tapped}`);
+    await close(page);
+  },
+
+  async aPathIsRecordedKeptAndPlayed() {
+    const page = await openPlayer(`${server.url}/player/index.html`);
+    await page.keyboard.press("r");
+    for (const at of [[0, 0], [1, 0.5], [2, 1]]) {
+      await page.locator("#parameter-0").fill(String(at[0]));
+      await page.locator("#parameter-1").fill(String(at[1]));
+      await page.waitForTimeout(120);
+    }
+    await page.keyboard.press("r");
+    await page.getByText(/Path of \d/).waitFor();
+    await page.getByText("Settings").click();
+    const downloading = page.waitForEvent("download");
+    await page.getByRole("button", { name: "Save path" }).click();
+    const text = await readFile(await (await downloading).path(), "utf8");
+    const kept = JSON.parse(text);
+    assert.equal(kept.multumPath, 1);
+    assert.deepEqual(kept.positions[0].slice(1), [0, 0]);
+    assert.deepEqual(kept.positions.at(-1).slice(1), [2, 1]);
+    await goTo(page, [0, 0]);
+    await page.getByRole("button", { name: "Play" }).click();
+    await page.waitForFunction(() => globalThis.multumPlayer.position[0] > 0.9);
+    await page.getByRole("button", { name: "Pause" }).click();
+    const file = path.join(folder, "path.json");
+    const load = async (content) => {
+      await writeFile(file, content);
+      await page.locator("#import").setInputFiles(file);
+    };
+    await load(JSON.stringify({ ...kept, positions: [[0, 0, 0], [30, 2, 1]] }));
+    await page.getByText("Path of 30.0 s").waitFor();
+    for (const [content, pattern] of [["x", /no JSON/], ["{}", /no path/],
+      [JSON.stringify({ ...kept, parameters: ["a"] }), /the field has view,light/],
+      [JSON.stringify({ ...kept, positions: [[0, 0, 0], [-1, 2, 1]] }), /positions are damaged/]]) {
+      await load(content);
+      await problem(page, pattern);
+    }
+    await close(page);
+  },
+
+  async filesThatAreChosenPlay() {
+    const html = await readFile(path.join(folder, "player", "index.html"), "utf8");
+    const bare = Buffer.from(html.replace(/("player-config">)\{[^<]*\}/, "$1{}"));
+    const page = await openPage(server.copy("bare", "player", { "index.html": bare }));
+    await page.getByText("No field is named").waitFor();
+    await page.locator("#open").setInputFiles([path.join(folder, "player", field)]);
+    await problem(page, /Choose two files/);
+    await page.locator("#open").setInputFiles([path.join(folder, "player", field), path.join(folder, "player",
+      "geometry.glb")]);
+    await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
+    await comparePictures(page, expected.slice(0, 1));
+    await close(page);
+  },
+
+  async aLostContextComesBack() {
+    const page = await openPlayer(`${server.url}/player/index.html`);
+    await goTo(page, expected[0].at);
+    await page.evaluate(async () => {
+      const loss = globalThis.multumPlayer.gl.gl.getExtension("WEBGL_lose_context");
+      loss.loseContext();
+      await new Promise((resolve) => setTimeout(resolve, 300));
+      loss.restoreContext();
+      await new Promise((resolve) => setTimeout(resolve, 300));
+    });
+    await comparePictures(page, expected.slice(1, 2));
+    await close(page);
+  },
+
+  async wanderingStaysWithinTheBudget() {
+    const page = await openPlayer(`${server.url}/player/index.html`);
+    for (const { at } of expected) await goTo(page, at);
+    const whole = await page.evaluate(() => globalThis.multumPlayer.store.bytes);
+    const needed = await page.evaluate(() => [...globalThis.multumPlayer.needed.values()]
+      .reduce((sum, one) => sum + globalThis.multumPlayer.bytesOf(one), 0));
+    const budget = Math.ceil(1.5 * needed);
+    assert.ok(whole > 1.2 * budget, `all is ${whole} bytes, the budget ${budget}`);
+    const cdp = await page.context().newCDPSession(page);
+    const heap = async () => {
+      await cdp.send("HeapProfiler.collectGarbage");
+      return (await cdp.send("Runtime.getHeapUsage")).usedSize;
+    };
+    const wander = (duration) => page.evaluate(async ([bytes, ms]) => {
+      const player = globalThis.multumPlayer;
+      if (player.store.budget !== bytes) player.setBudget(bytes);
+      player.store.peak = 0;
+      const begun = performance.now();
+      let most = 0;
+      let frames = 0;
+      for (let state = 1; performance.now() - begun < ms; ++frames) {
+        state = (state * 1103515245 + 12345) % 2147483648;
+        const t = (performance.now() - begun) / 1000;
+        // Smoothly, with leaps now and then.
+        const leap = state % 97 === 0 ? 1 : 0;
+        player.moveTo(player.description.sizes.map((size, d) =>
+          (size - 1) * (0.5 + 0.5 * Math.sin((1.3 + d) * t + leap * state))));
+        await new Promise((resolve) => requestAnimationFrame(resolve));
+        most = Math.max(most, player.store.bytes);
+      }
+      return { most, peak: player.store.peak, frames, evictions: player.store.evictions,
+        misses: player.statistics.misses, decoded: player.statistics.decoded, workers: player.pool.memory };
+    }, [budget, duration]);
+    await wander(2000); // until everything has been compiled
+    const before = await heap();
+    const found = await wander(1000 * Number(seconds));
+    const after = await heap();
+    console.log(`  ${seconds} s: ${found.frames} frames, ${found.decoded} decoded, ${found.evictions} given up, ` +
+      `${found.misses} misses, ${found.peak} of ${budget} bytes at most; JavaScript's heap ${before} before, ` +
+      `${after} after; decoders ${found.workers}`);
+    assert.ok(found.peak <= budget && found.most <= budget, `${found.peak} bytes, the budget is ${budget}`);
+    assert.ok(found.evictions > 0, "the budget holds all of it");
+    assert.ok(after < before * 1.15 + 2e5, `the heap has grown from ${before} to ${after}`);
+    assert.ok(found.workers < 200e6);
+    await comparePictures(page, expected.slice(0, 1));
+    // And one that is too small for a single picture draws what it can.
+    await page.evaluate(() => globalThis.multumPlayer.setBudget(3000));
+    await page.waitForTimeout(500);
+    assert.ok(await page.evaluate(() => globalThis.multumPlayer.store.bytes) <= 3000);
+    await close(page);
+  },
+};
+
+let failed = 0;
+for (const [name, step] of Object.entries(steps)) {
+  if (!name.includes(only)) continue;
+  const begun = Date.now();
+  complaints.length = 0;
+  try {
+    await Promise.race([step(), new Promise((_, reject) => {
+      setTimeout(() => reject(new Error("takes too long")), 3 * PATIENCE + 1000 * Number(seconds)).unref();
+    })]);
+    assert.deepEqual(complaints, []);
+    console.log(`ok ${name} (${((Date.now() - begun) / 1000).toFixed(1)} s)`);
+  } catch (error) {
+    ++failed;
+    console.log(`FAILED ${name}: ${error.stack}`);
+  }
+}
+await browser.close();
+server.stop();
+process.exit(failed > 0 ? 1 : 0);

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum player: publishes a packed field with its player for browsers.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "host/base/files/output_paths.h"
+#include "host/base/shown_text.h"
+#include "host/player/player_output.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+struct PlayerOptions {
+  CommonOptions common;
+  std::string field, output;
+};
+
+int run_player(const PlayerOptions& o) {
+  apply(o.common);
+  const bool is_page = std::filesystem::path(o.output).extension() == ".html";
+  const PlayerOutput output{is_page ? "" : o.output, is_page ? o.output : ""};
+  check_paths_differ({o.field}, {o.output});
+  check_player_output(output);
+  write_player(o.field, output);
+  if (!o.common.quiet) print_shown(stdout, "%s: written: the player\n", o.output.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_player_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<PlayerOptions>();
+  CLI::App* player = app.add_subcommand("player", "a packed field with its player for browsers (docs/ANIMATION.md)");
+  player->add_option("field", options->field, "a packed field, *.mpt")->required();
+  player->add_option("-o,--output", options->output, "folder for any static server, or one page, *.html")->required();
+  add_common_options(*player, options->common);
+  player->callback([options, exit_code] { *exit_code = run_player(*options); });
+}
+
+}  // namespace multum
