@@ -177,6 +177,7 @@ export class FieldPlayer {
         wanted.set(texture.key, texture);
       }
     this.wanted = wanted;
+    for (const [key, texture] of wanted) if (this.bytesOf(texture) > this.store.budget) this.refused.add(key);
     const missing = [...wanted.values()].filter(({ key }) =>
       this.store.get(key) === undefined && !this.refused.has(key));
     this.pool?.want(missing.map((texture) => this.wishOf(texture)));

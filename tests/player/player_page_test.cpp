@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/asset/inferred/inferred_texture.h"
+#include "host/codec/field_unpacking.h"
+#include "host/codec/packed_file.h"
 #include "host/mesh/object_mesh.h"
 #include "host/player/player_files.h"
 #include "host/player/player_output.h"
@@ -99,6 +101,23 @@ TEST_F(PlayerPageTest, NamesAreRefusedBeforeAnyWork) {
   expect_refusal(pack({"--player", path("file")}), kUsage, {"is a file", "a folder"});
   expect_refusal(pack({"--player", path("x.html"), "--page", path("x.html")}), kUsage, {"named twice"});
   expect_refusal(multum({"player", path("field.mpt"), "-o", path("x")}), kInput, {"field.mpt"});
+}
+
+TEST_F(PlayerPageTest, APageThatWouldBeTooLargeIsRefused) {
+  if (!has_wasm()) GTEST_SKIP() << "no compiler for WebAssembly: tools/wasm_decoder --check";
+  pack_with_player();
+  PackedFieldFile small(path("field.mpt"));
+  std::vector<SectionSource> sections = {{9, 0, 0, std::vector<std::uint8_t>(kPlayerPageBytesMax)}};  // a later kind
+  for (std::size_t i = 0; i < small.index().sections().size(); ++i) {
+    const PackedSection& section = small.index().sections()[i];
+    sections.push_back({section.kind, section.layer, section.block, small.section(i)});
+  }
+  const std::vector<std::uint8_t> large = packed_file(sections);
+  write_bytes(path("large.mpt"), std::string(large.begin(), large.end()));
+  expect_refusal(multum({"player", path("large.mpt"), "-o", path("large.html")}), kUsage,
+                 {"large.html", "a page takes 16777216 at most", "--player"});
+  EXPECT_FALSE(fs::exists(path("large.html")));
+  EXPECT_EQ(multum({"player", path("large.mpt"), "-o", path("large")}).exit_code, 0);
 }
 
 // As assimp reads it: what the browser draws is what multum-view draws.

@@ -4,9 +4,10 @@
 //
 //   node player_test.mjs CHROMIUM FOLDER SCREENSHOTS [STEP [SECONDS_OF_WANDERING]]
 import assert from "node:assert/strict";
-import { readFile, writeFile } from "node:fs/promises";
+import { copyFile, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
+import { lowContrasts } from "../service/page_contrast.mjs";
 import { chromium } from "../service/web/node_modules/playwright-core/index.mjs";
 import { descriptionOf, descriptionSection, fileOf, sectionsOf } from "./mpt_writing.mjs";
 import { RangeServer } from "./range_server.mjs";
@@ -25,14 +26,15 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--headless=new", "--disable-dev-shm-usage", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--enable-precise-memory-info"],
 });
-const field = (await import("node:fs")).readdirSync(path.join(folder, "player")).find((name) => name.endsWith(".mpt"));
+const field = (await readdir(path.join(folder, "player"))).find((name) => name.endsWith(".mpt"));
 const bytes = await readFile(path.join(folder, "player", field));
 const expected = JSON.parse(await readFile(path.join(folder, "expected.json")));
 const complaints = []; // of any page
 const expectedNoise = /GL Driver Message|Failed to load resource|GPU stall/;
 
 async function openPage(url, { width = 1280, height = 800, colorScheme = "light", hasTouch = false } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme, hasTouch });
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme, hasTouch,
+    reducedMotion: "reduce" });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   page.on("console", (message) => {
@@ -100,6 +102,15 @@ async function comparePictures(page, list = expected) {
     meanMost = Math.max(meanMost, found.mean);
   }
   console.log(`  ${list.length} pictures: mean difference ${meanMost.toFixed(3)} at most, single values ${most}`);
+}
+
+async function until(what, check) {
+  const deadline = Date.now() + PATIENCE;
+  for (;;) {
+    if (await check()) return;
+    assert.ok(Date.now() < deadline, `still not: ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
 }
 
 const noSideways = async (page) => {
@@ -271,6 +282,38 @@ const steps = {
     await close(page);
   },
 
+  async partsThatAreMissingAreNamed() {
+    for (const [name, file, content, pattern] of [
+      ["no_wasm", "packed_field.wasm", null, /packed_field\.wasm: the server answered 404, expected 200/],
+      ["bad_wasm", "packed_field.wasm", Buffer.from("no module"), /layer '.+' of object '.+', block \d: .*WebAssembly/],
+      ["no_worker", "decoding_worker.js", null, /a worker that decodes broke down/]]) {
+      const page = await openPage(server.copy(name, "player", content ? { [file]: content } : {}, (one) =>
+        (one === file && content === null ? { status: 404 } : {})));
+      await problem(page, pattern);
+      // Nothing waits for ever.
+      if (name !== "no_wasm") await page.evaluate(() => globalThis.multumPlayer.settled());
+      await close(page);
+    }
+  },
+
+  async theReportOfInferenceEndsWithIt() {
+    const report = pathToFileURL(path.join(folder, "out", "report.html")).href;
+    const page = await openPage(report);
+    await page.getByText("Open the player").click();
+    await page.getByText("There is no player.html beside this page yet").waitFor();
+    await close(page);
+    await copyFile(path.join(folder, "page.html"), path.join(folder, "out", "player.html"));
+    const other = await openPage(report);
+    await other.getByText("Open the player").click();
+    await until("the player is in the report", async () => {
+      for (const frame of other.frames())
+        if (await frame.evaluate(() => globalThis.multumPlayer !== undefined).catch(() => false)) return true;
+      return false;
+    });
+    await close(other);
+    await rm(path.join(folder, "out", "player.html"));
+  },
+
   async itLooksAsItShould() {
     for (const [name, options] of [["light", {}], ["dark", { colorScheme: "dark" }],
       ["narrow", { width: 360, height: 720 }], ["narrow_dark", { width: 360, height: 720, colorScheme: "dark" }]]) {
@@ -280,7 +323,12 @@ const steps = {
       await shoot(page, name);
       for (const summary of await page.locator("summary").all()) await summary.click();
       await page.locator("#statistics-list dt").first().waitFor();
+      await page.locator("#record").click();
+      await page.evaluate(() => globalThis.multumPlayer.say("a problem, as it is shown"));
       await noSideways(page);
+      const { count, found } = await lowContrasts(page);
+      assert.ok(count > 40, `${count} texts were looked at`);
+      assert.deepEqual(found, []);
       await shoot(page, `${name}_open`);
       await close(page);
     }

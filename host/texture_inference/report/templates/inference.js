@@ -252,3 +252,8 @@ for (const { object, layer, picture: one } of pictures.textures) {
 byId("times").append(timeTable());
 byId("mappings").append(mappingTable());
 byId("counts").append(countTable());
+// Only when it is wanted; what stands in an object is shown where there is no such file.
+byId("player").addEventListener("toggle", ({ target }) => {
+  target.replaceWith(node("object", { id: "player", type: "text/html", data: "player.html", "aria-label": "player" },
+    "There is no player.html beside this page yet: the command above writes it, FOLDER being this page's folder."));
+});
