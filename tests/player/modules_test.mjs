@@ -231,7 +231,7 @@ const steps = {
             random() < 0.8)
           [place, key] = [place[key], among(Object.keys(place[key]))];
         if (random() < 0.2) delete place[key];
-        else place[key] = among(junk);
+        else place[key] = structuredClone(among(junk)); // or one might come to hold itself
       }
       try {
         const read = new FieldDescription(JSON.parse(JSON.stringify(json)), "f.mpt");
