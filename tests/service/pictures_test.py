@@ -12,9 +12,11 @@ import sys
 import threading
 import time
 import unittest
+import urllib.request
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from service_harness import Service, ServiceCase  # noqa: E402
+from tiny_animation import write_animation  # noqa: E402
 
 MULTUM = os.environ.get("MULTUM", "multum")
 
@@ -92,6 +94,46 @@ class PicturesTest(ServiceCase):
         self.refused(other, "render", "result")
         os.remove(self.path("q.ndf.exr"))
         self.refused(job, "render", "result")
+
+    def pack(self):
+        write_animation(self.service.root, 0.25)
+        subprocess.run([MULTUM, "infer", self.path("animation.toml"), "-o", self.path("field"), "--context=osmesa",
+                        "--no-frames", "--no-comparison", "-q"], check=True, env=self.service.environment)
+        job = self.service.wait_for(self.service.submit(
+            type="pack", parameters={"manifest": self.path("field/inferred.json"), "lambda": 20},
+            output=self.path("field.mpt")))
+        self.assertEqual(job["state"], "succeeded", job)
+        return job["id"]
+
+    def test_a_packed_field_has_a_player(self):
+        self.start()
+        job = self.pack()
+        subprocess.run([MULTUM, "unpack", self.path("field.mpt"), "-o", self.path("unpacked"), "-q"], check=True)
+        status, page = self.service.ask("GET", f"/v1/jobs/{job}/pictures/player.html", timeout=120)
+        if status == 404 and "built without" in page["error"]["message"]:
+            self.skipTest(page["error"]["message"])
+        self.assertEqual(status, 200, page)
+        subprocess.run([MULTUM, "player", self.path("field.mpt"), "-o", self.path("alone.html"), "-q"], check=True,
+                       env=self.service.environment)
+        with open(self.path("alone.html"), "rb") as file:
+            self.assertEqual(page, file.read())
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.service.port}/v1/jobs/{job}/pictures/player.html") as one:
+            policy = one.headers["Content-Security-Policy"]
+        self.assertIn("sandbox allow-scripts", policy)
+        self.assertNotIn("allow-same-origin", policy)
+        self.refused(job, "render", "no pictures")
+        baked = self.bake()
+        status, answer = self.service.ask("GET", f"/v1/jobs/{baked}/pictures/player.html")
+        self.assertEqual((status, answer["error"]["code"]), (404, "no_picture"))
+        # The scene file is another by now: the reason is said.
+        other = self.service.wait_for(self.service.submit(
+            type="pack", parameters={"manifest": self.path("field/inferred.json"), "lambda": 30},
+            output=self.path("other.mpt")))
+        with open(self.path("quad.obj"), "a", encoding="utf-8") as file:
+            file.write("# changed\n")
+        status, answer = self.service.ask("GET", f"/v1/jobs/{other['id']}/pictures/player.html", timeout=120)
+        self.assertEqual(status, 404, answer)
+        self.assertIn("not the geometry", answer["error"]["message"])
 
     def test_who_has_none(self):
         service = self.start()

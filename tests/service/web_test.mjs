@@ -199,6 +199,32 @@ const steps = {
     await page.context().close();
   },
 
+  async aPackedFieldIsPlayedInATabOfItsOwn() {
+    await drive("field", service.root);
+    const { id } = await ask("POST", "/v1/jobs", { type: "pack", output: `${service.root}/field.mpt`,
+      parameters: { manifest: `${service.root}/field/inferred.json`, lambda: 20 } });
+    await stateOf(id, "succeeded");
+    const page = await openPage(`#job-${id}`);
+    const opening = page.context().waitForEvent("page");
+    await page.getByText("Play it", { exact: true }).click();
+    const player = await opening;
+    player.on("console", (message) => { if (message.type() === "error") complaints.push(message.text()); });
+    player.on("pageerror", (error) => complaints.push(String(error)));
+    await player.waitForLoadState();
+    const text = await player.locator("body").innerText();
+    if (!text.includes("built without the decoder")) {
+      await player.waitForFunction(() => globalThis.multumPlayer !== undefined);
+      const brightest = await player.evaluate(async () => {
+        await globalThis.multumPlayer.settled();
+        return Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1));
+      });
+      assert.ok(Math.abs(brightest - 137) <= 3, `${brightest}`); // a radiance of 0.25, as sRGB
+      assert.deepEqual(await player.locator("#problem-list li").allTextContents(), []);
+      assert.equal(await player.evaluate(() => globalThis.origin), "null", "sandboxed");
+    }
+    await page.context().close();
+  },
+
   async aMessageOfSeveralLinesHasOneInTheList() {
     const id = await drill(0, { then: "refuse", label: "talks much" });
     await stateOf(id, "dead");

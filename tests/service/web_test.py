@@ -14,6 +14,7 @@ import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from service_harness import Service  # noqa: E402
+from tiny_animation import write_animation  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CONFIG = """back_off_first_s = 0.05
@@ -73,6 +74,13 @@ class Driver:
 
     def testmap(self, prefix):
         subprocess.run([self.multum, "testmap", "--size", "64", prefix], check=True, capture_output=True)
+
+    def field(self, folder):
+        """An inferred animation of one sample in FOLDER/field."""
+        write_animation(folder, 0.25)
+        subprocess.run([self.multum, "infer", os.path.join(folder, "animation.toml"), "-o",
+                        os.path.join(folder, "field"), "--context=osmesa", "--no-frames", "--no-comparison"],
+                       check=True, capture_output=True)
 
     def close(self):
         for service in self.services.values():

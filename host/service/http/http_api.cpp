@@ -425,6 +425,7 @@ asio::awaitable<HttpResponse> web_file(HttpApi::State&, std::string, HttpRequest
   co_return web_file_response(request);
 }
 constexpr char kInputPicture[] = "input.png", kRenderPicture[] = "render.png", kErrorPicture[] = "error.png";
+constexpr char kPlayerPage[] = "player.html";
 template <const char* kName>
 asio::awaitable<HttpResponse> picture(HttpApi::State& state, std::string part, HttpRequest) {
   return state.picture(std::move(part), kName);
@@ -461,6 +462,7 @@ const std::vector<Route>& route_table() {
       {"GET", {"v1", "jobs", "{}", "pictures", kInputPicture}, false, picture<kInputPicture>},
       {"GET", {"v1", "jobs", "{}", "pictures", kRenderPicture}, false, picture<kRenderPicture>},
       {"GET", {"v1", "jobs", "{}", "pictures", kErrorPicture}, false, picture<kErrorPicture>},
+      {"GET", {"v1", "jobs", "{}", "pictures", kPlayerPage}, false, picture<kPlayerPage>},
       {"GET", {""}, true, web_file},
   });
   return list;

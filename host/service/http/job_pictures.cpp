@@ -36,7 +36,12 @@ using asio::use_awaitable;
 constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // jobs go before
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
-constexpr char kSaid[] = "said.txt";
+constexpr char kSaid[] = "said.txt", kPlayer[] = "player.html";
+// A player has all in itself. It may run its own script and save paths, and is of no origin: what a stranger may have
+// done to it reaches neither the service nor a token.
+constexpr char kPlayerPolicy[] =
+    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
+    "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
 constexpr std::size_t kReasonMax = 400;  // bytes
 constexpr std::size_t kWaitingMax = 64;  // jobs: a minute or so, as a rule
 
@@ -71,10 +76,21 @@ std::int64_t id_of(const std::string& name) {
   return error == std::errc() && end != name.data() + name.size() && *end == '-' ? id : 0;
 }
 
-std::string end_of(const ChildResult& result) {
-  if (result.is_over_time) return fmt::format("multum-view took more than {} s and was killed", kTimeMax.count());
-  if (result.signal != 0) return fmt::format("multum-view was ended by signal {}", result.signal);
+std::string end_of(const ChildResult& result, const Job& job) {
+  const char* program = job.type == "pack" ? "multum player" : "multum-view";
+  if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
+  if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
   return "";  // it has said what was wrong
+}
+
+void check_has_picture(const Job& job, const std::string& name) {
+  if (job.type != "bake" && job.type != "infer" && job.type != "pack")
+    refuse("a " + job.type + " makes nothing to look at");
+  if (job.state != JobState::kSucceeded)
+    refuse(fmt::format("job {} is {}: there are pictures when it has succeeded", job.id, job_state_name(job.state)));
+  if (job.type == "infer" && name != "render.png") refuse("there is a picture of its first frame alone");
+  if (job.type == "pack" && name != kPlayer) refuse("there is a player of it, and no pictures");
+  if (job.type == "bake" && name == kPlayer) refuse("packed fields alone have a player");
 }
 
 }  // namespace
@@ -85,7 +101,8 @@ JobPictures::JobPictures(asio::io_context& io, const std::string& data, const Jo
   // What an earlier daemon could not make is tried once more: by now there may be what it lacked.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
-    if (id_of(entry.path().filename()) == 0 || !fs::exists(entry.path() / "render.png", ignored))
+    if (id_of(entry.path().filename()) == 0 ||
+        (!fs::exists(entry.path() / "render.png", ignored) && !fs::exists(entry.path() / kPlayer, ignored)))
       fs::remove_all(entry.path(), ignored);
 }
 
@@ -95,10 +112,7 @@ JobPictures::~JobPictures() {
 }
 
 asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity, std::string name) {
-  if (job.type != "bake" && job.type != "infer") refuse("a " + job.type + " makes nothing to look at");
-  if (job.state != JobState::kSucceeded)
-    refuse(fmt::format("job {} is {}: there are pictures when it has succeeded", job.id, job_state_name(job.state)));
-  if (job.type == "infer" && name != "render.png") refuse("there is a picture of its first frame alone");
+  check_has_picture(job, name);
   std::string file_name = identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
   const std::string folder = fmt::format("{}/{}-{}", folder_, job.id, file_name);
@@ -107,6 +121,11 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity,
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
   response.headers = {{"Cache-Control", "private, max-age=3600"}};
+  if (name == kPlayer) {
+    response.content_type = "text/html; charset=utf-8";
+    response.headers.emplace_back("Content-Security-Policy", kPlayerPolicy);
+    response.headers.emplace_back("Referrer-Policy", "no-referrer");
+  }
   OpenFile picture(::open((folder + "/" + name).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (picture.is_open()) {
     response.file = std::make_shared<OpenFile>(std::move(picture));
@@ -155,6 +174,13 @@ asio::awaitable<void> JobPictures::made(Request request) {
 }
 
 std::vector<std::string> JobPictures::command(const Job& job, const std::string& folder) const {
+  if (job.type == "pack") {
+    std::vector<std::string> words = {own_program(), "confined"};
+    for (const std::string& root : roots_.inputs.roots()) words.push_back("--read=" + root);
+    words.insert(words.end(), {"--read=" + own_folder(), "--write=" + folder, "--", own_program(), "player", "-q", "-o",
+                               folder + "/" + kPlayer, "--", job.output});
+    return words;
+  }
   const std::string viewer = find_viewer();
   if (viewer.empty()) refuse("multum-view is not installed: found neither beside multum nor in PATH");
   // It sees what jobs may read, and writes pictures.
@@ -198,9 +224,10 @@ void JobPictures::make(const Request& request) {
   limits.is_cancelled = [this] { return is_ending_.load(); };
   const ChildResult result = run_child(words, limits);
   if (is_ending_) refuse("the service is about to end");
-  std::string said = result.output + end_of(result);
-  const bool has_input =
-      std::any_of(words.begin(), words.end(), [](const std::string& word) { return word.starts_with("--source="); });
+  std::string said = result.output + end_of(result, job);
+  const bool has_input = job.type != "bake" || std::any_of(words.begin(), words.end(), [](const std::string& word) {
+                           return word.starts_with("--source=");
+                         });
   if (!has_input && result.exit_code == 0) said += "\nits input is not there any more";
   write_text_file(unfinished + "/" + kSaid, said + "\n");
   if (result.exit_code != 0)

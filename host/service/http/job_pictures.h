@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small pictures of finished jobs, for the page: multum-view makes them as a child process, one at a time, when they
-// are first asked for. What a map or a driver does to it ends that child, and pictures are missing.
+// Small pictures of finished jobs, and players of packed fields, for the page: multum-view, or multum player, makes
+// them as a child process, one at a time, when they are first asked for. What a map or a driver does to it ends that
+// child, and pictures are missing.
 //
 //   DATA/pictures/ID-IDENTITY/   input.png  render.png  error.png   those that could be made
+//                                player.html                        of a pack
 //                                said.txt                           what the child said; how it ended, if not well
 //
 // IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown.
@@ -35,8 +37,9 @@ class JobPictures {
   JobPictures(const JobPictures&) = delete;
   JobPictures& operator=(const JobPictures&) = delete;
 
-  /// `name`: "input.png", "render.png" or "error.png"; `identity`: of the job's result when it was published. Many may
-  /// ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with the reason.
+  /// `name`: "input.png", "render.png", "error.png" or "player.html"; `identity`: of the job's result when it was
+  /// published. Many may ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with the
+  /// reason.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string identity, std::string name);
 
   /// Blocks.

@@ -75,6 +75,8 @@ export class JobDetail {
     this.retryButton = node("button", { "aria-keyshortcuts": "r", onclick: () => this.on.retry(this.job) }, "Retry");
     this.download = node("a", { href: `/v1/jobs/${job.id}/result`, download: "",
       onclick: (event) => this.fetchResult(event) }, "Download the result");
+    this.player = node("a", { href: `/v1/jobs/${job.id}/pictures/player.html`, target: "_blank", rel: "noopener",
+      onclick: (event) => this.fetchPlayer(event) }, hasToken() ? "Save a player" : "Play it");
     this.pictures = node("div", { class: "pictures" });
     this.picturesPart = node("section", { "aria-label": "Pictures", hidden: true }, node("h3", {}, "Pictures"),
       this.pictures);
@@ -86,7 +88,7 @@ export class JobDetail {
       node("div", { class: "detail-top" }, this.title,
         node("button", { onclick: () => this.on.close(), "aria-keyshortcuts": "Escape" }, "Close")),
       node("p", {}, this.badge, " ", this.took), this.progress.root, this.why,
-      node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download),
+      node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download, this.player),
       this.picturesPart,
       node("h3", {}, "Job"), this.facts,
       node("h3", {}, "Attempts"), this.attempts,
@@ -104,6 +106,7 @@ export class JobDetail {
     this.cancelButton.hidden = !canCancel(job);
     this.retryButton.hidden = !canRetry(job);
     this.download.hidden = job.state !== "succeeded" || !job.output;
+    this.player.hidden = this.download.hidden || job.type !== "pack";
     this.showTook();
     const time = (value) => (value ? timeNode(value) : null);
     const after = job.state === "queued" && job.not_before && Date.parse(job.not_before) > Date.now();
@@ -228,14 +231,16 @@ export class JobDetail {
   }
 
   /** A link cannot send the token, and the token does not belong into a list of downloads. */
-  async fetchResult(event) {
+  fetchResult(event) { return this.save(event, "result", (blob) => (blob.type === "application/x-tar" ? ".tar" : "")); }
+  fetchPlayer(event) { return this.save(event, "pictures/player.html", () => ".html"); }
+
+  async save(event, part, endingOf) {
     if (!hasToken()) return;
     event.preventDefault();
     try {
-      const blob = await (await fetchAnswer("GET", `/v1/jobs/${this.job.id}/result`)).blob();
+      const blob = await (await fetchAnswer("GET", `/v1/jobs/${this.job.id}/${part}`)).blob();
       const url = URL.createObjectURL(blob);
-      const ending = blob.type === "application/x-tar" ? ".tar" : "";
-      node("a", { href: url, download: outputName(this.job) + ending }).click();
+      node("a", { href: url, download: outputName(this.job) + endingOf(blob) }).click();
       setTimeout(() => URL.revokeObjectURL(url), 60000);
     } catch (error) {
       notify(error.message, true);
