@@ -3,14 +3,13 @@
 // while some are not there yet. A position lies between samples; drawn is their mean by weights (multilinear), or the
 // nearest sample alone.
 import { DecodingPool } from "./decoding_pool.js";
+import { DrawingQuality } from "./drawing_quality.js";
 import { mappedCorners } from "./glb.js";
 import { mixedCamera, mixedPlace, multiplied } from "./matrices.js";
 import { PlayerGl, textureBytes } from "./player_gl.js";
 import { TextureStore } from "./texture_store.js";
 
 const REST_MS = 250; // without movement: then a picture is drawn as finely as the description says
-const SLOW_FRAME_MS = 45; // while moving: fewer sub-pixels are drawn then
-const FAST_FRAME_MS = 20;
 const AHEAD_SHARE = 0.8; // of the budget: textures that may be decoded before they are needed
 const CORNERS_MAX = 4; // samples that a picture is mixed of, at most: units of textures are few
 
@@ -27,10 +26,10 @@ export class FieldPlayer {
     this.isFull = true; // draws in all sub-pixels at rest
     this.exposure = 1;
     this.movedAt = -Infinity;
+    this.hasMoved = true; // since the last picture
     this.failed = new Set(); // names of chunks that are damaged or cannot be fetched
     this.refused = new Set(); // keys of textures for which the budget has no room
-    this.statistics = { frames: 0, frameMs: 0, framesPerSecond: 0, decoded: 0, decodeMs: 0, misses: 0 };
-    this.frameTimes = [];
+    this.statistics = { frames: 0, frameMs: 0, decoded: 0, decodeMs: 0, misses: 0 };
     this.meshesDrawn = new Set(); // keys of those in the last picture
     this.store = new TextureStore(budget, (entry) => this.release(entry));
     this.checkObjects();
@@ -64,7 +63,7 @@ export class FieldPlayer {
   startGl() {
     this.gl = new PlayerGl(this.canvas);
     this.finest = this.gl.affordable(this.description.width, this.description.height, this.description.supersampling);
-    this.moving = this.finest;
+    this.quality = new DrawingQuality(this.finest);
     this.places = this.description.objects.map((object) => {
       const { positions } = this.objects.get(object.mesh);
       return { buffer: this.gl.makeBuffer(new Float32Array(positions)), count: positions.length / 3 };
@@ -85,7 +84,10 @@ export class FieldPlayer {
     const now = performance.now();
     const place = this.description.sizes.map((size, d) => Math.min(size - 1, Math.max(0, Number(at[d]) || 0)));
     this.velocity = place.map((one, d) => one - this.position[d]);
-    if (this.velocity.some((one) => one !== 0)) this.movedAt = now;
+    if (this.velocity.some((one) => one !== 0)) {
+      this.movedAt = now;
+      this.hasMoved = true;
+    }
     this.position = place;
     this.refused.clear();
     this.want();
@@ -311,9 +313,10 @@ export class FieldPlayer {
   drawNow(now = performance.now()) {
     if (this.gl.gl.isContextLost()) return;
     const begun = performance.now();
-    const isAtRest = begun - this.movedAt > REST_MS;
-    if (!isAtRest) this.adapt(now);
-    const supersampling = isAtRest && this.isFull ? this.finest : Math.min(this.moving, this.isFull ? this.finest : 1);
+    const isAtRest = !this.hasMoved && begun - this.movedAt > REST_MS;
+    if (this.hasMoved) this.quality.frame(now);
+    this.hasMoved = false;
+    const supersampling = isAtRest && this.isFull ? this.finest : this.quality.side;
     const { objects, isAllThere } = this.drawnObjects();
     const { width, height } = this.description;
     this.gl.draw({ width, height, supersampling, exposure: this.exposure, objects });
@@ -326,23 +329,6 @@ export class FieldPlayer {
     clearTimeout(this.restTimer);
     if (!isAtRest) this.restTimer = setTimeout(() => this.requestDraw(), REST_MS + 20);
     this.changed();
-  }
-
-  /** Frames a second, from the last of them; fewer sub-pixels while they are slow. */
-  adapt(now) {
-    this.frameTimes.push(now);
-    while (now - this.frameTimes[0] > 1000) this.frameTimes.shift();
-    const count = this.frameTimes.length - 1;
-    if (count < 4) return;
-    const ms = (now - this.frameTimes[0]) / count;
-    this.statistics.framesPerSecond = 1000 / ms;
-    if (ms > SLOW_FRAME_MS && this.moving > 1) {
-      --this.moving;
-      this.frameTimes = [];
-    } else if (ms < FAST_FRAME_MS && this.moving < this.finest) {
-      ++this.moving;
-      this.frameTimes = [];
-    }
   }
 
   /** Resolves once all of the current picture is there and drawn finely; tests and pictures for print wait for it. */

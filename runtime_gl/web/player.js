@@ -244,9 +244,9 @@ function toggleFullScreen() {
 const mib = (bytes) => `${(bytes / MIB).toFixed(1)} MiB`;
 
 export function statisticsRows() {
-  const { statistics, store, pool } = player;
+  const { statistics, store, pool, quality } = player;
   return {
-    "Frames a second": statistics.framesPerSecond.toFixed(1),
+    "Frames a second": quality.framesPerSecond.toFixed(1),
     "Sub-pixels a pixel": String((statistics.supersampling ?? 0) ** 2),
     "Textures decoded": String(statistics.decoded),
     "Decoding one": `${statistics.decodeMs.toFixed(1)} ms`,

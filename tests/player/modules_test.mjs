@@ -7,6 +7,7 @@ import assert from "node:assert/strict";
 import { FieldError } from "../../runtime_gl/web/byte_source.js";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";
 import { chunkHead } from "../../runtime_gl/web/chunk_head.js";
+import { DrawingQuality } from "../../runtime_gl/web/drawing_quality.js";
 import { FieldDescription } from "../../runtime_gl/web/field_description.js";
 import { mappedCorners, readGlb } from "../../runtime_gl/web/glb.js";
 import { cameraParts, identity, mixedCamera, mixedPlace, multiplied } from "../../runtime_gl/web/matrices.js";
@@ -201,6 +202,30 @@ const steps = {
       const [a, b] = tour.at(t);
       assert.ok(a >= 0 && a <= 4 && b === 0);
     }
+  },
+
+  fewerSubPixelsAreDrawnWhereFramesAreSlow() {
+    const quality = new DrawingQuality(4);
+    let now = 1e6;
+    // What a frame takes: 10 ms, and `ms` for each sub-pixel of a pixel.
+    const move = (ms, frames) => {
+      const sides = [];
+      for (let i = 0; i < frames; ++i) {
+        now += Math.max(16.7, 10 + ms * quality.side ** 2);
+        quality.frame(now);
+        sides.push(quality.side);
+      }
+      return sides;
+    };
+    assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "fast: as finely as there is");
+    const slow = move(30, 40); // 490 ms at first: below 3 a second
+    assert.equal(slow.at(-1), 1);
+    assert.ok(slow.indexOf(1) < 10, `${slow}`);
+    assert.ok(Math.abs(quality.framesPerSecond - 25) < 1, `${quality.framesPerSecond}`);
+    now += 1e5; // a pause is no slow frame
+    quality.frame(now);
+    assert.ok(quality.framesPerSecond > 20);
+    assert.equal(move(0.1, 60).at(-1), 4, "fast again");
   },
 
   headsOfChunksAreRead() {

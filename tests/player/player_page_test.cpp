@@ -120,6 +120,17 @@ TEST_F(PlayerPageTest, APageThatWouldBeTooLargeIsRefused) {
   EXPECT_EQ(multum({"player", path("large.mpt"), "-o", path("large")}).exit_code, 0);
 }
 
+TEST_F(PlayerPageTest, WithoutADecoderForBrowsersThatIsSaid) {
+  if (has_wasm()) GTEST_SKIP() << "this build has one";
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--page", path("page.html")}, std::vector<std::string>{"--player", path("player")}}) {
+    std::vector<std::string> arguments = {"pack", path("out"), "-o", path("field.mpt")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_refusal(multum(arguments), kEnvironment, {"without the decoder for browsers", "apt-get install clang"});
+  }
+  expect_refusal(multum({"player", path("field.mpt"), "-o", path("player")}), kEnvironment, {"apt-get install clang"});
+}
+
 // As assimp reads it: what the browser draws is what multum-view draws.
 TEST_F(PlayerPageTest, TheGeometryIsReadBackAsItWas) {
   write_scene(TracedScene{});
