@@ -25,7 +25,6 @@ export class DecodingPool {
   }
 
   get memory() { return this.workers.reduce((sum, slot) => sum + slot.memory, 0); }
-  get isIdle() { return this.wishes.length === 0; }
 
   /** All textures that are wanted now and not there, the most wanted first: replaces what was wanted before. */
   want(wishes) {

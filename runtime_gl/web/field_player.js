@@ -29,7 +29,7 @@ export class FieldPlayer {
     this.hasMoved = true; // since the last picture
     this.failed = new Set(); // names of chunks that are damaged or cannot be fetched
     this.refused = new Set(); // keys of textures for which the budget has no room
-    this.statistics = { frames: 0, frameMs: 0, decoded: 0, decodeMs: 0, misses: 0 };
+    this.statistics = { frames: 0, decoded: 0, decodeMs: 0, misses: 0 };
     this.meshesDrawn = new Set(); // keys of those in the last picture
     this.store = new TextureStore(budget, (entry) => this.release(entry));
     this.checkObjects();
@@ -322,7 +322,6 @@ export class FieldPlayer {
     this.gl.draw({ width, height, supersampling, exposure: this.exposure, objects });
     if (!isAllThere) ++this.statistics.misses;
     ++this.statistics.frames;
-    this.statistics.frameMs = performance.now() - begun;
     this.statistics.supersampling = supersampling;
     this.isSettled = isAtRest && this.isComplete;
     // Drawn finely once it rests.

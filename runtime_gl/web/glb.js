@@ -9,11 +9,10 @@ const MAGIC = 0x46546c67; // "glTF"
 const CHUNK_JSON = 0x4e4f534a;
 const CHUNK_BINARY = 0x004e4942;
 const TRIANGLES = 4;
-const COMPONENTS = { // by glTF's numbers: the list, and what is 1.0 as a texture coordinate
-  5121: [Uint8Array, 255], 5123: [Uint16Array, 65535], 5125: [Uint32Array, 1], 5126: [Float32Array, 1],
-};
+const COMPONENTS = new Map([ // by glTF's numbers: the list, and what is 1.0 as a texture coordinate
+  [5121, [Uint8Array, 255]], [5123, [Uint16Array, 65535]], [5125, [Uint32Array, 1]], [5126, [Float32Array, 1]],
+]);
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3 };
-const NODES_MAX = 100000;
 const REQUIRED_KNOWN = ["KHR_texture_transform", "KHR_materials_unlit"]; // that no triangle depends on
 
 class Glb {
@@ -33,7 +32,7 @@ class Glb {
       if (view.getUint32(at + 4, true) === CHUNK_BINARY) this.binary ??= chunk;
       at += 8 + length;
     }
-    if (!this.json || typeof this.json !== "object") this.refuse("has no JSON");
+    if (!this.json || typeof this.json !== "object" || Array.isArray(this.json)) this.refuse("has no JSON");
     const unknown = this.entries("extensionsRequired").filter((one) => !REQUIRED_KNOWN.includes(one));
     if (unknown.length > 0) this.refuse(`needs ${unknown.join(", ")}, which this player does not have`);
   }
@@ -48,8 +47,8 @@ class Glb {
     }
   }
 
-  entries(key) {
-    const list = this.json[key] ?? [];
+  entries(key, object = this.json) {
+    const list = object[key] ?? [];
     if (!Array.isArray(list)) this.refuse(`its ${key} are no list`);
     return list;
   }
@@ -66,7 +65,8 @@ class Glb {
     const accessor = this.entry("accessors", index);
     if (accessor.sparse !== undefined) this.refuse(`accessors[${index}] is sparse, which this player does not read`);
     if (accessor.type !== type) this.refuse(`accessors[${index}] is ${accessor.type}, expected ${type}`);
-    const [List, most] = COMPONENTS[accessor.componentType] ?? this.refuse(`accessors[${index}] has no known numbers`);
+    const [List, most] = COMPONENTS.get(accessor.componentType) ??
+      this.refuse(`accessors[${index}] has no known numbers`);
     const width = WIDTHS[type];
     const count = accessor.count;
     const view = this.entry("bufferViews", accessor.bufferView);
@@ -84,6 +84,7 @@ class Glb {
     for (let i = 0; i < count; ++i)
       for (let c = 0; c < width; ++c) {
         const value = bytes[get](begin + i * stride + c * size, true);
+        if (!Number.isFinite(value)) this.refuse(`accessors[${index}] has a number that is not finite`);
         values[i * width + c] = isIndex ? value : value / most;
       }
     return values;
@@ -109,8 +110,8 @@ class Glb {
 
   /** Adds a primitive's corners to the lists of an object. */
   append(primitive, object, uvSet) {
-    if ((primitive.mode ?? TRIANGLES) !== TRIANGLES) return;
-    const { attributes } = primitive;
+    if ((primitive?.mode ?? TRIANGLES) !== TRIANGLES) return;
+    const attributes = primitive?.attributes;
     if (attributes?.POSITION === undefined) return;
     if (attributes[`TEXCOORD_${uvSet}`] === undefined)
       this.refuse(`object '${object.name}' has no texture coordinates of set ${uvSet} (TEXCOORD_${uvSet})`);
@@ -131,19 +132,26 @@ class Glb {
   read(uvSet) {
     const objects = new Map();
     const scene = this.json.scenes === undefined ? null : this.entry("scenes", this.json.scene ?? 0);
-    const roots = scene?.nodes ?? this.entries("nodes").map((_, i) => i);
-    const open = roots.map((index) => [index, identity()]);
-    for (let visited = 0; open.length > 0; ++visited) {
-      if (visited > NODES_MAX) this.refuse("has nodes that contain themselves");
+    const children = new Set(this.entries("nodes").flatMap((_, i) => this.entries("children", this.entry("nodes", i))));
+    const roots = this.entries("nodes").map((_, i) => i).filter((i) => !children.has(i));
+    const open = (scene === null ? roots : this.entries("nodes", scene)).map((index) => [index, identity()]);
+    const visited = new Set();
+    while (open.length > 0) {
       const [index, parent] = open.pop();
+      if (visited.has(index)) this.refuse(`has nodes[${index}] in two places, or within itself`);
+      visited.add(index);
       const node = this.entry("nodes", index);
       const objectToWorld = multiplied(parent, this.nodeMatrix(node));
-      for (const child of node.children ?? []) open.push([child, objectToWorld]);
+      for (const child of this.entries("children", node)) open.push([child, objectToWorld]);
       if (node.mesh === undefined) continue;
       const mesh = this.entry("meshes", node.mesh);
-      const object = { name: node.name ?? mesh.name ?? "", objectToWorld, positions: [], uvs: [] };
-      for (const primitive of mesh.primitives ?? []) this.append(primitive, object, uvSet);
-      if (object.positions.length > 0 && !objects.has(object.name)) objects.set(object.name, object);
+      const object = { name: String(node.name ?? mesh.name ?? ""), objectToWorld, positions: [], uvs: [] };
+      for (const primitive of this.entries("primitives", mesh)) this.append(primitive, object, uvSet);
+      if (object.positions.length === 0) continue;
+      if (!objectToWorld.every(Number.isFinite))
+        this.refuse(`object '${object.name}' is placed by a matrix that is not finite`);
+      if (objects.has(object.name)) this.refuse(`object '${object.name}' is there twice`);
+      objects.set(object.name, object);
     }
     return objects;
   }

@@ -99,7 +99,6 @@ export class MptFile {
     if (this.source.size !== null && this.source.size !== offset)
       this.refuse(`has ${this.source.size} bytes, its index says ${offset}: it was cut, or is another's`);
     if (this.description === null) this.refuse("has no description");
-    this.size = offset;
   }
 
   /** A section's bytes; `what` names it. */

@@ -97,7 +97,7 @@ function configured() {
 
 /** Of files that were chosen: one field and its geometry. */
 function chosen(files) {
-  const find = (end) => [...files].find((file) => file.name.toLowerCase().endsWith(end));
+  const find = (end) => files.find((file) => file.name.toLowerCase().endsWith(end));
   const field = find(".mpt");
   const scene = find(".glb");
   if (field === undefined || scene === undefined)
@@ -118,8 +118,12 @@ async function checkHash({ bytes, name, hash }) {
 
 let startOfWorkers = null;
 
-async function open(what) {
+let opened = null; // makes what is open, or was to be
+
+async function open(make) {
+  opened = make;
   forget();
+  const what = make();
   showState(`Opening ${what.source.name} ...`);
   stopPlaying();
   stopRecording();
@@ -243,7 +247,7 @@ function toggleFullScreen() {
 
 const mib = (bytes) => `${(bytes / MIB).toFixed(1)} MiB`;
 
-export function statisticsRows() {
+function statisticsRows() {
   const { statistics, store, pool, quality } = player;
   return {
     "Frames a second": quality.framesPerSecond.toFixed(1),
@@ -277,8 +281,8 @@ byId("retry").addEventListener("click", () => {
   if (player !== null) {
     forget();
     player.retry();
-  } else if (configured() !== null) {
-    open(configured());
+  } else if (opened !== null) {
+    open(opened);
   }
 });
 byId("smooth").addEventListener("change", () => player?.setSmooth(byId("smooth").checked));
@@ -312,8 +316,9 @@ byId("import").addEventListener("change", async ({ target }) => {
 });
 byId("open").addEventListener("change", ({ target }) => {
   try {
-    const what = chosen(target.files);
-    open(what);
+    const files = [...target.files];
+    chosen(files);
+    open(() => chosen(files));
   } catch (error) {
     say(error.message);
   }
@@ -333,6 +338,5 @@ document.addEventListener("keydown", (event) => {
 });
 setInterval(showStatistics, STATISTICS_MS);
 
-const first = configured();
-if (first !== null) open(first);
+if (configured() !== null) open(configured);
 else showState("No field is named. Open a packed field, .mpt, together with its geometry, .glb.");

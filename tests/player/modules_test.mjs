@@ -26,6 +26,20 @@ const among = (list) => list[Math.floor(random() * list.length)];
 const near = (found, wanted, tolerance, what) => [...found].forEach((one, i) =>
   assert.ok(Math.abs(one - wanted[i]) <= tolerance, `${what}: ${[...found]}, expected ${[...wanted]}`));
 
+const JUNK = [null, true, -1, 0, 1, 1.5, 7, 1e9, 1e300, "", "x", "__proto__", [], {}, [[]], [1, 2, 3, 4]];
+
+/** Puts junk into up to three places, or takes away what is there. */
+function spoil(json) {
+  for (let n = 1 + Math.floor(3 * random()); n > 0 && Object.keys(json).length > 0; --n) {
+    let [place, key] = [json, among(Object.keys(json))];
+    while (place[key] !== null && typeof place[key] === "object" && Object.keys(place[key]).length > 0 &&
+        random() < 0.8)
+      [place, key] = [place[key], among(Object.keys(place[key]))];
+    if (random() < 0.2) delete place[key];
+    else place[key] = structuredClone(among(JUNK)); // or one might come to hold itself
+  }
+}
+
 // ---- Matrices, column by column
 
 const columns = (...rows) => Float64Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
@@ -138,18 +152,41 @@ const steps = {
       [(one) => { one.accessors[0].count = 1000; }, /accessors\[0\] lies beyond its buffer/],
       [(one) => { one.accessors[2].count = 2 ** 40; }, /beyond its buffer/],
       [(one) => { one.accessors[0].sparse = {}; }, /sparse/],
-      [(one) => { one.nodes[1].children = [0]; }, /contain themselves/],
+      [(one) => { one.nodes[1].children = [0]; }, /nodes\[0\] in two places, or within itself/],
       [(one) => { one.nodes[1].rotation = ["x", 0, 0, 1]; }, /placed by no numbers/],
       [(one) => { one.extensionsRequired = ["KHR_draco_mesh_compression"]; }, /KHR_draco_mesh_compression/],
+      [(one) => { one.nodes.push({ name: "thing", mesh: 0 }); one.scenes[0].nodes.push(2); }, /'thing' is there twice/],
       [(one) => { one.buffers[0].uri = "http://elsewhere/b.bin"; }, /other files/]]) {
       const changed = structuredClone(json);
       change(changed);
       assert.throws(() => readGlb(glb(changed, binary), "t.glb", 1), (error) => error instanceof FieldError &&
         error.message.startsWith("t.glb: ") && pattern.test(error.message), pattern);
     }
+    const infinite = Buffer.from(binary);
+    infinite.writeFloatLE(Infinity, 4);
+    assert.throws(() => readGlb(glb(json, infinite), "t.glb", 1), /accessors\[0\] has a number that is not finite/);
     const cut = Buffer.from(binary);
     cut.writeUInt8(3, 49);
     assert.throws(() => readGlb(glb(json, cut), "t.glb", 1), /vertex 3 of 3/);
+  },
+
+  /** Whatever stands in a glTF, it is refused by words or has triangles that are whole. */
+  glbOfStrangersDoesNotBreakIt() {
+    let refused = 0;
+    for (let i = 0; i < 20000; ++i) {
+      const { json, binary } = triangle();
+      spoil(json);
+      try {
+        for (const { positions, uvs, objectToWorld } of readGlb(glb(json, binary), "t.glb", 1).values()) {
+          assert.ok(positions.length % 9 === 0 && uvs.length === positions.length / 3 * 2);
+          assert.ok([...objectToWorld].every(Number.isFinite));
+        }
+      } catch (error) {
+        assert.ok(error instanceof FieldError && error.message.startsWith("t.glb: "), error.stack);
+        ++refused;
+      }
+    }
+    assert.ok(refused > 5000, `${refused} were refused`);
   },
 
   cutsGoToTheTrianglesSide() {
@@ -246,18 +283,10 @@ const steps = {
 
   /** Whatever stands in a description, it is refused by words, or has all that playing needs. */
   async descriptionsOfStrangersDoNotBreakIt() {
-    const junk = [null, true, -1, 0, 1, 1.5, 7, 1e9, 1e300, "", "x", "__proto__", [], {}, [[]], [1, 2, 3, 4]];
     let refused = 0;
     for (let i = 0; i < 20000; ++i) {
       const json = description();
-      for (let n = 1 + Math.floor(3 * random()); n > 0; --n) {
-        let [place, key] = [json, among(Object.keys(json))];
-        while (place[key] !== null && typeof place[key] === "object" && Object.keys(place[key]).length > 0 &&
-            random() < 0.8)
-          [place, key] = [place[key], among(Object.keys(place[key]))];
-        if (random() < 0.2) delete place[key];
-        else place[key] = structuredClone(among(junk)); // or one might come to hold itself
-      }
+      spoil(json);
       try {
         const read = new FieldDescription(JSON.parse(JSON.stringify(json)), "f.mpt");
         for (const layer of read.layers)
