@@ -64,8 +64,10 @@ class PatientRequest {
       const own = new AbortController();
       const forward = () => own.abort();
       signal?.addEventListener("abort", forward);
+      const timer = setTimeout(forward, SILENCE_MS);
       try {
         const response = await fetch(this.url, { headers, signal: own.signal });
+        clearTimeout(timer);
         if (response.status >= 500) {
           reason = `the server answered ${response.status}`;
           continue;
@@ -79,6 +81,7 @@ class PatientRequest {
         if (error instanceof FieldError) throw error;
         reason = `the server cannot be reached (${error.message})`;
       } finally {
+        clearTimeout(timer);
         signal?.removeEventListener("abort", forward);
       }
     }

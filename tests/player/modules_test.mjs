@@ -4,7 +4,7 @@
 //
 //   node modules_test.mjs [STEP [SEED]]
 import assert from "node:assert/strict";
-import { FieldError } from "../../runtime_gl/web/byte_source.js";
+import { FieldError, UrlSource } from "../../runtime_gl/web/byte_source.js";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";
 import { chunkHead } from "../../runtime_gl/web/chunk_head.js";
 import { DrawingQuality } from "../../runtime_gl/web/drawing_quality.js";
@@ -279,6 +279,70 @@ const steps = {
     assert.deepEqual(keys(all), ["1:0:0", "1:0:1", "1:0:2", "1:0:3", "1:1:0", "1:1:1"]);
     assert.deepEqual(all.blocks.map(({ textures }) => textures), [4, 2]);
     assert.equal(read.sampleAt([2, 1]), 5);
+  },
+
+  async requestsAreTriedAgain() {
+    const bytes = Uint8Array.from({ length: 100 }, (_, i) => i);
+    const { fetch: realFetch, setTimeout: realTimeout } = globalThis;
+    globalThis.setTimeout = (run, ms, ...more) => realTimeout(run, ms / 1000, ...more); // 20 s of silence are 20 ms
+    const part = (range, more = {}) => {
+      const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(range).map(Number);
+      const body = bytes.slice(first, last + 1);
+      return new Response(more.body ?? body, { status: 206,
+        headers: { "Content-Range": `bytes ${more.first ?? first}-${last}/${more.size ?? 100}` } });
+    };
+    const silent = (signal, begin = []) => new ReadableStream({ start(controller) {
+      if (begin.length > 0) controller.enqueue(Uint8Array.from(begin));
+      signal.addEventListener("abort", () => controller.error(new Error("aborted")));
+    } });
+    const never = (signal) => new Promise((_, reject) => {
+      signal.addEventListener("abort", () => reject(new Error("aborted")));
+    });
+    const read = async (answers, signal) => {
+      const counts = { fetched: 0, retries: 0 };
+      let count = 0;
+      globalThis.fetch = async (_, { headers, signal: own }) => {
+        if (own.aborted) throw new Error("aborted");
+        return answers[Math.min(count++, answers.length - 1)](headers.Range, own);
+      };
+      const found = await new UrlSource("http://x/a%20b.mpt", counts).read(10, 20, signal);
+      return { found, counts };
+    };
+    const bad = {
+      unreachable: () => { throw new TypeError("failed"); },
+      mute: (_, signal) => never(signal),
+      silent: (range, signal) => part(range, { body: silent(signal, [10, 11]) }),
+      short: (range) => part(range, { body: bytes.slice(10, 15) }),
+      busy: () => new Response("", { status: 503 }),
+    };
+    try {
+      for (const [name, answer] of Object.entries(bad)) {
+        const { found, counts } = await read([answer, answer, (range) => part(range)]);
+        assert.deepEqual(found, bytes.slice(10, 30), name);
+        assert.equal(counts.retries, 2, name);
+        await assert.rejects(read([answer]), (error) => error instanceof FieldError &&
+          /^a b\.mpt: .*(reached|cut after \d of 20 bytes|answered 503).*; tried 4 times$/.test(error.message), name);
+      }
+      for (const [answer, pattern] of [
+        [(range) => part(range, { first: 11 }), /another range/],
+        [() => new Response("", { status: 416 }), /ends before byte 10/],
+        [() => new Response("", { status: 404 }), /answered 404, expected 200 or 206/]])
+        await assert.rejects(read([answer]), pattern);
+      const whole = await read([() => new Response(bytes)]);
+      assert.deepEqual(whole.found, bytes.slice(10, 30));
+      const counts = { fetched: 0, retries: 0 };
+      const source = new UrlSource("http://x/y", counts);
+      globalThis.fetch = async (_, { headers }) => part(headers.Range);
+      await source.read(0, 5);
+      globalThis.fetch = async (_, { headers }) => part(headers.Range, { size: 120 });
+      await assert.rejects(source.read(5, 5), /has 120 bytes now, had 100 before/);
+      // Whoever no longer wants it waits for nothing more.
+      const abort = new AbortController();
+      realTimeout(() => abort.abort(), 5);
+      await assert.rejects(read([bad.mute], abort.signal), (error) => !(error instanceof FieldError));
+    } finally {
+      Object.assign(globalThis, { fetch: realFetch, setTimeout: realTimeout });
+    }
   },
 
   /** Whatever stands in a description, it is refused by words, or has all that playing needs. */
