@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/base64.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
@@ -69,19 +70,6 @@ std::string geometry_of(const std::string& field) {
   return scene_glb(objects, manifest.uv_set);
 }
 
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t value = 0;
-    for (std::size_t k = 0; k < 3; ++k) value = value << 8 | (k < count ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[value >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 /// Modules as one script: without what they import from one another, and what they export.
 template <std::size_t kCount>
 std::string joined(const std::array<const char*, kCount>& names) {
@@ -121,10 +109,11 @@ std::string one_page(const std::string& name, const std::string& title, const st
   const auto block = [](const char* id, const std::string& content) {
     return fmt::format("\n<script type=\"text/plain\" id=\"{}\">{}</script>", id, content);
   };
-  std::string html = configured_page({{"file", name}, {"geometry", kGeometryName}, {"title", title}},
-                                     block("data-field", base64(field)) + block("data-geometry", base64(geometry)) +
-                                         block("data-wasm", base64(player_file(kWasmName))) +
-                                         block("worker-source", joined(kWorkerModules)));
+  std::string html =
+      configured_page({{"file", name}, {"geometry", kGeometryName}, {"title", title}},
+                      block("data-field", encode_base64(field)) + block("data-geometry", encode_base64(geometry)) +
+                          block("data-wasm", encode_base64(std::string(player_file(kWasmName)))) +
+                          block("worker-source", joined(kWorkerModules)));
   replace(html, R"(<link rel="stylesheet" href="player.css">)",
           "<style>\n" + std::string(player_file("player.css")) + "</style>");
   replace(html, R"(<script type="module" src="player.js"></script>)",
