@@ -185,6 +185,20 @@ void read_objects(const json& description, FieldDescription& result) {
 
 }  // namespace
 
+bool PackedLayer::is_seen(std::size_t sample) const {
+  return !std::binary_search(unseen.begin(), unseen.end(), static_cast<int>(sample));
+}
+
+std::size_t PackedLayer::block_at(const std::vector<int>& at) const {
+  const auto found = std::find_if(blocks.begin(), blocks.end(), [&](const FieldBlock& block) {
+    for (std::size_t d = 0; d < at.size(); ++d)
+      if (at[d] < block.begin[d] || at[d] >= block.begin[d] + block.size[d]) return false;
+    return true;
+  });
+  MULTUM_CHECK(found != blocks.end());  // blocks cover the grid
+  return static_cast<std::size_t>(found - blocks.begin());
+}
+
 std::vector<std::uint8_t> encode_description(const FieldDescription& description) {
   const InferredManifest& field = description.field;
   json object = scene_keys_json(field);

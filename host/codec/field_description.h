@@ -17,6 +17,10 @@ struct PackedLayer {
   std::string name;
   std::vector<FieldBlock> blocks;
   std::vector<int> unseen;  // samples at which the object has no texture of the layer, rising
+
+  bool is_seen(std::size_t sample) const;
+  /// The block that a point of the grid lies in.
+  std::size_t block_at(const std::vector<int>& at) const;
 };
 
 struct FieldDescription {

@@ -25,17 +25,8 @@ std::map<std::size_t, std::vector<std::size_t>> drawn_samples(const FieldDescrip
                                                               const PackedLayer& layer, const FieldBlock& block) {
   std::map<std::size_t, std::vector<std::size_t>> samples;
   for (const std::size_t s : description.grid.samples_in(block))
-    if (!std::binary_search(layer.unseen.begin(), layer.unseen.end(), static_cast<int>(s)))
-      samples[block.chunk_sample(description.field.samples[s].at)].push_back(s);
+    if (layer.is_seen(s)) samples[block.chunk_sample(description.field.samples[s].at)].push_back(s);
   return samples;
-}
-
-InferredTexture texture_of(const TextureChunk& chunk, std::size_t sample, const std::string& provenance) {
-  std::vector<float> finest = chunk.texture(sample);
-  for (float& value : finest) value = radiance_of(value);
-  const TextureChunkFormat& format = chunk.format();
-  return {static_cast<int>(format.width), static_cast<int>(format.height),
-          mip_levels(format.width, format.height, finest), provenance};
 }
 
 std::string coder_text(const TextureChunkFormat& format) {
@@ -112,23 +103,29 @@ std::vector<std::uint8_t> PackedFieldFile::section(std::size_t number) {
   return bytes;
 }
 
-std::unique_ptr<TextureChunk> PackedFieldFile::chunk(std::size_t layer, std::size_t block) {
+std::optional<std::size_t> PackedFieldFile::chunk_section(std::size_t layer, std::size_t block) const {
   const PackedSection* found =
       index_.find(SectionKind::kChunk, static_cast<std::uint32_t>(layer), static_cast<std::uint32_t>(block));
   const PackedLayer& described = description_.layers[layer];
-  const auto drawn = drawn_samples(description_, described, described.blocks[block]);
-  if (drawn.empty()) return nullptr;
+  if (drawn_samples(description_, described, described.blocks[block]).empty()) return {};
   if (found == nullptr)
     refuse_file(path_, fmt::format("has no chunk for layer '{}' of object '{}', block {}", described.name,
                                    description_.field.objects[described.object].name, block));
-  const std::size_t number = section_number(index_, found);
+  return section_number(index_, found);
+}
+
+std::unique_ptr<TextureChunk> PackedFieldFile::decode_chunk(std::size_t number, std::span<const std::uint8_t> bytes,
+                                                            const DecodingLimits& limits) const {
+  const PackedSection& section = index_.sections()[number];
+  const PackedLayer& described = description_.layers[section.layer];
+  const FieldBlock& block = described.blocks[section.block];
   std::string problem;
-  std::unique_ptr<TextureChunk> chunk = TextureChunk::decode(section(number), problem);
+  std::unique_ptr<TextureChunk> chunk = TextureChunk::decode(bytes, problem, limits);
   if (!chunk) refuse_file(path_, section_name(number) + " is damaged: " + problem);
   if (chunk->was_cut_short()) refuse_file(path_, section_name(number) + " is damaged: it ends before its images do");
   const InferredObject& object = description_.field.objects[described.object];
-  bool fits = chunk->format().sizes == described.blocks[block].chunk_sizes();
-  for (const auto& [texture, samples] : drawn)
+  bool fits = chunk->format().sizes == block.chunk_sizes();
+  for (const auto& [texture, samples] : drawn_samples(description_, described, block))
     for (const std::size_t s : samples) {
       const TextureMapping& mapping = object.mappings[static_cast<std::size_t>(object.mapping_of_sample[s])];
       fits = fits && static_cast<int>(chunk->format().width) == mapping.width &&
@@ -136,6 +133,22 @@ std::unique_ptr<TextureChunk> PackedFieldFile::chunk(std::size_t layer, std::siz
     }
   if (!fits) refuse_file(path_, section_name(number) + " is of other sizes than the description says");
   return chunk;
+}
+
+std::unique_ptr<TextureChunk> PackedFieldFile::chunk(std::size_t layer, std::size_t block) {
+  const auto number = chunk_section(layer, block);
+  return number ? decode_chunk(*number, section(*number), {}) : nullptr;
+}
+
+InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, const std::string& provenance) {
+  std::vector<float> finest = chunk.texture(sample);
+  for (float& value : finest) value = radiance_of(value);
+  const TextureChunkFormat& format = chunk.format();
+  InferredTexture texture{static_cast<int>(format.width), static_cast<int>(format.height),
+                          mip_levels(format.width, format.height, finest), provenance};
+  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half
+  round_to_half(texture.texels);
+  return texture;
 }
 
 UnpackReport unpack_field(const std::string& path, const std::string& folder, int threads, Progress* progress) {
@@ -178,7 +191,7 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
       }
       for_each_item(static_cast<int>(numbers.size()), threads, [&](int i) {
         const std::size_t number = numbers[static_cast<std::size_t>(i)];
-        write_inferred_texture(texture_of(*chunk, number, provenance),
+        write_inferred_texture(unpacked_texture(*chunk, number, provenance),
                                folder + "/" + unpacked.textures[drawn.at(number).front()]);
       });
       report.textures += numbers.size();

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,14 @@ class PackedFieldFile {
   std::string section_name(std::size_t section) const;
   /// Bytes of a section. Throws Error(kInput) naming it where they are damaged.
   std::vector<std::uint8_t> section(std::size_t section);
-  /// Null where the file has no chunk for the block: nothing is seen in it. Throws Error(kInput) naming the section
-  /// where it is damaged, or of another size than its description says.
+  /// The section that has the chunk of a block; nothing where nothing is seen in it. Throws Error(kInput) where it is
+  /// missing.
+  std::optional<std::size_t> chunk_section(std::size_t layer, std::size_t block) const;
+  /// The chunk of these bytes of its section. Throws Error(kInput) naming the section where it is damaged, of another
+  /// size than its description says, or exceeds the limits. For any number of threads at once, as all that is const.
+  std::unique_ptr<TextureChunk> decode_chunk(std::size_t section, std::span<const std::uint8_t> bytes,
+                                             const DecodingLimits& limits) const;
+  /// Both: null where nothing is seen in the block.
   std::unique_ptr<TextureChunk> chunk(std::size_t layer, std::size_t block);
 
  private:
@@ -44,6 +51,9 @@ class PackedFieldFile {
   PackedIndex index_;
   FieldDescription description_;
 };
+
+/// The texture of a chunk's sample with all mip levels, values as the file of an unpacked texture gives them back.
+InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, const std::string& provenance);
 
 struct UnpackReport {
   std::size_t textures = 0, chunks = 0;

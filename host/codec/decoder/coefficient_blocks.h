@@ -30,7 +30,7 @@ class CoefficientBlocks {
     if (begins_[plane].empty()) begins_[plane].assign(block_count_, -1);
     auto& begin = begins_[plane][number];
     if (begin < 0) {
-      begin = static_cast<std::int64_t>(values_.size());
+      begin = static_cast<std::int32_t>(values_.size());  // fits: an image has at most 2^28 texels, three planes
       values_.resize(values_.size() + block_values_);
     }
     return {values_.data() + begin, block_values_};
@@ -39,9 +39,18 @@ class CoefficientBlocks {
   bool is_empty() const { return values_.empty(); }
   std::size_t block_count() const { return block_count_; }
 
+  /// Bytes held, rooms for values to come included.
+  std::size_t memory_bytes() const {
+    std::size_t bytes = values_.capacity() * sizeof(std::int16_t);
+    for (const auto& begins : begins_) bytes += begins.capacity() * sizeof(std::int32_t);
+    return bytes;
+  }
+  /// Gives back room that no value needs.
+  void shrink() { values_.shrink_to_fit(); }
+
  private:
   std::size_t block_count_ = 0, block_values_ = 0;
-  std::array<std::vector<std::int64_t>, kPlanes> begins_;
+  std::array<std::vector<std::int32_t>, kPlanes> begins_;
   std::vector<std::int16_t> values_;
 };
 

@@ -35,6 +35,7 @@ CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, 
   for (std::size_t plane = 0; plane < CoefficientBlocks::kPlanes; ++plane) {
     if (coder_.bit(false, empty_plane_)) continue;
     for (std::size_t number = 0; number < grid_.count(); ++number) {
+      if (account_ != nullptr && account_->is_over(image.memory_bytes())) return image;
       std::fill(values.begin(), values.end(), std::int16_t{0});
       syntax_.block(coder_, values, surroundings(image, parent, grid_, plane, number, level));
       if (port_.exhausted()) return image;  // of this block something may be made up

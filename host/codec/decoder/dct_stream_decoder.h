@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/codec/decoder/dct_syntax.h"
+#include "host/codec/decoder/decoding_limits.h"
 
 namespace multum {
 
@@ -31,14 +32,14 @@ int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, st
 
 class DctStreamDecoder {
  public:
-  /// The bytes must outlive the decoder.
-  DctStreamDecoder(const BlockGrid& grid, std::span<const std::uint8_t> bytes)
-      : grid_(grid), syntax_(static_cast<int>(grid.side)), port_(bytes), coder_(port_) {}
+  /// The bytes must outlive the decoder, and so must the limits.
+  DctStreamDecoder(const BlockGrid& grid, std::span<const std::uint8_t> bytes, DecodingAccount* account = nullptr)
+      : grid_(grid), syntax_(static_cast<int>(grid.side)), port_(bytes), coder_(port_), account_(account) {}
   DctStreamDecoder(const DctStreamDecoder&) = delete;
   DctStreamDecoder& operator=(const DctStreamDecoder&) = delete;
 
   /// The stream's next image. `parent`: an image decoded before, which it refines; null for one that refines none.
-  /// From where the stream ends, all is zero.
+  /// From where the stream ends, or limits stop it, all is zero.
   CoefficientBlocks next_image(const CoefficientBlocks* parent, std::size_t level);
 
   /// The stream ended before its images did.
@@ -50,6 +51,7 @@ class DctStreamDecoder {
   DecodingPort port_;
   SymbolCoder<DecodingPort> coder_;
   AdaptiveBit empty_plane_;
+  DecodingAccount* account_;
 };
 
 /// Adds the samples of plane `plane` to `samples`, width * height: inverse transforms of coefficients times `steps`,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/codec/decoder/texture_chunk.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace multum {
 namespace {
@@ -17,34 +19,70 @@ float radiance_of(float value) { return std::pow(std::max(value, 0.0f) / 255.0f,
 
 float gamma_coded(float radiance) { return 255.0f * std::pow(std::max(radiance, 0.0f), 1.0f / kGamma); }
 
-std::unique_ptr<TextureChunk> TextureChunk::decode(std::span<const std::uint8_t> bytes, std::string& problem) {
+bool TextureChunk::decode_cosines(std::span<const std::uint8_t> coded, DecodingAccount& account) {
+  DctStreamDecoder decoder(grid_of(format_), coded, &account);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < plan_.image_count() && !decoder.exhausted(); ++i) {
+    const auto parent = plan_.parents[i];
+    dct_images_.push_back(decoder.next_image(parent ? &dct_images_[*parent] : nullptr, plan_.levels[i]));
+    dct_images_.back().shrink();
+    account.set_kept(kept += dct_images_.back().memory_bytes());
+    if (account.is_over(0)) return false;
+  }
+  was_cut_short_ = decoder.exhausted();
+  dct_images_.resize(plan_.image_count());
+  return true;
+}
+
+bool TextureChunk::decode_wavelets(std::span<const std::uint8_t> coded, DecodingAccount& account) {
+  WaveletStreamDecoder decoder(format_.width, format_.height, coded, &account);
+  std::vector<std::size_t> last_child(plan_.image_count());
+  for (std::size_t i = 0; i < plan_.image_count(); ++i)
+    if (const auto parent = plan_.parents[i]) last_child[*parent] = i;
+  std::map<std::size_t, WaveletImage> dense;  // those that others are still decoded against
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < plan_.image_count() && !decoder.exhausted(); ++i) {
+    const auto parent = plan_.parents[i];
+    WaveletImage image = decoder.next_image(parent ? &dense[*parent] : nullptr);
+    wavelet_images_.emplace_back();
+    for (std::size_t p = 0; p < image.size(); ++p) {
+      wavelet_images_.back()[p] = SparseWaveletPlane(image[p]);
+      kept += wavelet_images_.back()[p].memory_bytes();
+    }
+    if (last_child[i] > i) dense.emplace(i, std::move(image));
+    std::erase_if(dense, [&](const auto& entry) { return last_child[entry.first] <= i; });
+    std::size_t needed = kept;
+    for (const auto& [number, planes] : dense) needed += dense_bytes(planes);
+    account.set_kept(needed);
+    if (account.is_over(0)) return false;
+  }
+  was_cut_short_ = decoder.exhausted();
+  wavelet_images_.resize(plan_.image_count());
+  return true;
+}
+
+std::unique_ptr<TextureChunk> TextureChunk::decode(std::span<const std::uint8_t> bytes, std::string& problem,
+                                                   const DecodingLimits& limits) {
   ByteReader reader(bytes);
   auto format = read_chunk_format(reader, problem);
   if (!format) return nullptr;
   auto plan = format->plan();
   std::unique_ptr<TextureChunk> chunk(new TextureChunk(std::move(*format), std::move(*plan)));
-  const TextureChunkFormat& f = chunk->format_;
-  const ImagePlan& images = chunk->plan_;
   const auto coded = reader.bytes(reader.left());
-  if (f.coder == ImageCoder::kDct) {
-    DctStreamDecoder decoder(grid_of(f), coded);
-    for (std::size_t i = 0; i < images.image_count() && !decoder.exhausted(); ++i) {
-      const auto parent = images.parents[i];
-      chunk->dct_images_.push_back(
-          decoder.next_image(parent ? &chunk->dct_images_[*parent] : nullptr, images.levels[i]));
-    }
-    chunk->was_cut_short_ = decoder.exhausted();
-    chunk->dct_images_.resize(images.image_count());
-  } else {
-    WaveletStreamDecoder decoder(f.width, f.height, coded);
-    for (std::size_t i = 0; i < images.image_count() && !decoder.exhausted(); ++i) {
-      const auto parent = images.parents[i];
-      chunk->wavelet_images_.push_back(decoder.next_image(parent ? &chunk->wavelet_images_[*parent] : nullptr));
-    }
-    chunk->was_cut_short_ = decoder.exhausted();
-    chunk->wavelet_images_.resize(images.image_count());
-  }
-  return chunk;
+  DecodingAccount account(limits);
+  const bool is_whole = chunk->format_.coder == ImageCoder::kDct ? chunk->decode_cosines(coded, account)
+                                                                 : chunk->decode_wavelets(coded, account);
+  if (is_whole) return chunk;
+  problem = account.has_no_room() ? "its coefficients take more than " + std::to_string(limits.bytes_max) + " bytes"
+                                  : "its decoding was cancelled";
+  return nullptr;
+}
+
+void TextureChunk::add_image_samples(std::size_t number, std::size_t plane, std::span<const float> steps, float scale,
+                                     std::span<float> samples) const {
+  if (format_.coder == ImageCoder::kDct)
+    add_samples(dct_images_[number], grid_of(format_), plane, steps, scale, samples);
+  else wavelet_images_[number][plane].add_samples(format_.width, format_.height, steps, scale, samples);
 }
 
 std::vector<float> TextureChunk::texture(std::size_t sample) const {
@@ -54,16 +92,51 @@ std::vector<float> TextureChunk::texture(std::size_t sample) const {
   std::vector<float> colours(3 * texels), samples(texels);
   for (std::size_t p = 0; p < 3; ++p) {
     std::fill(samples.begin(), samples.end(), kOffsetUnit * static_cast<float>(format_.offsets[p]));
-    for (const auto& term : plan_.of_samples[sample]) {
-      const float scale = term.weight * format_.level_scale(plan_.levels[term.image]);
-      if (format_.coder == ImageCoder::kDct)
-        add_samples(dct_images_[term.image], grid_of(format_), p, steps, scale, samples);
-      else add_samples(wavelet_images_[term.image][p], steps, scale, samples);
-    }
+    for (const auto& term : plan_.of_samples[sample])
+      add_image_samples(term.image, p, steps, term.weight * format_.level_scale(plan_.levels[term.image]), samples);
     for (std::size_t i = 0; i < texels; ++i)
       for (std::size_t c = 0; c < 3; ++c) colours[3 * i + c] += rows[p][c] * samples[i];
   }
   return colours;
+}
+
+bool TextureChunk::is_zero(std::size_t number) const {
+  if (format_.coder == ImageCoder::kDct) return dct_images_[number].is_empty();
+  return std::all_of(wavelet_images_[number].begin(), wavelet_images_[number].end(),
+                     [](const SparseWaveletPlane& plane) { return plane.is_empty(); });
+}
+
+std::vector<float> TextureChunk::image(std::size_t number) const {
+  const std::size_t texels = format_.width * format_.height;
+  std::vector<float> colours(3 * texels);
+  if (is_zero(number)) return colours;
+  const auto rows = format_.rotation_rows();
+  const std::vector<float> steps = format_.steps();
+  const float scale = format_.level_scale(plan_.levels[number]);
+  std::vector<float> samples(texels);
+  for (std::size_t p = 0; p < 3; ++p) {
+    std::fill(samples.begin(), samples.end(), 0.0f);
+    add_image_samples(number, p, steps, scale, samples);
+    for (std::size_t i = 0; i < texels; ++i)
+      for (std::size_t c = 0; c < 3; ++c) colours[3 * i + c] += rows[p][c] * samples[i];
+  }
+  return colours;
+}
+
+std::array<float, 3> TextureChunk::offset_colour() const {
+  const auto rows = format_.rotation_rows();
+  std::array<float, 3> colour{};
+  for (std::size_t p = 0; p < 3; ++p)
+    for (std::size_t c = 0; c < 3; ++c) colour[c] += rows[p][c] * kOffsetUnit * static_cast<float>(format_.offsets[p]);
+  return colour;
+}
+
+std::size_t TextureChunk::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const CoefficientBlocks& image : dct_images_) bytes += image.memory_bytes();
+  for (const SparseImage& image : wavelet_images_)
+    for (const SparseWaveletPlane& plane : image) bytes += plane.memory_bytes();
+  return bytes;
 }
 
 }  // namespace multum

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a texture chunk: first the coefficients of all its images, then, as they are asked for, the textures of
-// single samples. C++20 and its library alone; no file is touched, and no bytes make it throw but std::bad_alloc.
+// Decodes a texture chunk: first the coefficients of all its images, then, as they are asked for, single images or the
+// textures of single samples. C++20 and its library alone; no file is touched, and no bytes make it throw but
+// std::bad_alloc.
 #pragma once
 
 #include <memory>
@@ -15,7 +16,12 @@ class TextureChunk {
  public:
   /// Nothing where the head is wrong: `problem` then says how. Of a chunk cut short behind its head, what is there
   /// counts.
-  static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem);
+  static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem) {
+    return decode(bytes, problem, {});
+  }
+  /// Nothing also where limits are exceeded, or it was cancelled.
+  static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem,
+                                              const DecodingLimits& limits);
 
   const TextureChunkFormat& format() const { return format_; }
   std::size_t sample_count() const { return plan_.of_samples.size(); }
@@ -24,16 +30,35 @@ class TextureChunk {
   /// whatever error the coder left; not clamped.
   std::vector<float> texture(std::size_t sample) const;
 
+  /// Which images add up to a sample. texture(sample) is offset_colour() plus the sum of its terms' weights times
+  /// image(), but for rounding.
+  const ImagePlan& plan() const { return plan_; }
+  /// [height][width][3] in the units of texture(), without weight and offset. Takes as long whatever is in it: three
+  /// inverse transforms and a turn of colours, or nothing where is_zero().
+  std::vector<float> image(std::size_t number) const;
+  bool is_zero(std::size_t number) const;
+  std::array<float, 3> offset_colour() const;
+
+  /// Bytes of coefficients.
+  std::size_t memory_bytes() const;
+
   /// The bytes ended before the images did.
   bool was_cut_short() const { return was_cut_short_; }
 
  private:
   TextureChunk(TextureChunkFormat format, ImagePlan plan) : format_(std::move(format)), plan_(std::move(plan)) {}
 
+  using SparseImage = std::array<SparseWaveletPlane, 3>;
+
+  bool decode_cosines(std::span<const std::uint8_t> coded, DecodingAccount& account);
+  bool decode_wavelets(std::span<const std::uint8_t> coded, DecodingAccount& account);
+  void add_image_samples(std::size_t number, std::size_t plane, std::span<const float> steps, float scale,
+                         std::span<float> samples) const;
+
   TextureChunkFormat format_;
   ImagePlan plan_;
   std::vector<CoefficientBlocks> dct_images_;  // one of these two has the images
-  std::vector<WaveletImage> wavelet_images_;
+  std::vector<SparseImage> wavelet_images_;
   bool was_cut_short_ = false;
 };
 

@@ -7,6 +7,25 @@ namespace {
 /// Where in the interval that is left a coefficient is put: below its middle, as small values are the likelier ones.
 constexpr float kPlaceInInterval = 0.4f;
 
+/// Of a plane, a texel: magnitude, sign, lowest bit plane, and nodes of quadtrees, 4/3 of a byte.
+constexpr std::size_t kDenseBytes = 8;
+
+/// Calls visit(place, band, value in steps) for every coefficient that is not zero, band by band.
+template <class Visit>
+void over_coefficients(const WaveletPlane& plane, Visit visit) {
+  for (std::size_t t = 0; t < plane.trees().size(); ++t) {
+    const WaveletBand& band = plane.trees()[t].band;
+    for (std::size_t y = band.y; y < band.y + band.height; ++y)
+      for (std::size_t x = band.x; x < band.x + band.width; ++x) {
+        const std::size_t at = y * plane.width() + x;
+        if (plane.magnitudes[at] == 0) continue;
+        const float magnitude =
+            static_cast<float>(plane.magnitudes[at]) + kPlaceInInterval * static_cast<float>(1u << plane.known[at]);
+        visit(at, t, plane.negative[at] ? -magnitude : magnitude);
+      }
+  }
+}
+
 }  // namespace
 
 WaveletPlane::WaveletPlane(std::size_t width, std::size_t height)
@@ -41,8 +60,10 @@ WaveletImage WaveletStreamDecoder::next_image(const WaveletImage* parent) {
     around.plane = p;
     const int bit_planes = syntax_.bit_planes(coder_, {}, p);
     if (bit_planes == 0 || port_.exhausted()) continue;
+    if (account_ != nullptr && account_->is_over(dense_bytes(image) + kDenseBytes * width_ * height_)) break;
     image[p] = WaveletPlane(width_, height_);
-    syntax_.plane(coder_, image[p], bit_planes, {}, around, [this] { return port_.exhausted(); });
+    syntax_.plane(coder_, image[p], bit_planes, {}, around,
+                  [this] { return port_.exhausted() || (account_ != nullptr && account_->is_cancelled()); });
   }
   return image;
 }
@@ -50,17 +71,8 @@ WaveletImage WaveletStreamDecoder::next_image(const WaveletImage* parent) {
 std::vector<float> dequantized(const WaveletPlane& plane, std::span<const float> steps, float scale) {
   if (plane.is_empty()) return {};
   std::vector<float> coefficients(plane.magnitudes.size());
-  for (std::size_t t = 0; t < plane.trees().size(); ++t) {
-    const WaveletBand& band = plane.trees()[t].band;
-    for (std::size_t y = band.y; y < band.y + band.height; ++y)
-      for (std::size_t x = band.x; x < band.x + band.width; ++x) {
-        const std::size_t at = y * plane.width() + x;
-        if (plane.magnitudes[at] == 0) continue;
-        const float magnitude =
-            static_cast<float>(plane.magnitudes[at]) + kPlaceInInterval * static_cast<float>(1u << plane.known[at]);
-        coefficients[at] = scale * steps[t] * (plane.negative[at] ? -magnitude : magnitude);
-      }
-  }
+  over_coefficients(
+      plane, [&](std::size_t at, std::size_t band, float value) { coefficients[at] = scale * steps[band] * value; });
   return coefficients;
 }
 
@@ -69,6 +81,28 @@ void add_samples(const WaveletPlane& plane, std::span<const float> steps, float 
   if (coefficients.empty()) return;
   inverse_wavelet(plane.width(), coefficients.size() / plane.width(), coefficients);
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i] += coefficients[i];
+}
+
+SparseWaveletPlane::SparseWaveletPlane(const WaveletPlane& plane) {
+  over_coefficients(plane, [&](std::size_t at, std::size_t band, float value) {
+    coefficients_.push_back({static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(band), value});
+  });
+  coefficients_.shrink_to_fit();
+}
+
+void SparseWaveletPlane::add_samples(std::size_t width, std::size_t height, std::span<const float> steps, float scale,
+                                     std::span<float> samples) const {
+  if (is_empty()) return;
+  std::vector<float> image(width * height);
+  for (const Coefficient& c : coefficients_) image[c.at] = scale * steps[c.band] * c.value;
+  inverse_wavelet(width, height, image);
+  for (std::size_t i = 0; i < image.size(); ++i) samples[i] += image[i];
+}
+
+std::size_t dense_bytes(const WaveletImage& image) {
+  std::size_t bytes = 0;
+  for (const WaveletPlane& plane : image) bytes += kDenseBytes * plane.magnitudes.size();
+  return bytes;
 }
 
 }  // namespace multum

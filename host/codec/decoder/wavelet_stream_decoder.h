@@ -3,6 +3,7 @@
 // samples of them. Of a stream cut short every bit that is certain is used.
 #pragma once
 
+#include "host/codec/decoder/decoding_limits.h"
 #include "host/codec/decoder/wavelet_syntax.h"
 
 namespace multum {
@@ -12,9 +13,10 @@ using WaveletImage = std::array<WaveletPlane, 3>;
 
 class WaveletStreamDecoder {
  public:
-  /// The bytes must outlive the decoder.
-  WaveletStreamDecoder(std::size_t width, std::size_t height, std::span<const std::uint8_t> bytes)
-      : width_(width), height_(height), port_(bytes), coder_(port_) {}
+  /// The bytes must outlive the decoder, and so must the limits.
+  WaveletStreamDecoder(std::size_t width, std::size_t height, std::span<const std::uint8_t> bytes,
+                       DecodingAccount* account = nullptr)
+      : width_(width), height_(height), port_(bytes), coder_(port_), account_(account) {}
   WaveletStreamDecoder(const WaveletStreamDecoder&) = delete;
   WaveletStreamDecoder& operator=(const WaveletStreamDecoder&) = delete;
 
@@ -29,7 +31,32 @@ class WaveletStreamDecoder {
   WaveletSyntax syntax_;
   DecodingPort port_;
   SymbolCoder<DecodingPort> coder_;
+  DecodingAccount* account_;
 };
+
+/// The coefficients of a plane that are not zero: all that samples are made of, when no other image is decoded against
+/// the plane any more.
+class SparseWaveletPlane {
+ public:
+  SparseWaveletPlane() = default;
+  explicit SparseWaveletPlane(const WaveletPlane& plane);
+
+  bool is_empty() const { return coefficients_.empty(); }
+  std::size_t memory_bytes() const { return coefficients_.capacity() * sizeof(Coefficient); }
+  /// Adds the plane's samples, as add_samples() of the plane that it was made of does, to the bit.
+  void add_samples(std::size_t width, std::size_t height, std::span<const float> steps, float scale,
+                   std::span<float> samples) const;
+
+ private:
+  struct Coefficient {
+    std::uint32_t at, band;
+    float value;  // in steps
+  };
+  std::vector<Coefficient> coefficients_;
+};
+
+/// What an image takes while it is decoded.
+std::size_t dense_bytes(const WaveletImage& image);
 
 /// The plane's coefficients, [height][width]; nothing for an empty one. `steps`: of each band, in the order of
 /// wavelet_bands; times `scale`.

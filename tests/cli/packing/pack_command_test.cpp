@@ -83,6 +83,8 @@ TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
   EXPECT_LT(fs::file_size(path("coarse.mpt")), fs::file_size(path("fine.mpt")) / 2);
   ASSERT_EQ(unpack("fine.mpt", "fine").exit_code, 0);
   ASSERT_EQ(unpack("coarse.mpt", "coarse").exit_code, 0);
+  for (const char* sample : {"0,1", "2,0"})  // with no unpacking the same, to the bit
+    EXPECT_EQ(frame("coarse.mpt", sample), frame("coarse", sample)) << sample;
   const double fine = drawn_mse("fine"), coarse = drawn_mse("coarse");
   EXPECT_LT(fine, 2.0);
   EXPECT_GT(coarse, 2.0 * fine);
@@ -226,6 +228,23 @@ TEST_F(PackCommandTest, ADamagedChunkCostsThatChunkAndIsNamed) {
           EXPECT_NO_THROW(read_inferred_texture(path("rest/" + texture)));
         }
       }
+}
+
+// Drawn straight from the file: what unpacking leaves, and the same words.
+TEST_F(PackCommandTest, ADamagedChunkIsLeftOutOfPictures) {
+  ASSERT_EQ(pack("field.mpt", {"--lambda", "50"}).exit_code, 0);
+  const std::vector<float> whole = frame("field.mpt", "1,0");
+  const std::string name = "layer 'diffuse' of object 'ground'";
+  const auto offset = PackedFieldFile(path("field.mpt")).index().sections()[chunk_of("field.mpt", name)].offset;
+  flip_byte("field.mpt", offset + 30);
+  ASSERT_EQ(unpack("field.mpt", "rest").exit_code, exit_code(ErrorCode::kVerification));
+  const ProgramResult drawn = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "sample", path("field.mpt"),
+                                           "--at", "1,0", "-o", path("damaged.exr"), "--context", "osmesa"});
+  EXPECT_EQ(drawn.exit_code, exit_code(ErrorCode::kVerification));
+  expect_says(drawn.err, {"field.mpt", name, "left out"});
+  const std::vector<float> rest = frame("rest", "1,0");
+  EXPECT_EQ(read_bytes(path("damaged.exr")), read_bytes(path("frame.exr")));
+  EXPECT_NE(rest, whole);
 }
 
 TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {

@@ -257,6 +257,64 @@ TEST(TextureChunk, SameBytesEveryTime) {
   EXPECT_EQ(encode_chunk(source, settings).bytes, encode_chunk(source, settings).bytes);
 }
 
+/// Chunks of both coders, with a pyramid, one that is linear, and a basis.
+std::vector<std::vector<std::uint8_t>> chunks_of_all_kinds() {
+  std::vector<std::vector<std::uint8_t>> chunks;
+  for (const ImageCoder coder : {ImageCoder::kDct, ImageCoder::kWavelet})
+    for (const int kind : {0, 1, 2}) {
+      ChunkSettings settings;
+      settings.coder = coder;
+      settings.lambda = 3000.0;  // leaves some images without a coefficient
+      settings.linear = kind == 1;
+      if (kind < 2) settings.levels = {{2, 2}, {0, 2}, {0, 0}};
+      chunks.push_back(encode_chunk(test_source({4, 3}, 17), settings).bytes);
+    }
+  return chunks;
+}
+
+TEST(TextureChunk, ImagesAddUpToTextures) {
+  int zeros = 0;
+  for (const auto& bytes : chunks_of_all_kinds()) {
+    const auto chunk = decoded(bytes);
+    std::vector<std::vector<float>> images;
+    for (std::size_t i = 0; i < chunk->plan().image_count(); ++i) {
+      images.push_back(chunk->image(i));
+      const bool is_zero = std::all_of(images[i].begin(), images[i].end(), [](float value) { return value == 0.0f; });
+      EXPECT_EQ(chunk->is_zero(i), is_zero) << i;
+      zeros += is_zero;
+    }
+    const auto offset = chunk->offset_colour();
+    for (std::size_t s = 0; s < chunk->sample_count(); ++s) {
+      std::vector<float> sum(3 * kChunkTexels);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = offset[i % 3];
+      for (const auto& term : chunk->plan().of_samples[s])
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += term.weight * images[term.image][i];
+      const auto texture = chunk->texture(s);
+      for (std::size_t i = 0; i < sum.size(); ++i) ASSERT_NEAR(sum[i], texture[i], 1e-3f) << "sample " << s;
+    }
+  }
+  EXPECT_GT(zeros, 0) << "no chunk had an image without coefficients";
+}
+
+TEST(TextureChunk, LimitsAreKept) {
+  for (const auto& bytes : chunks_of_all_kinds()) {
+    std::string problem;
+    const std::size_t needed = decoded(bytes)->memory_bytes();
+    ASSERT_GT(needed, 100u);
+    // While it decodes, wavelets' planes take up to three times eight bytes a texel of each of two images more.
+    DecodingLimits limits;
+    limits.bytes_max = 2 * needed + 2 * 24 * kChunkTexels;
+    EXPECT_NE(TextureChunk::decode(bytes, problem, limits), nullptr) << problem;
+    limits.bytes_max = needed - 1;
+    EXPECT_EQ(TextureChunk::decode(bytes, problem, limits), nullptr);
+    EXPECT_EQ(problem, "its coefficients take more than " + std::to_string(needed - 1) + " bytes");
+    const std::atomic<bool> cancelled{true};
+    limits = {SIZE_MAX, &cancelled};
+    EXPECT_EQ(TextureChunk::decode(bytes, problem, limits), nullptr);
+    EXPECT_EQ(problem, "its decoding was cancelled");
+  }
+}
+
 TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
   for (const int kind : {0, 1, 2, 3}) {
     const ImageCoder coder = kind % 2 == 0 ? ImageCoder::kDct : ImageCoder::kWavelet;

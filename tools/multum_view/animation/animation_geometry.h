@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The objects of an animation as multum-view draws them: meshes with the texture coordinates of every mapping, and
+// where each object is.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/asset/inferred/inferred_texture.h"
+#include "tools/multum_view/object_meshes.h"
+
+namespace multum {
+
+class AnimationGeometry {
+ public:
+  /// `manifest` must outlive it; its geometry file is looked for from `folder`. Throws Error(kInput): another file than
+  /// textures were inferred for, or an object that it lacks.
+  AnimationGeometry(const gl::GlFunctions& gl, const InferredManifest& manifest, const std::string& folder);
+
+  const gl::Mesh& mesh(std::size_t object, std::size_t mapping) const { return *drawn_[object][mapping]; }
+  /// Object to world at a sample.
+  const glm::dmat4& place(std::size_t object, std::size_t sample) const;
+
+ private:
+  const InferredManifest& manifest_;
+  std::vector<ObjectMesh> meshes_;
+  std::vector<std::size_t> places_;                            // of each object, in meshes_
+  std::vector<std::vector<std::unique_ptr<gl::Mesh>>> drawn_;  // [object][mapping]
+};
+
+}  // namespace multum
