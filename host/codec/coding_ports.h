@@ -12,7 +12,7 @@ namespace multum {
 
 class EncodingPort {
  public:
-  static constexpr bool kLearns = true;
+  static constexpr bool kLearns = true, kDecodes = false;
   bool code(bool bit, std::uint32_t probability) {
     encoder_.encode(bit, probability);
     return bit;
@@ -26,7 +26,7 @@ class EncodingPort {
 
 class CountingPort {
  public:
-  static constexpr bool kLearns = false;
+  static constexpr bool kLearns = false, kDecodes = false;
   bool code(bool bit, std::uint32_t probability) {
     bits_ += costs()[(bit ? probability : 65536 - probability) / 64];
     return bit;

@@ -37,6 +37,7 @@ class CoefficientBlocks {
   }
 
   bool is_empty() const { return values_.empty(); }
+  bool has_plane(std::size_t plane) const { return !begins_[plane].empty(); }
   std::size_t block_count() const { return block_count_; }
 
   /// Bytes held, rooms for values to come included.

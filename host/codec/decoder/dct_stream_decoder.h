@@ -54,9 +54,16 @@ class DctStreamDecoder {
   DecodingAccount* account_;
 };
 
-/// Adds the samples of plane `plane` to `samples`, width * height: inverse transforms of coefficients times `steps`,
-/// one for each place of a block, times `scale`.
-void add_samples(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::span<const float> steps,
-                 float scale, std::span<float> samples);
+/// An image and what it is multiplied by.
+struct WeighedImage {
+  const CoefficientBlocks* image;
+  float scale;
+};
+
+/// Adds the samples of plane `plane` of the images' sum to `samples`, width * height: inverse transforms of
+/// coefficients times `steps`, one for each place of a block. Images are added before they are transformed, once for
+/// all.
+void add_samples(std::span<const WeighedImage> images, const BlockGrid& grid, std::size_t plane,
+                 std::span<const float> steps, std::span<float> samples);
 
 }  // namespace multum

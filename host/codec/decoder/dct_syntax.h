@@ -46,20 +46,21 @@ class DctSyntax {
   /// Places of band k, v * side + u.
   std::span<const std::uint16_t> band(std::size_t k) const { return order_[k]; }
 
-  /// `values` of side * side: written, or read into; then all zero before.
+  /// `values` of side * side: written, or read into; then all zero before. Returns whether any is coded.
   template <class Port>
-  void block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around) {
+  bool block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around) {
     const std::size_t chroma = around.plane > 0 ? 1 : 0, level = std::min<std::size_t>(around.level, 3);
     const std::size_t parent = !around.has_parent ? 2 : around.parent.empty() ? 0 : 1;
     const std::size_t beside = (around.left.empty() ? 0u : 1u) + (around.up.empty() ? 0u : 1u);
     std::array<bool, kBands> has{};
     bool any = false;
-    for (std::size_t k = 0; k < band_count_; ++k) any |= has[k] = has_band(values, k);
+    if constexpr (!Port::kDecodes)
+      for (std::size_t k = 0; k < band_count_; ++k) any |= has[k] = has_band(values, k);
     any = coder.bit(any,
                     {&coded_a_[chroma][beside][parent], &coded_b_[around.plane][level][around.luma.empty() ? 0 : 1],
                      &coded_c_[chroma][level][beside]},
                     coded_mixer_[chroma]);
-    if (!any) return;
+    if (!any) return false;
     bool before = false;
     for (std::size_t k = 0; k < band_count_; ++k) {
       if (k + 1 < band_count_ || before) {
@@ -76,6 +77,7 @@ class DctSyntax {
       if (has[k]) coefficients(coder, values, around, k);
       before |= has[k];
     }
+    return true;
   }
 
  private:

@@ -16,7 +16,28 @@ class RangeDecoder {
   explicit RangeDecoder(std::span<const std::uint8_t> bytes);
 
   /// The next symbol; `probability` of 1 in 1/65536, 1 to 65535. False from where the bytes no longer determine it.
-  bool decode(std::uint32_t probability);
+  bool decode(std::uint32_t probability) {
+    if (exhausted_) return false;
+    const std::uint32_t bound = (range_ >> 16) * probability;  // of the part that stands for 1, at the interval's begin
+    // Bytes of strangers may name a number beyond the interval; it counts as the last in it.
+    if (code_ >= range_) code_ = range_ - 1;
+    const bool bit = code_ < bound;
+    if (bit && unknown_ >= bound - code_) {
+      exhausted_ = true;
+      return false;
+    }
+    if (bit) {
+      range_ = bound;
+    } else {
+      code_ -= bound;
+      range_ -= bound;
+    }
+    while (range_ < (1u << 24)) {
+      range_ <<= 8;
+      take_byte();
+    }
+    return bit;
+  }
 
   /// A symbol was asked for that the bytes do not determine.
   bool exhausted() const { return exhausted_; }

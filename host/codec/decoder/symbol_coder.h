@@ -15,7 +15,8 @@
 
 namespace multum {
 
-/// Gives symbols their probabilities and hands them to `Port`, `bool Port::code(bool, probability)`.
+/// Gives symbols their probabilities and hands them to `Port`, `bool Port::code(bool, probability)`. With
+/// Port::kDecodes what is given to be written is not looked at.
 template <class Port>
 class SymbolCoder {
  public:
@@ -63,7 +64,7 @@ class SymbolCoder {
 /// Takes symbols from bytes.
 class DecodingPort {
  public:
-  static constexpr bool kLearns = true;
+  static constexpr bool kLearns = true, kDecodes = true;
   explicit DecodingPort(std::span<const std::uint8_t> bytes) : decoder_(bytes) {}
   bool code(bool, std::uint32_t probability) { return decoder_.decode(probability); }
   bool exhausted() const { return decoder_.exhausted(); }

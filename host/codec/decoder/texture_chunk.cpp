@@ -78,25 +78,46 @@ std::unique_ptr<TextureChunk> TextureChunk::decode(std::span<const std::uint8_t>
   return nullptr;
 }
 
-void TextureChunk::add_image_samples(std::size_t number, std::size_t plane, std::span<const float> steps, float scale,
-                                     std::span<float> samples) const {
-  if (format_.coder == ImageCoder::kDct)
-    add_samples(dct_images_[number], grid_of(format_), plane, steps, scale, samples);
-  else wavelet_images_[number][plane].add_samples(format_.width, format_.height, steps, scale, samples);
+bool TextureChunk::add_plane(std::span<const ParameterPyramid::Term> terms, std::size_t plane,
+                             std::span<const float> steps, std::span<float> samples) const {
+  const auto scale_of = [&](const auto& term) { return term.weight * format_.level_scale(plan_.levels[term.image]); };
+  // Coefficients are summed, not images: one transform for all.
+  if (format_.coder == ImageCoder::kDct) {
+    std::vector<WeighedImage> images;
+    for (const auto& term : terms)
+      if (dct_images_[term.image].has_plane(plane)) images.push_back({&dct_images_[term.image], scale_of(term)});
+    if (!images.empty()) add_samples(images, grid_of(format_), plane, steps, samples);
+    return !images.empty();
+  }
+  bool is_zero = true;
+  for (const auto& term : terms) {
+    const SparseWaveletPlane& coefficients = wavelet_images_[term.image][plane];
+    is_zero = is_zero && coefficients.is_empty();
+    coefficients.add_coefficients(steps, scale_of(term), samples);
+  }
+  if (!is_zero) inverse_wavelet(format_.width, format_.height, samples);
+  return !is_zero;
 }
 
-std::vector<float> TextureChunk::texture(std::size_t sample) const {
+void TextureChunk::add_colours(std::span<const ParameterPyramid::Term> terms, std::span<float> colours) const {
   const std::size_t texels = format_.width * format_.height;
   const auto rows = format_.rotation_rows();
   const std::vector<float> steps = format_.steps();
-  std::vector<float> colours(3 * texels), samples(texels);
+  std::vector<float> samples(texels);
+  bool is_used = false;
   for (std::size_t p = 0; p < 3; ++p) {
-    std::fill(samples.begin(), samples.end(), kOffsetUnit * static_cast<float>(format_.offsets[p]));
-    for (const auto& term : plan_.of_samples[sample])
-      add_image_samples(term.image, p, steps, term.weight * format_.level_scale(plan_.levels[term.image]), samples);
-    for (std::size_t i = 0; i < texels; ++i)
+    if (is_used) std::fill(samples.begin(), samples.end(), 0.0f);
+    is_used = add_plane(terms, p, steps, samples);
+    for (std::size_t i = 0; i < texels && is_used; ++i)
       for (std::size_t c = 0; c < 3; ++c) colours[3 * i + c] += rows[p][c] * samples[i];
   }
+}
+
+std::vector<float> TextureChunk::texture(std::size_t sample) const {
+  const auto offset = offset_colour();
+  std::vector<float> colours(3 * format_.width * format_.height);
+  for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = offset[i % 3];
+  add_colours(plan_.of_samples[sample], colours);
   return colours;
 }
 
@@ -107,19 +128,9 @@ bool TextureChunk::is_zero(std::size_t number) const {
 }
 
 std::vector<float> TextureChunk::image(std::size_t number) const {
-  const std::size_t texels = format_.width * format_.height;
-  std::vector<float> colours(3 * texels);
-  if (is_zero(number)) return colours;
-  const auto rows = format_.rotation_rows();
-  const std::vector<float> steps = format_.steps();
-  const float scale = format_.level_scale(plan_.levels[number]);
-  std::vector<float> samples(texels);
-  for (std::size_t p = 0; p < 3; ++p) {
-    std::fill(samples.begin(), samples.end(), 0.0f);
-    add_image_samples(number, p, steps, scale, samples);
-    for (std::size_t i = 0; i < texels; ++i)
-      for (std::size_t c = 0; c < 3; ++c) colours[3 * i + c] += rows[p][c] * samples[i];
-  }
+  std::vector<float> colours(3 * format_.width * format_.height);
+  const ParameterPyramid::Term term{number, 1.0f};
+  if (!is_zero(number)) add_colours({&term, 1}, colours);
   return colours;
 }
 

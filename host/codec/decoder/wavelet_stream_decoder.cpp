@@ -10,26 +10,32 @@ constexpr float kPlaceInInterval = 0.4f;
 /// Of a plane, a texel: magnitude, sign, lowest bit plane, and nodes of quadtrees, 4/3 of a byte.
 constexpr std::size_t kDenseBytes = 8;
 
-/// Calls visit(place, band, value in steps) for every coefficient that is not zero, band by band.
+/// Calls visit(place, band, value in steps) for every coefficient that is not zero.
 template <class Visit>
 void over_coefficients(const WaveletPlane& plane, Visit visit) {
-  for (std::size_t t = 0; t < plane.trees().size(); ++t) {
-    const WaveletBand& band = plane.trees()[t].band;
-    for (std::size_t y = band.y; y < band.y + band.height; ++y)
-      for (std::size_t x = band.x; x < band.x + band.width; ++x) {
-        const std::size_t at = y * plane.width() + x;
-        if (plane.magnitudes[at] == 0) continue;
-        const float magnitude =
-            static_cast<float>(plane.magnitudes[at]) + kPlaceInInterval * static_cast<float>(1u << plane.known[at]);
-        visit(at, t, plane.negative[at] ? -magnitude : magnitude);
-      }
-  }
+  plane.over_found([&](std::size_t at) {
+    const std::size_t x = at % plane.width(), y = at / plane.width();
+    std::size_t t = 0;
+    for (const WaveletPlane::Tree& tree : plane.trees()) {
+      const WaveletBand& band = tree.band;
+      if (x - band.x < band.width && y - band.y < band.height) break;  // wraps below the band: beyond every size
+      ++t;
+    }
+    const float magnitude =
+        static_cast<float>(plane.magnitudes[at]) + kPlaceInInterval * static_cast<float>(1u << plane.known[at]);
+    visit(at, t, plane.negative[at] ? -magnitude : magnitude);
+    return true;
+  });
 }
 
 }  // namespace
 
 WaveletPlane::WaveletPlane(std::size_t width, std::size_t height)
-    : magnitudes(width * height), negative(width * height), known(width * height), width_(width) {
+    : magnitudes(width * height),
+      negative(width * height),
+      known(width * height),
+      width_(width),
+      found_((width * height + 63) / 64) {
   for (const WaveletBand& band : wavelet_bands(width, height)) {
     Tree tree;
     tree.band = band;
@@ -90,13 +96,9 @@ SparseWaveletPlane::SparseWaveletPlane(const WaveletPlane& plane) {
   coefficients_.shrink_to_fit();
 }
 
-void SparseWaveletPlane::add_samples(std::size_t width, std::size_t height, std::span<const float> steps, float scale,
-                                     std::span<float> samples) const {
-  if (is_empty()) return;
-  std::vector<float> image(width * height);
-  for (const Coefficient& c : coefficients_) image[c.at] = scale * steps[c.band] * c.value;
-  inverse_wavelet(width, height, image);
-  for (std::size_t i = 0; i < image.size(); ++i) samples[i] += image[i];
+void SparseWaveletPlane::add_coefficients(std::span<const float> steps, float scale,
+                                          std::span<float> coefficients) const {
+  for (const Coefficient& c : coefficients_) coefficients[c.at] += scale * steps[c.band] * c.value;
 }
 
 std::size_t dense_bytes(const WaveletImage& image) {

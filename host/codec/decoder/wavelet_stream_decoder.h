@@ -43,9 +43,8 @@ class SparseWaveletPlane {
 
   bool is_empty() const { return coefficients_.empty(); }
   std::size_t memory_bytes() const { return coefficients_.capacity() * sizeof(Coefficient); }
-  /// Adds the plane's samples, as add_samples() of the plane that it was made of does, to the bit.
-  void add_samples(std::size_t width, std::size_t height, std::span<const float> steps, float scale,
-                   std::span<float> samples) const;
+  /// Adds the plane's coefficients, [height][width], as dequantized() has them.
+  void add_coefficients(std::span<const float> steps, float scale, std::span<float> coefficients) const;
 
  private:
   struct Coefficient {

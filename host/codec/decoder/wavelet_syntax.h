@@ -45,11 +45,28 @@ class WaveletPlane {
   std::vector<std::uint32_t> magnitudes;
   std::vector<std::uint8_t> negative, known;
 
+  /// Calls visit(place) for each significant coefficient, row by row, until it returns false; false then. Few are:
+  /// words of bits are passed over at once.
+  template <class Visit>
+  bool over_found(Visit visit) const {
+    for (std::size_t word = 0; word < found_.size(); ++word)
+      for (std::uint64_t bits = found_[word]; bits != 0; bits &= bits - 1)
+        if (!visit(64 * word + static_cast<std::size_t>(std::countr_zero(bits)))) return false;
+    return true;
+  }
+  /// Makes a coefficient significant.
+  void find(std::size_t at, int bit_plane, bool is_negative) {
+    found_[at / 64] |= std::uint64_t{1} << at % 64;
+    negative[at] = is_negative ? 1 : 0;
+    magnitudes[at] = 1u << bit_plane;
+    known[at] = static_cast<std::uint8_t>(bit_plane);
+  }
   bool significant(std::size_t tree, std::size_t level, std::size_t x, std::size_t y) const;
 
  private:
   std::size_t width_ = 0;
   std::vector<Tree> trees_;
+  std::vector<std::uint64_t> found_;  // a bit a coefficient: it is significant
 };
 
 /// What the encoder knows of the plane: whole magnitudes and signs, and the largest magnitude under each node.
@@ -190,25 +207,23 @@ class WaveletSyntax {
       coded = visit.coder.bit(negative, sign_[sign_at(x > 0, at - 1)][sign_at(y > 0, at - plane.width())]);
     else coded = visit.coder.even_bit(negative);
     if (visit.ended()) return false;
-    plane.negative[at] = coded ? 1 : 0;
-    plane.magnitudes[at] = 1u << visit.bit_plane;
-    plane.known[at] = static_cast<std::uint8_t>(visit.bit_plane);
+    plane.find(at, visit.bit_plane, coded);
     return true;
   }
 
   template <class Port, class Ended>
   bool refine(SymbolCoder<Port>& coder, WaveletPlane& plane, const WaveletSource& source,
               const WaveletSurroundings& around, Ended& ended, int p) {
-    for (std::size_t at = 0; at < plane.magnitudes.size(); ++at) {
-      if (plane.magnitudes[at] == 0 || plane.known[at] == p) continue;
+    return plane.over_found([&](std::size_t at) {
+      if (plane.known[at] == p) return true;
       const bool bit = source.values != nullptr && (std::abs((*source.values)[at]) >> p & 1) != 0;
       const auto length = static_cast<std::size_t>(std::bit_width(plane.magnitudes[at]) - p - 1);
       const bool coded = coder.bit(bit, refine_[around.plane > 0 ? 1 : 0][std::min<std::size_t>(length, 4)]);
       if (ended()) return false;
       plane.magnitudes[at] |= (coded ? 1u : 0u) << p;
       plane.known[at] = static_cast<std::uint8_t>(p);
-    }
-    return true;
+      return true;
+    });
   }
 
   std::array<std::array<AdaptiveBit, 17>, 2> bit_planes_;

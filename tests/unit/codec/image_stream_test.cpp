@@ -83,7 +83,7 @@ double dct_error(const BlockGrid& grid, const CoefficientBlocks& image, const Pi
   double error = 0.0;
   for (std::size_t p = 0; p < 3; ++p) {
     std::vector<float> samples(kTexels);
-    add_samples(image, grid, p, steps, scale, samples);
+    add_samples(std::array{WeighedImage{&image, scale}}, grid, p, steps, samples);
     error += mean_square(samples, picture.planes[p]) / 3.0;
   }
   return error;
