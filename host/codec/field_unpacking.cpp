@@ -114,24 +114,28 @@ std::optional<std::size_t> PackedFieldFile::chunk_section(std::size_t layer, std
   return section_number(index_, found);
 }
 
-std::unique_ptr<TextureChunk> PackedFieldFile::decode_chunk(std::size_t number, std::span<const std::uint8_t> bytes,
-                                                            const DecodingLimits& limits) const {
+void PackedFieldFile::check_head(std::size_t number, const TextureChunkFormat& format) const {
   const PackedSection& section = index_.sections()[number];
   const PackedLayer& described = description_.layers[section.layer];
   const FieldBlock& block = described.blocks[section.block];
+  const InferredObject& object = description_.field.objects[described.object];
+  bool fits = format.sizes == block.chunk_sizes();
+  for (const auto& [texture, samples] : drawn_samples(description_, described, block))
+    for (const std::size_t s : samples) {
+      const TextureMapping& mapping = object.mappings[static_cast<std::size_t>(object.mapping_of_sample[s])];
+      fits =
+          fits && static_cast<int>(format.width) == mapping.width && static_cast<int>(format.height) == mapping.height;
+    }
+  if (!fits) refuse_file(path_, section_name(number) + " is of other sizes than the description says");
+}
+
+std::unique_ptr<TextureChunk> PackedFieldFile::decode_chunk(std::size_t number, std::span<const std::uint8_t> bytes,
+                                                            const DecodingLimits& limits) const {
   std::string problem;
   std::unique_ptr<TextureChunk> chunk = TextureChunk::decode(bytes, problem, limits);
   if (!chunk) refuse_file(path_, section_name(number) + " is damaged: " + problem);
   if (chunk->was_cut_short()) refuse_file(path_, section_name(number) + " is damaged: it ends before its images do");
-  const InferredObject& object = description_.field.objects[described.object];
-  bool fits = chunk->format().sizes == block.chunk_sizes();
-  for (const auto& [texture, samples] : drawn_samples(description_, described, block))
-    for (const std::size_t s : samples) {
-      const TextureMapping& mapping = object.mappings[static_cast<std::size_t>(object.mapping_of_sample[s])];
-      fits = fits && static_cast<int>(chunk->format().width) == mapping.width &&
-             static_cast<int>(chunk->format().height) == mapping.height;
-    }
-  if (!fits) refuse_file(path_, section_name(number) + " is of other sizes than the description says");
+  check_head(number, chunk->format());
   return chunk;
 }
 

@@ -38,7 +38,9 @@ class PackedFieldFile {
   /// size than its description says, or exceeds the limits. For any number of threads at once, as all that is const.
   std::unique_ptr<TextureChunk> decode_chunk(std::size_t section, std::span<const std::uint8_t> bytes,
                                              const DecodingLimits& limits) const;
-  /// Both: null where nothing is seen in the block.
+  /// Throws Error(kInput) where a chunk's head is of other sizes than the description says.
+  void check_head(std::size_t section, const TextureChunkFormat& format) const;
+  /// All of it: null where nothing is seen in the block.
   std::unique_ptr<TextureChunk> chunk(std::size_t layer, std::size_t block);
 
  private:

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host/base/error.h"
-#include "runtime_gl/gl/half.h"
+#include "host/base/half_bits.h"
 
 namespace multum::gl {
 namespace {
@@ -141,6 +141,15 @@ void Texture::upload(int level, int layer, const float* rgba) {
     send(GL_SHORT, integers.data());
   }
   check_gl(*gl_, "uploading level " + std::to_string(level) + " of " + name_);
+}
+
+void Texture::upload_rows(int level, int first_row, int row_count, const std::uint16_t* halves) {
+  MULTUM_CHECK(shape_.layer_count == 0 && shape_.format == TexelFormat::kRgba16f && level < shape_.level_count);
+  MULTUM_CHECK(first_row >= 0 && first_row + row_count <= level_size(shape_.height, level));
+  gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_->TextureSubImage2D(id_, level, 0, first_row, level_size(shape_.width, level), row_count, GL_RGBA, GL_HALF_FLOAT,
+                         halves);
+  check_gl(*gl_, "uploading rows of " + name_);
 }
 
 std::vector<float> Texture::read_level(int level) const {

@@ -3,6 +3,7 @@
 // the driver.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,9 @@ class Texture {
   /// `rgba`: 4 floats a texel, row 0 first; row 0 lies at texture coordinate t = 0. Rounded to the format here, to
   /// nearest: multiples of 1/32767 clamped to [-1, 1]; half with ties to even; as it is.
   void upload_level(int level, const float* rgba);
-  /// The same of one layer of an array.
+  /// Some whole rows of a level, from `halves`, 4 a texel, as they are; the format is kRgba16f, no array.
+  void upload_rows(int level, int first_row, int row_count, const std::uint16_t* halves);
+  /// All of one layer of an array.
   void upload_layer(int level, int layer, const float* rgba);
   /// What the texture, which is no array, holds, as floats.
   std::vector<float> read_level(int level) const;

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "host/base/error.h"
-#include "runtime_gl/gl/half.h"
+#include "host/base/half_bits.h"
 #include "runtime_gl/gl/texture.h"
 #include "tests/gl/shader_harness.h"
 #include "tests/gl/test_context.h"

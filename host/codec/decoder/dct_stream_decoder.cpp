@@ -52,7 +52,8 @@ CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, 
     if (coder_.bit(false, empty_plane_)) continue;
     const std::size_t columns = grid_.columns(), count = grid_.count();
     for (std::size_t number = 0, column = 0; number < count; ++number, column = column + 1 < columns ? column + 1 : 0) {
-      if (account_ != nullptr && account_->is_over(image.memory_bytes())) return image;
+      // Three times: a vector that grows holds its old and its new room, twice as large, for a moment.
+      if (account_ != nullptr && account_->is_over(3 * image.memory_bytes())) return image;
       const bool is_coded =
           syntax_.block(coder_, values, surroundings_at(image, parent, {number, column, columns}, plane, level));
       if (port_.exhausted()) return image;  // of this block something may be made up

@@ -14,6 +14,8 @@ struct DecodingLimits {
   std::size_t bytes_max = SIZE_MAX;
   /// Looked at in every block; true: decoding ends at once. Null: never.
   const std::atomic<bool>* cancelled = nullptr;
+  /// Becomes true when bytes_max was too little. Null: nobody asks.
+  bool* ran_out = nullptr;
 };
 
 /// What one decoding takes of its limits.
@@ -26,6 +28,7 @@ class DecodingAccount {
   /// Whether so many bytes more of the image at hand are too many, or it is cancelled; from then on always.
   bool is_over(std::size_t image_bytes) {
     has_no_room_ = has_no_room_ || image_bytes > limits_.bytes_max || kept_ > limits_.bytes_max - image_bytes;
+    if (has_no_room_ && limits_.ran_out != nullptr) *limits_.ran_out = true;
     return has_no_room_ || is_cancelled();
   }
   bool has_no_room() const { return has_no_room_; }

@@ -9,7 +9,6 @@ namespace multum {
 namespace {
 
 constexpr float kGamma = 2.2f;
-constexpr float kOffsetUnit = 1.0f / 64.0f;
 
 BlockGrid grid_of(const TextureChunkFormat& format) { return {format.width, format.height, format.side}; }
 
@@ -114,7 +113,7 @@ void TextureChunk::add_colours(std::span<const ParameterPyramid::Term> terms, st
 }
 
 std::vector<float> TextureChunk::texture(std::size_t sample) const {
-  const auto offset = offset_colour();
+  const auto offset = format_.offset_colour();
   std::vector<float> colours(3 * format_.width * format_.height);
   for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = offset[i % 3];
   add_colours(plan_.of_samples[sample], colours);
@@ -132,14 +131,6 @@ std::vector<float> TextureChunk::image(std::size_t number) const {
   const ParameterPyramid::Term term{number, 1.0f};
   if (!is_zero(number)) add_colours({&term, 1}, colours);
   return colours;
-}
-
-std::array<float, 3> TextureChunk::offset_colour() const {
-  const auto rows = format_.rotation_rows();
-  std::array<float, 3> colour{};
-  for (std::size_t p = 0; p < 3; ++p)
-    for (std::size_t c = 0; c < 3; ++c) colour[c] += rows[p][c] * kOffsetUnit * static_cast<float>(format_.offsets[p]);
-  return colour;
 }
 
 std::size_t TextureChunk::memory_bytes() const {

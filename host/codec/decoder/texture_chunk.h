@@ -30,15 +30,13 @@ class TextureChunk {
   /// whatever error the coder left; not clamped.
   std::vector<float> texture(std::size_t sample) const;
 
-  /// Which images add up to a sample. texture(sample) is offset_colour() plus the sum of its terms' weights times
-  /// image(), but for rounding.
+  /// Which images add up to a sample. texture(sample) is the format's offset_colour() plus the sum of its terms'
+  /// weights times image(), but for rounding.
   const ImagePlan& plan() const { return plan_; }
   /// [height][width][3] in the units of texture(), without weight and offset. Takes as long whatever is in it: three
   /// inverse transforms and a turn of colours, or nothing where is_zero().
   std::vector<float> image(std::size_t number) const;
   bool is_zero(std::size_t number) const;
-  std::array<float, 3> offset_colour() const;
-
   /// Bytes of coefficients.
   std::size_t memory_bytes() const;
 

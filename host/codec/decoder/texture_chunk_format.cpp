@@ -10,6 +10,8 @@
 namespace multum {
 namespace {
 
+constexpr float kOffsetUnit = 1.0f / 64.0f;
+
 float power_of_eighths(int code) { return std::exp2(static_cast<float>(code) / 8.0f); }
 
 std::size_t frequency_classes(std::size_t side) { return static_cast<std::size_t>(std::bit_width(side)); }
@@ -48,6 +50,14 @@ std::array<std::array<float, 3>, 3> TextureChunkFormat::rotation_rows() const {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) result[i][j] = static_cast<float>(rows[i][j]);
   return result;
+}
+
+std::array<float, 3> TextureChunkFormat::offset_colour() const {
+  const auto rows = rotation_rows();
+  std::array<float, 3> colour{};
+  for (std::size_t p = 0; p < 3; ++p)
+    for (std::size_t c = 0; c < 3; ++c) colour[c] += rows[p][c] * kOffsetUnit * static_cast<float>(offsets[p]);
+  return colour;
 }
 
 std::optional<ImagePlan> TextureChunkFormat::plan() const {

@@ -66,6 +66,8 @@ struct TextureChunkFormat {
   float level_scale(std::size_t level) const;
   /// Row p: what red, green and blue weigh in plane p. Orthonormal; colour c is the sum of column c times the planes.
   std::array<std::array<float, 3>, 3> rotation_rows() const;
+  /// What is added to every sum of images, red, green, blue.
+  std::array<float, 3> offset_colour() const;
   /// Nothing where the levels are no pyramid over the block.
   std::optional<ImagePlan> plan() const;
 };

@@ -283,7 +283,7 @@ TEST(TextureChunk, ImagesAddUpToTextures) {
       EXPECT_EQ(chunk->is_zero(i), is_zero) << i;
       zeros += is_zero;
     }
-    const auto offset = chunk->offset_colour();
+    const auto offset = chunk->format().offset_colour();
     for (std::size_t s = 0; s < chunk->sample_count(); ++s) {
       std::vector<float> sum(3 * kChunkTexels);
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = offset[i % 3];
@@ -301,16 +301,22 @@ TEST(TextureChunk, LimitsAreKept) {
     std::string problem;
     const std::size_t needed = decoded(bytes)->memory_bytes();
     ASSERT_GT(needed, 100u);
-    // While it decodes, wavelets' planes take up to three times eight bytes a texel of each of two images more.
+    // While it decodes, wavelets' planes take up to three times eight bytes a texel of each of two images more, and
+    // vectors of cosines' coefficients grow.
     DecodingLimits limits;
-    limits.bytes_max = 2 * needed + 2 * 24 * kChunkTexels;
+    limits.bytes_max = 4 * needed + 2 * 24 * kChunkTexels;
     EXPECT_NE(TextureChunk::decode(bytes, problem, limits), nullptr) << problem;
     limits.bytes_max = needed - 1;
+    bool ran_out = false;
+    limits.ran_out = &ran_out;
     EXPECT_EQ(TextureChunk::decode(bytes, problem, limits), nullptr);
+    EXPECT_TRUE(ran_out);
     EXPECT_EQ(problem, "its coefficients take more than " + std::to_string(needed - 1) + " bytes");
     const std::atomic<bool> cancelled{true};
-    limits = {SIZE_MAX, &cancelled};
+    ran_out = false;
+    limits = {SIZE_MAX, &cancelled, &ran_out};
     EXPECT_EQ(TextureChunk::decode(bytes, problem, limits), nullptr);
+    EXPECT_FALSE(ran_out);
     EXPECT_EQ(problem, "its decoding was cancelled");
   }
 }

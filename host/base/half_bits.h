@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace multum::gl {
+namespace multum {
 
 /// Beyond the range of half: infinity. NaN stays NaN.
 inline std::uint16_t float_to_half(float value) {
@@ -23,4 +23,4 @@ inline std::uint16_t float_to_half(float value) {
   return static_cast<std::uint16_t>(sign | ((magnitude - 0x38000000u + 0xfffu + odd) >> 13));
 }
 
-}  // namespace multum::gl
+}  // namespace multum
