@@ -24,21 +24,6 @@ std::optional<Number> parse_number(std::string_view text) {
   return number;
 }
 
-std::optional<std::int64_t> parse_bytes(const std::string& text) {
-  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
-  std::string unit = text.substr(digits);
-  for (char& c : unit) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
-  if (unit.ends_with("IB")) unit.resize(unit.size() - 2);
-  else if (unit.ends_with("B")) unit.resize(unit.size() - 1);
-  constexpr std::pair<const char*, int> kUnits[] = {{"", 0}, {"K", 10}, {"M", 20}, {"G", 30}, {"T", 40}};
-  const auto found =
-      std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& one) { return unit == one.first; });
-  const std::optional<std::int64_t> number = parse_number<std::int64_t>(std::string_view(text).substr(0, digits));
-  if (found == std::end(kUnits) || !number) return std::nullopt;
-  if (*number > std::numeric_limits<std::int64_t>::max() >> found->second) return std::nullopt;
-  return *number << found->second;
-}
-
 std::string size_text(std::int64_t bytes) {
   return bytes % (1 << 20) == 0 ? fmt::format("{} MiB", bytes >> 20) : fmt::format("{} bytes", bytes);
 }
@@ -68,6 +53,21 @@ bool is_in_range(const Parameter& parameter, double value) {
 }
 
 }  // namespace
+
+std::optional<std::int64_t> parse_size_text(const std::string& text) {
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  std::string unit = text.substr(digits);
+  for (char& c : unit) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+  if (unit.ends_with("IB")) unit.resize(unit.size() - 2);
+  else if (unit.ends_with("B")) unit.resize(unit.size() - 1);
+  constexpr std::pair<const char*, int> kUnits[] = {{"", 0}, {"K", 10}, {"M", 20}, {"G", 30}, {"T", 40}};
+  const auto found =
+      std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& one) { return unit == one.first; });
+  const std::optional<std::int64_t> number = parse_number<std::int64_t>(std::string_view(text).substr(0, digits));
+  if (found == std::end(kUnits) || !number) return std::nullopt;
+  if (*number > std::numeric_limits<std::int64_t>::max() >> found->second) return std::nullopt;
+  return *number << found->second;
+}
 
 std::string option_of(const std::string& name) {
   std::string text = "--" + name;
@@ -151,7 +151,7 @@ std::optional<ParameterValue> parse_value(const Parameter& parameter, const std:
       return std::nullopt;
     case ParameterKind::kInteger: return parse_number<std::int64_t>(text);
     case ParameterKind::kNumber: return parse_number<double>(text);
-    case ParameterKind::kBytes: return parse_bytes(text);
+    case ParameterKind::kBytes: return parse_size_text(text);
     default: return text;
   }
 }

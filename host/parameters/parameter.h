@@ -94,6 +94,9 @@ bool is_legal(const Parameter& parameter, const ParameterValue& value);
 /// The value, a choice by its name of today.
 ParameterValue current_value(const Parameter& parameter, ParameterValue value);
 
+/// Bytes of "800M", "2G", "38K" (1024-based), or a number alone; nothing where it is no size.
+std::optional<std::int64_t> parse_size_text(const std::string& text);
+
 /// Reads the text of a command line; a kBytes may have a unit, 800M or 2G (1024-based). Returns nothing where the text
 /// is not of the parameter's type; whether the value is legal is_legal() tells.
 std::optional<ParameterValue> parse_value(const Parameter& parameter, const std::string& text);

@@ -38,5 +38,6 @@ extern const char* const shader_accumulate_frag;
 extern const char* const shader_textured_vert;
 extern const char* const shader_textured_frag;
 extern const char* const shader_filter_probe_frag;
+extern const char* const shader_layer_sum_frag;
 
 }  // namespace multum::gl

@@ -98,6 +98,9 @@ const std::map<std::string, std::string> kByPictures = {
     {"lobes.glsl multum_fetch_surface", "RenderTest, TwoTiltsEqualReferenceWhereMipsFail"},
     {"normals.glsl multum_fetch_surface", "RenderTest, MomentsEqualTheBaselines"},
     {"sh.glsl multum_fetch_surface", "ShRenderTest, AFlatMapIsItsBrdfCutOff"},
+    {"layer_sum.frag multum_rounded_to_half", "LayerSumTest, EqualsTheDecoderAndItsMipLevels"},
+    {"layer_sum.frag multum_rounded_to_halves", "LayerSumTest, EqualsTheDecoderAndItsMipLevels"},
+    {"layer_sum.frag multum_cover", "LayerSumTest, EqualsTheDecoderAndItsMipLevels"},
     {"environment_samples.glsl multum_environment_normal", "EnvironmentTest, BruteForceIsTheSumOverTheTexels"}};
 
 TEST(GlslCases, EveryFormulaHasOne) {

@@ -13,7 +13,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/OPTIONS.md"
-VIEW_COMMANDS = ("scene", "animate", "sample", "pyramid", "lod", "model", "probe", "thumbnails")
+VIEW_COMMANDS = ("scene", "animate", "sample", "play", "pyramid", "lod", "model", "probe", "thumbnails")
 COMMANDS = {"multum bake": ("multum", "bake"), "multum pack": ("multum", "pack"),
             "multum-view": ("multum-view",),
             **{f"multum-view {command}": ("multum-view", command) for command in VIEW_COMMANDS}}

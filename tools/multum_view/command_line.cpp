@@ -56,11 +56,22 @@ const ViewCommand kCommands[] = {
     {"animate", "Draw frames between two cameras, lights or BRDFs, evenly; exponents and roughnesses by equal factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60",
      add_animate_options, run_animate},
-    {"sample", "Draw samples of an animation with the textures that `multum infer` made",
+    {"sample", "Draw samples of an animation with the textures that `multum infer` made, or `multum pack` packed",
      "  multum-view sample out/ --at 3,5 -o frame.png\n"
+     "  multum-view sample field.mpt --at 3,5 -o frame.png\n"
      "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr",
      [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
      [](const CommandOptions& o) { return draw_samples(o.sample); }},
+    {"play", "Draw frames along a path through the parameters of a packed animation, decoding as it goes",
+     "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
+     "A path gives each parameter a value by its index, 0 for the first sample; what it does not name stays at 0, and\n"
+     "what lies beyond the samples counts as the outermost. A value is made of numbers, + - * / ( ), sin, cos, pi and "
+     "t,\n"
+     "the seconds since the first frame (--rate); a..b goes from a in the first frame to b in the last. Between "
+     "samples\n"
+     "the camera and objects move smoothly; textures are the nearest sample's, or mixed with --linear.",
+     [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
+     [](const CommandOptions& o) { return play_field(o.play); }},
     {"pyramid", "Draw a surface coloured straight from a pyramid, looked up in several ways",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
      "  multum-view pyramid lights.exr --mesh ball.obj --lookup reference,level --shifts 8 -o sheet.png",
@@ -93,7 +104,8 @@ const char* const kDescription =
     "  multum-view bricks.ndf.exr --mesh teapot.obj --brdf blinn-phong:500 --light 1,1,1 -o teapot.exr\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n"
     "  multum-view scene out/plan.json --object wall -o wall.png             what multum bake scene.toml made\n"
-    "  multum-view sample out/ --at 3,5 -o frame.png                         textures of `multum infer`\n\n"
+    "  multum-view sample out/ --at 3,5 -o frame.png                         textures of `multum infer`\n"
+    "  multum-view play field.mpt --path 'view=0..7' --frames 90 -o frames/   frames along a path\n\n"
     "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.";
 
 void add_commands(CLI::App& app, CommandOptions& options) {

@@ -10,6 +10,7 @@ namespace multum {
 struct CommandOptions {
   MapOptions map;  // of no subcommand, scene and animate
   SampleOptions sample;
+  PlayOptions play;
   ProbeOptions probe;
   ThumbnailOptions thumbnails;
   PyramidOptions pyramid;

@@ -37,6 +37,26 @@ void add_sample_options(CLI::App& app, SampleOptions& options);
 /// Draws objects with the textures inferred for them.
 int draw_samples(const SampleOptions& options);
 
+struct PlayOptions {
+  std::string file;  // of multum pack
+  std::string path;  // host/playback/parameter_path.h
+  std::string folder;
+  int frame_count = 24;
+  float rate = 30.0f;  // frames a second
+  bool is_linear = false;
+  bool draws_what_is_there = false;  // else waits for all that a frame needs
+  int ahead = 8;                     // frames
+  std::string memory = "256M", upload = "16M";
+  float lifetime = 20.0f, lifetime_factor = 4.0f;
+  int threads = 0;            // of decoding; 0: all cores
+  std::string debug_picture;  // empty: none
+  gl::ContextBackend context = gl::ContextBackend::kAuto;
+  float exposure = 1.0f;
+};
+void add_play_options(CLI::App& app, PlayOptions& options);
+/// Draws frames along a path through the parameters.
+int play_field(const PlayOptions& options);
+
 struct ThumbnailOptions {
   std::string result;  // *.ndf.exr, or what multum infer wrote
   std::string folder;

@@ -76,6 +76,7 @@ TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
       {"scene", {"Draw an object", "--object", "--output", "--brdf", "plan.json"}},
       {"animate", {"Draw frames", "--to-camera", "--frames", "--scene"}},
       {"sample", {"Draw samples", "--at", "--exposure"}},
+      {"play", {"Draw frames along", "--path", "--no-wait", "a..b"}},
       {"pyramid", {"Draw a surface", "--lookup", "--shifts", "--mesh"}},
       {"lod", {"Draw a pyramid of heights", "--level"}},
       {"model", {"Draw a glTF model", "--material", "--distance"}},

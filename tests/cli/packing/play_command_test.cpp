@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view play, on a small animation that is inferred and packed here: the frames of `sample`, the same for any
+// number of threads, cameras between samples, what damage and too little memory do, refusals.
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/codec/field_unpacking.h"
+#include "host/image/small_picture.h"
+#include "tests/cli/program.h"
+#include "tests/cli/traced_scene.h"
+
+namespace multum::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class PlayCommandTest : public TracedSceneTest {
+ protected:
+  void SetUp() override {
+    TracedScene scene;
+    scene.views = 3;
+    infer_scene(scene);
+    ASSERT_EQ(multum({"pack", path("out"), "-o", path("field.mpt"), "--lambda", "20"}).exit_code, 0);
+  }
+  static ProgramResult view(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum-view");
+    arguments.insert(arguments.end(), {"--context", "osmesa"});
+    return run_program(arguments);
+  }
+  ProgramResult play(const std::string& frames, std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"play", path("field.mpt"), "-o", path(frames)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return view(arguments);
+  }
+  std::string frame_path(const std::string& frames, int frame) const {
+    return path(fmt::format("{}/frame_{:04}.png", frames, frame));
+  }
+  Png8Image frame(const std::string& frames, int number) const {
+    return read_small_picture(frame_path(frames, number), 1000);
+  }
+  Png8Image sample(const std::string& at) const {
+    view({"sample", path("field.mpt"), "--at", at, "-o", path("sample.png")});  // a damaged field is drawn, too
+    return read_small_picture(path("sample.png"), 1000);
+  }
+  json statistics(const std::string& frames) const {
+    return json::parse(read_bytes(path(frames + "/statistics.json")));
+  }
+};
+
+/// The largest difference of two pictures, in 8-bit values.
+int difference(const Png8Image& a, const Png8Image& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.interleaved.size(), b.interleaved.size());
+  int most = 0;
+  for (std::size_t i = 0; i < std::min(a.interleaved.size(), b.interleaved.size()); ++i)
+    most = std::max(most, std::abs(int{a.interleaved[i]} - int{b.interleaved[i]}));
+  return most;
+}
+
+TEST_F(PlayCommandTest, FramesAtSamplesAreThoseOfSample) {
+  const ProgramResult played = play("frames", {"--path", "view=0..2,light=1", "--frames", "3"});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  expect_says(played.out, {"written: 3 frames", "chunks decoded"});
+  for (int v = 0; v < 3; ++v)  // textures differ by 2e-3 of them at most: less than a step of 8 bits
+    EXPECT_LE(difference(frame("frames", v), sample(fmt::format("{},1", v))), 1) << v;
+  EXPECT_GT(difference(frame("frames", 0), frame("frames", 2)), 20);
+  const json found = statistics("frames");
+  EXPECT_EQ(found["damaged"], json::array());
+  ASSERT_EQ(found["frames"].size(), 3u);
+  for (const json& one : found["frames"]) {
+    EXPECT_EQ(one["images_missing"], 0);
+    EXPECT_EQ(one["layers_old"], 0);
+    EXPECT_GT(one["images_needed"], 0);
+  }
+  EXPECT_EQ(found["frames"][1]["point"], (json{1.0, 1.0}));
+  EXPECT_LE(found["bytes_most"], found["memory_max"]);
+}
+
+TEST_F(PlayCommandTest, ThreadsAndMemoryChangeNoFrame) {
+  const std::vector<std::string> path_of_all = {"--path", "view=0..2,light=0.5-0.5*cos(6*t)", "--frames", "8",
+                                                "--linear"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), path_of_all.begin(), path_of_all.end());
+    return more;
+  };
+  ASSERT_EQ(play("one", with({"--threads", "1", "--ahead", "0"})).exit_code, 0);
+  ASSERT_EQ(play("four", with({"--threads", "4"})).exit_code, 0);
+  const ProgramResult little =
+      play("little", with({"--memory", "6M", "--lifetime", "0", "--debug-picture", path("d.png")}));
+  ASSERT_EQ(little.exit_code, 0) << little.err;
+  for (int f = 0; f < 8; ++f) {
+    EXPECT_EQ(read_bytes(frame_path("one", f)), read_bytes(frame_path("four", f))) << f;
+    EXPECT_EQ(read_bytes(frame_path("one", f)), read_bytes(frame_path("little", f))) << f;
+  }
+  EXPECT_LE(statistics("little")["bytes_most"], 6 << 20);
+  EXPECT_EQ(read_small_picture(path("d.png"), 1000).width, 8 * 4);
+}
+
+TEST_F(PlayCommandTest, CamerasMoveBetweenSamplesAndTexturesAreMixedWhenAsked) {
+  ASSERT_EQ(play("half", {"--path", "view=0.4,light=0.4", "--frames", "1"}).exit_code, 0);
+  ASSERT_EQ(play("mixed", {"--path", "view=0.4,light=0.4", "--frames", "1", "--linear"}).exit_code, 0);
+  ASSERT_EQ(play("beyond", {"--path", "view=-5,light=99", "--frames", "1"}).exit_code, 0);
+  const Png8Image half = frame("half", 0);
+  EXPECT_GT(difference(half, sample("0,0")), 10) << "another camera";
+  EXPECT_GT(difference(half, frame("mixed", 0)), 3) << "another light's share";
+  EXPECT_LE(difference(frame("beyond", 0), sample("0,1")), 1) << "beyond the samples the outermost counts";
+}
+
+TEST_F(PlayCommandTest, WithoutWaitingWhatIsThereIsDrawn) {
+  const ProgramResult played = play(
+      "frames", {"--path", "view=0..2,light=0..1", "--frames", "30", "--no-wait", "--upload", "64K", "--threads", "1"});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  const json found = statistics("frames");
+  for (const json& one : found["frames"]) EXPECT_LE(one["images_missing"], one["images_needed"]);
+  // By the end of the path most is there; whatever the machine, the last sample's objects are.
+  EXPECT_LE(found["bytes_most"], found["memory_max"]);
+  double sum = 0.0, count = 0.0;
+  const Png8Image shown = frame("frames", 29), exact = sample("2,1");
+  for (std::size_t i = 0; i < shown.interleaved.size(); ++i, ++count)
+    sum += std::abs(int{shown.interleaved[i]} - int{exact.interleaved[i]});
+  EXPECT_LT(sum / count, 20.0) << "no hole, and no other object";
+}
+
+TEST_F(PlayCommandTest, ADamagedChunkIsLeftOutAndNamed) {
+  const PackedFieldFile packed(path("field.mpt"));
+  std::size_t number = 0;
+  while (packed.section_name(number).find("layer 'diffuse' of object 'ground'") == std::string::npos) ++number;
+  std::string bytes = read_bytes(path("field.mpt"));
+  bytes.at(packed.index().sections()[number].offset + 30) ^= 0x40;
+  write_bytes(path("field.mpt"), bytes);
+  const ProgramResult played = play("frames", {"--path", "view=1", "--frames", "1"});
+  EXPECT_EQ(played.exit_code, exit_code(ErrorCode::kVerification));
+  expect_says(played.err, {"left out", "layer 'diffuse' of object 'ground'"});
+  EXPECT_LE(difference(frame("frames", 0), sample("1,0")), 1);
+  EXPECT_EQ(statistics("frames")["damaged"].size(), 1u);
+}
+
+TEST_F(PlayCommandTest, RefusesWhatCannotBePlayed) {
+  const auto refused = [&](std::vector<std::string> more, int code, const std::vector<std::string>& parts) {
+    const ProgramResult result = play("frames", std::move(more));
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    expect_says(result.err, parts);
+    EXPECT_FALSE(fs::exists(frame_path("frames", 0)));
+  };
+  refused({"--path", "vew=1"}, 2, {"'vew'", "did you mean 'view'"});
+  refused({"--path", "view=1+"}, 2, {"path", "expected"});
+  refused({"--path", "view=1/t", "--frames", "2"}, 2, {"'view'", "finite"});
+  refused({"--path", "view=1", "--memory", "12Q"}, 2, {"--memory '12Q'", "800M"});
+  refused({"--path", "view=1", "--memory", "1K"}, 2, {"1024 bytes"});
+  refused({"--path", "view=1", "--frames", "0"}, 2, {"--frames"});
+  refused({"--path", "view=1", "--upload", "1"}, 2, {"uploads of 1 bytes"});
+  refused({"--path", "view=1", "--debug-picture", path("x.jpg")}, 2, {"x.jpg"});
+  refused({"--path", "view=1", "--debug-picture", path("field.mpt")}, 2, {"field.mpt"});
+  const ProgramResult folder = view({"play", path("out"), "--path", "view=1", "-o", path("frames")});
+  EXPECT_EQ(folder.exit_code, 3);
+  expect_says(folder.err, {"no packed field", "multum pack"});
+  write_bytes(path("field.mpt"), read_bytes(path("field.mpt")).substr(0, 200));
+  refused({"--path", "view=1"}, 3, {"field.mpt", "bytes"});
+}
+
+}  // namespace
+}  // namespace multum::testing

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// The player's textures: those of the decoder at every sample, never a hole or another object's while images are still
+// missing, the same for any number of threads; uploads within a frame's bytes, memory within its limit.
+#include "runtime_gl/animation/field_player.h"
+
+#include <gtest/gtest.h>
+
+#include "host/codec/field_unpacking.h"
+#include "tests/gl/test_context.h"
+#include "tests/unit/base/test_folder.h"
+#include "tests/unit/playback/small_packed_field.h"
+
+namespace multum::gl {
+namespace {
+
+class FieldPlayerTest : public ::testing::TestWithParam<ContextBackend> {
+ protected:
+  FieldPlayerTest() : description_(testing::small_description()) {
+    testing::write_packed(description_, testing::small_chunks(description_), path());
+  }
+  std::string path() const { return folder_ / "field.mpt"; }
+  const GlFunctions& gl() const { return context_->functions(); }
+  static std::vector<double> point(std::size_t sample) {
+    return {static_cast<double>(sample / testing::kFieldLights), static_cast<double>(sample % testing::kFieldLights)};
+  }
+  /// What unpacking makes of a layer at a sample; nothing where there is none.
+  std::vector<float> unpacked(PackedFieldFile& file, std::size_t layer, std::size_t sample) const {
+    const PackedLayer& described = description_.layers[layer];
+    if (!described.is_seen(sample)) return {};
+    const std::vector<int>& at = description_.field.samples[sample].at;
+    const std::size_t block = described.block_at(at);
+    return unpacked_texture(*file.chunk(layer, block), described.blocks[block].chunk_sample(at), "").texels;
+  }
+  static std::vector<float> texels(const Texture& texture) {
+    std::vector<float> values;
+    for (int l = 0; l < texture.shape().level_count; ++l) {
+      const std::vector<float> level = texture.read_level(l);
+      for (std::size_t i = 0; i < level.size(); ++i)
+        if (i % 4 < 3) values.push_back(level[i]);
+    }
+    return values;
+  }
+  /// Textures of all objects, in the order of layers that are drawn.
+  std::vector<std::vector<float>> all_texels(const FieldPlayer& player) const {
+    std::vector<std::vector<float>> all;
+    for (std::size_t object = 0; object < description_.field.objects.size(); ++object)
+      for (const Texture* texture : player.layers(object)) all.push_back(texels(*texture));
+    return all;
+  }
+
+  testing::TemporaryFolder folder_;
+  FieldDescription description_;
+  std::unique_ptr<HeadlessContext> context_ = make_headless_context(GetParam());
+};
+INSTANTIATE_TEST_SUITE_P(Contexts, FieldPlayerTest, ::testing::ValuesIn(test_backends()),
+                         [](const auto& test) { return context_backend_name(test.param); });
+
+TEST_P(FieldPlayerTest, TexturesAreThoseOfUnpacking) {
+  PackedFieldFile file(path());
+  PlayerSettings settings;
+  settings.waits = true;
+  FieldPlayer player(gl(), path(), settings);
+  for (const std::size_t sample : {0u, 7u, 13u, 23u, 8u}) {
+    const FrameReport& report = player.prepare(point(sample), {});
+    std::vector<std::vector<float>> expected;
+    for (std::size_t l = 0; l < 3; ++l) {
+      EXPECT_EQ(report.layers[l].missing, 0u);
+      auto texture = unpacked(file, l, sample);
+      EXPECT_EQ(report.layers[l].is_drawn, !texture.empty());
+      if (!texture.empty()) expected.push_back(std::move(texture));
+    }
+    const auto found = all_texels(player);
+    ASSERT_EQ(found.size(), expected.size());
+    EXPECT_EQ(player.mapping(1), sample / 4 < 3 ? 0u : 1u);
+    for (std::size_t t = 0; t < found.size(); ++t) {
+      ASSERT_EQ(found[t].size(), expected[t].size());
+      // Images as halves are off by 1/16 of 255 at most each, radiance by 2.2 times that in proportion.
+      for (std::size_t i = 0; i < found[t].size(); ++i)
+        ASSERT_NEAR(found[t][i], expected[t][i], 2e-3f * expected[t][i] + 2e-4f) << "sample " << sample;
+    }
+  }
+  EXPECT_EQ(player.prepare(point(8), {}).textures_made, 0u) << "nothing changed";
+}
+
+TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
+  PackedFieldFile file(path());
+  PlayerSettings settings;
+  settings.upload_max = std::size_t{1} << 16;
+  settings.playback.threads = 1;
+  FieldPlayer player(gl(), path(), settings);
+  SplitMix64 random(8);
+  std::size_t missing = 0, old = 0;
+  for (int jump = 0; jump < 12; ++jump) {
+    const std::size_t sample = random.next() % 24;
+    for (int frame = 0; frame < 200; ++frame) {
+      const FrameReport report = player.prepare(point(sample), {});
+      std::size_t missing_now = 0, drawn = 0;
+      for (std::size_t l = 0; l < 3; ++l) {
+        EXPECT_EQ(report.layers[l].is_drawn, description_.layers[l].is_seen(sample)) << "never a hole";
+        missing_now += report.layers[l].missing + (report.layers[l].is_old ? 1 : 0);
+        old += report.layers[l].is_old ? 1 : 0;
+        drawn += report.layers[l].is_drawn ? 1 : 0;
+      }
+      // One image of each layer may come in any case.
+      EXPECT_LE(report.uploaded_bytes, settings.upload_max + drawn * 90 * 52 * 8);
+      missing += missing_now;
+      const auto shown = all_texels(player);
+      ASSERT_EQ(shown.size(), drawn);
+      for (const auto& texture : shown)
+        for (const float value : texture) ASSERT_TRUE(value >= 0.0f && value <= 4.0f);
+      if (missing_now == 0) break;
+      ASSERT_LT(frame, 199) << "all comes at last";
+    }
+    std::size_t t = 0;
+    const auto shown = all_texels(player);
+    for (std::size_t l = 0; l < 3; ++l) {
+      const auto expected = unpacked(file, l, sample);
+      if (expected.empty()) continue;
+      for (std::size_t i = 0; i < expected.size(); ++i)
+        ASSERT_NEAR(shown[t][i], expected[i], 2e-3f * expected[i] + 2e-4f) << "layer " << l;
+      ++t;
+    }
+  }
+  EXPECT_GT(missing, 0u) << "nothing was ever late: the test saw nothing";
+}
+
+TEST_P(FieldPlayerTest, AnyNumberOfThreadsGivesTheSameTextures) {
+  std::vector<std::vector<std::vector<float>>> frames;
+  for (const int threads : {1, 4}) {
+    PlayerSettings settings;
+    settings.waits = true;
+    settings.is_linear = true;
+    settings.playback.threads = threads;
+    FieldPlayer player(gl(), path(), settings);
+    std::size_t k = 0;
+    for (const std::vector<double>& at :
+         {std::vector<double>{0.0, 0.0}, {1.3, 2.2}, {2.6, 0.5}, {4.5, 3.0}, {9.0, -1.0}}) {
+      player.prepare(at, {{5.0, 0.0}, {0.0, 3.0}});
+      if (threads == 1) frames.push_back(all_texels(player));
+      else EXPECT_EQ(all_texels(player), frames[k]) << "frame " << k;
+      ++k;
+    }
+  }
+}
+
+TEST_P(FieldPlayerTest, MemoryHoldsOrIsSaidToBeTooLittle) {
+  PlayerSettings settings;
+  settings.waits = true;
+  settings.playback.memory_max = std::size_t{2} << 20;
+  FieldPlayer player(gl(), path(), settings);
+  SplitMix64 random(4);
+  for (int frame = 0; frame < 60; ++frame) player.prepare(point(random.next() % 24), {point(random.next() % 24)});
+  EXPECT_LE(player.counts().bytes_most, settings.playback.memory_max);
+  FieldDescription large = description_;  // textures that are drawn would not fit
+  large.field.objects[1].mappings[1].width = large.field.objects[1].mappings[1].height = 600;
+  testing::write_packed(large, testing::small_chunks(description_), path());
+  testing::expect_error(ErrorCode::kEnvironment, {"drawing takes", "allow more memory"},
+                        [&] { FieldPlayer(gl(), path(), settings); });
+  settings.upload_max = 10;
+  testing::expect_error(ErrorCode::kUsage, {"uploads of 10 bytes"}, [&] { FieldPlayer(gl(), path(), settings); });
+}
+
+}  // namespace
+}  // namespace multum::gl

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum-view play: draws frames along a path through the parameters of a packed field, decoding as it goes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
+#include "host/base/log.h"
+#include "host/base/shown_text.h"
+#include "host/base/stopwatch.h"
+#include "host/parameters/parameter.h"
+#include "host/playback/parameter_path.h"
+#include "runtime_gl/animation/field_player.h"
+#include "runtime_gl/animation/textured_renderer.h"
+#include "tools/multum_view/animation/animation_geometry.h"
+#include "tools/multum_view/animation/debug_picture.h"
+#include "tools/multum_view/modes.h"
+#include "tools/multum_view/write_image.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string played_frame_path(const PlayOptions& options, int frame) {
+  return (fs::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
+}
+
+std::string statistics_path(const PlayOptions& options) {
+  return (fs::path(options.folder) / "statistics.json").string();
+}
+
+std::size_t size_value(const char* option, const std::string& text) {
+  const std::optional<std::int64_t> bytes = parse_size_text(text);
+  if (!bytes) throw Error(ErrorCode::kUsage, fmt::format("{} '{}': expected a size, e.g. 800M or 2G", option, text));
+  return static_cast<std::size_t>(*bytes);
+}
+
+gl::PlayerSettings player_settings(const PlayOptions& options) {
+  gl::PlayerSettings settings;
+  settings.playback.memory_max = size_value("--memory", options.memory);
+  settings.playback.threads = options.threads;
+  settings.playback.lifetime = static_cast<double>(options.lifetime);
+  settings.playback.lifetime_factor = static_cast<double>(options.lifetime_factor);
+  settings.upload_max = size_value("--upload", options.upload);
+  settings.is_linear = options.is_linear;
+  settings.waits = !options.draws_what_is_there;
+  return settings;
+}
+
+/// Points of all frames, first those of `frame`.
+std::vector<std::vector<double>> path_points(const PlayOptions& options, const ParameterPath& path) {
+  std::vector<std::vector<double>> points;
+  for (int frame = 0; frame < options.frame_count; ++frame) {
+    const double share = options.frame_count > 1 ? static_cast<double>(frame) / (options.frame_count - 1) : 0.0;
+    points.push_back(path.at({static_cast<double>(frame) / static_cast<double>(options.rate), share}));
+  }
+  return points;
+}
+
+void check_play_outputs(const PlayOptions& options, const std::string& geometry) {
+  make_folder(options.folder);
+  std::vector<std::string> outputs = {statistics_path(options)};
+  for (int frame = 0; frame < options.frame_count; ++frame) outputs.push_back(played_frame_path(options, frame));
+  if (!options.debug_picture.empty()) outputs.push_back(options.debug_picture);
+  check_paths_differ({options.file, geometry}, outputs);
+  for (const std::string& output : outputs) check_writable(output);
+}
+
+/// p of the values, 0..1, the nearest rank.
+double quantile(std::vector<double> values, double p) {
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
+  return values[static_cast<std::size_t>(std::clamp(rank, 0.0, static_cast<double>(values.size() - 1)))];
+}
+
+json times_json(const std::vector<double>& seconds) {
+  return {{"p50_ms", 1e3 * quantile(seconds, 0.5)},
+          {"p99_ms", 1e3 * quantile(seconds, 0.99)},
+          {"max_ms", 1e3 * quantile(seconds, 1.0)}};
+}
+
+/// Draws the frames, and remembers what each took.
+class PathPlayer {
+ public:
+  PathPlayer(const gl::GlFunctions& gl, const PlayOptions& options, const gl::PlayerSettings& settings)
+      : gl_(gl),
+        options_(options),
+        settings_(settings),
+        player_(gl, options.file, settings_),
+        field_(player_.description().field),
+        renderer_(gl, field_.width, field_.height, field_.supersampling),
+        geometry_(gl, field_, fs::path(options.file).parent_path().string()) {}
+
+  gl::FloatImage draw(const std::vector<std::vector<double>>& points, std::size_t frame) {
+    const std::vector<double>& point = points[frame];
+    std::vector<std::vector<double>> ahead;
+    for (std::size_t f = frame + 1; f < points.size() && ahead.size() < static_cast<std::size_t>(options_.ahead); ++f)
+      ahead.push_back(points[f]);
+    Stopwatch stopwatch;
+    const gl::FrameReport report = player_.prepare(point, ahead);
+    gl_.Finish();
+    const double preparing = stopwatch.lap();
+    gl::FloatImage picture = renderer_.draw(objects_at(point));
+    note(point, report, preparing, stopwatch.lap());
+    return picture;
+  }
+
+  json statistics() const {
+    const PlaybackCounts counts = player_.counts();
+    return {{"file", options_.file},
+            {"path", options_.path},
+            {"parameters", field_.parameters},
+            {"memory_max", settings_.playback.memory_max},
+            {"bytes_most", counts.bytes_most},
+            {"chunks_decoded", counts.chunks_decoded},
+            {"images_decoded", counts.images_decoded},
+            {"cancelled", counts.cancelled},
+            {"forgotten", counts.forgotten},
+            {"worker_seconds", {{"chunks", counts.chunk_seconds}, {"images", counts.image_seconds}}},
+            {"preparing", times_json(preparing_)},
+            {"drawing", times_json(drawing_)},
+            {"damaged", player_.damaged()},
+            {"frames", frames_json_}};
+  }
+  const std::vector<PlayedFrame>& frames() const { return frames_; }
+  const gl::FieldPlayer& player() const { return player_; }
+
+ private:
+  std::vector<gl::TexturedObject> objects_at(const std::vector<double>& point) const {
+    const SampleGrid& grid = player_.description().grid;
+    const std::vector<double> here = clamped_point(grid, point);
+    const glm::dmat4 camera = player_.camera(here);
+    std::vector<gl::TexturedObject> objects;
+    for (std::size_t i = 0; i < field_.objects.size(); ++i) {
+      const glm::dmat4 place = matrix_at(
+          grid, here, [&](std::size_t sample) { return geometry_.place(i, sample); }, place_between);
+      objects.push_back({{&geometry_.mesh(i, player_.mapping(i)), object_to_clip(camera, place)}, player_.layers(i)});
+    }
+    return objects;
+  }
+
+  void note(const std::vector<double>& point, const gl::FrameReport& report, double preparing, double drawing) {
+    const PlaybackCounts counts = player_.counts();
+    frames_.push_back({report.layers, counts.images_decoded - before_.images_decoded,
+                       counts.chunks_decoded - before_.chunks_decoded, counts.bytes, counts.bytes_most});
+    before_ = counts;
+    preparing_.push_back(preparing);
+    drawing_.push_back(drawing);
+    std::size_t needed = 0, missing = 0, old = 0;
+    for (const gl::LayerReport& layer : report.layers) {
+      needed += layer.needed;
+      missing += layer.missing;
+      old += layer.is_old ? 1 : 0;
+    }
+    frames_json_.push_back({{"point", point},
+                            {"images_needed", needed},
+                            {"images_missing", missing},
+                            {"layers_old", old},
+                            {"textures_made", report.textures_made},
+                            {"images_decoded", frames_.back().images_decoded},
+                            {"chunks_decoded", frames_.back().chunks_decoded},
+                            {"uploaded_bytes", report.uploaded_bytes},
+                            {"bytes", counts.bytes},
+                            {"wait_ms", 1e3 * report.wait_seconds},
+                            {"upload_ms", 1e3 * report.upload_seconds},
+                            {"sum_ms", 1e3 * report.sum_seconds},
+                            {"prepare_ms", 1e3 * preparing},
+                            {"draw_ms", 1e3 * drawing}});
+  }
+
+  const gl::GlFunctions& gl_;
+  const PlayOptions& options_;
+  gl::PlayerSettings settings_;
+  gl::FieldPlayer player_;
+  const InferredManifest& field_;
+  gl::TexturedRenderer renderer_;
+  AnimationGeometry geometry_;
+  PlaybackCounts before_;
+  std::vector<PlayedFrame> frames_;
+  std::vector<double> preparing_, drawing_;
+  json frames_json_ = json::array();
+};
+
+}  // namespace
+
+void add_play_options(CLI::App& app, PlayOptions& options) {
+  app.add_option("file", options.file, "a file of multum pack, *.mpt")->required();
+  app.add_option("--path", options.path, "a value of each parameter: e.g. 'view=0..7,light=3.5+3.5*sin(t)'; see below")
+      ->required();
+  app.add_option("-o,--output", options.folder, "folder for frame_0000.png and so on, and statistics.json")->required();
+  app.add_option("--frames", options.frame_count, "number of frames")
+      ->check(CLI::Range(1, 9999))
+      ->capture_default_str();
+  app.add_option("--rate", options.rate, "frames a second of the path's time t")
+      ->check(number_in(0.001f, 1e6f))
+      ->capture_default_str();
+  app.add_flag("--linear", options.is_linear, "mix the samples around a point, along each parameter, not the nearest");
+  app.add_flag("--no-wait", options.draws_what_is_there,
+               "draw what is decoded by then, coarsest images first; the pictures depend on the machine's speed");
+  app.add_option("--ahead", options.ahead, "frames ahead on the path that are decoded too")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  app.add_option("--memory", options.memory, "that decoded data may take in all: 800M, 2G")->capture_default_str();
+  app.add_option("--upload", options.upload, "bytes to the GPU a frame, with --no-wait")->capture_default_str();
+  app.add_option("--lifetime", options.lifetime, "frames that an unused image of one sample is kept")
+      ->check(number_in(0.0f, 1e6f))
+      ->capture_default_str();
+  app.add_option("--lifetime-factor", options.lifetime_factor, "times that for each level of the pyramid above")
+      ->check(number_in(1.0f, 64.0f))
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "threads that decode; 0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_option("--debug-picture", options.debug_picture,
+                 "picture of the playback, a column a frame: what was there of each layer, what was decoded, memory");
+  app.add_option("--exposure", options.exposure, "brightness of the frames")
+      ->check(number_in(1e-6f, 1e6f))
+      ->capture_default_str();
+  add_context_option(app, options.context);
+}
+
+int play_field(const PlayOptions& options) {
+  if (!is_packed_field(options.file))
+    throw Error(ErrorCode::kInput, options.file + ": is no packed field, expected a file of multum pack");
+  if (!options.debug_picture.empty()) check_picture_path(options.debug_picture);
+  const gl::PlayerSettings settings = player_settings(options);
+  const InferredManifest field = PackedFieldFile(options.file).description().field;
+  const std::vector<std::vector<double>> points = path_points(options, ParameterPath(options.path, field.parameters));
+  check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string());
+  const auto context = gl::make_headless_context(options.context);
+  log_info(context->description());
+  PathPlayer player(context->functions(), options, settings);
+  for (std::size_t frame = 0; frame < points.size(); ++frame)
+    write_picture(played_frame_path(options, static_cast<int>(frame)), player.draw(points, frame), options.exposure);
+  write_text_file(statistics_path(options), player.statistics().dump(2) + "\n");
+  if (!options.debug_picture.empty())
+    write_picture(options.debug_picture, debug_picture(player.frames(), settings.playback.memory_max), 1.0f);
+  const PlaybackCounts counts = player.player().counts();
+  print_shown(stdout, "%s: written: %zu frames, %zu images of %zu chunks decoded, at most %zu bytes at once\n",
+              options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
+  const std::vector<std::string> damaged = player.player().damaged();
+  if (damaged.empty()) return 0;
+  std::string text = "left out, all else is drawn:";
+  for (const std::string& what : damaged) text += "\n  " + what;
+  throw Error(ErrorCode::kVerification, text);
+}
+
+}  // namespace multum
