@@ -3,6 +3,7 @@
 // that are uploaded to an RGBA16F texture (measured, Mesa 22.3.6), half a step of bias on average.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
@@ -21,6 +22,16 @@ inline std::uint16_t float_to_half(float value) {
   }
   const std::uint32_t odd = (magnitude >> 13) & 1u;
   return static_cast<std::uint16_t>(sign | ((magnitude - 0x38000000u + 0xfffu + odd) >> 13));
+}
+
+/// The nearest half, ties to even, of a number; what is beyond the largest becomes that, 65504. Without branches: loops
+/// of it become vector instructions.
+inline std::uint16_t clamped_to_half(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const std::uint32_t magnitude = std::min(bits & 0x7fffffffu, 0x477fe000u);
+  const std::uint32_t subnormal = std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude) + 0.5f) - 0x3f000000u;
+  const std::uint32_t normal = (magnitude - 0x38000000u + 0xfffu + (magnitude >> 13 & 1u)) >> 13;
+  return static_cast<std::uint16_t>((bits >> 16 & 0x8000u) | (magnitude < 0x38800000u ? subnormal : normal));
 }
 
 }  // namespace multum

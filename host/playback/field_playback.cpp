@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/half_bits.h"
 #include "host/base/stopwatch.h"
+#include "host/base/vector_clones.h"
 
 namespace multum {
 namespace {
@@ -42,13 +43,18 @@ std::size_t likely_bytes(const TextureChunkFormat& format, std::size_t image_cou
          (format.coder == ImageCoder::kWavelet ? 48 * texels_of(format) : 12 * image_count * blocks);
 }
 
-DecodedImage halves_of(const TextureChunk& chunk, std::size_t image) {
+/// Each beside a fourth, 0. `halves` of four for each three of `colours`.
+MULTUM_VECTOR_CLONES void add_alpha(const float* colours, std::size_t texels, std::uint16_t* halves) {
+  for (std::size_t i = 0; i < texels; ++i)
+    for (std::size_t c = 0; c < 3; ++c) halves[4 * i + c] = clamped_to_half(colours[3 * i + c]);
+}
+
+DecodedImage halves_of(const TextureChunk& chunk, std::size_t number) {
   const TextureChunkFormat& format = chunk.format();
+  const std::size_t images = chunk.plan().image_count();
   DecodedImage result{format.width, format.height, std::vector<std::uint16_t>(4 * texels_of(format))};
-  const std::vector<float> colours = chunk.image(image);
-  for (std::size_t i = 0; i < texels_of(format); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      result.halves[4 * i + c] = float_to_half(std::clamp(colours[3 * i + c], -65504.0f, 65504.0f));
+  const std::vector<float> colours = number < images ? chunk.image(number) : chunk.image_sum(number - images);
+  add_alpha(colours.data(), texels_of(format), result.halves.data());
   return result;
 }
 
@@ -165,8 +171,17 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
     need.is_decoded = need.is_decoded && !chunk.zeros.empty();
     if (!chunk.plan) continue;
     for (std::size_t c = 0; c < 3; ++c) need.offset[c] += share.share * chunk.offset[c];
+    const auto& terms = chunk.plan->of_samples[place.sample];
+    const bool is_whole = std::all_of(terms.begin(), terms.end(), [&](const auto& term) {
+      const auto image = images_.find({place.chunk, term.image});
+      return chunk.is_zero(term.image) || (image != images_.end() && image->second.state == ImageState::kUploaded);
+    });
+    if (!is_whole && has(sum_of(place))) {
+      weights[{0, sum_of(place)}] += share.share;
+      continue;
+    }
     std::size_t order = 0;
-    for (const auto& term : chunk.plan->of_samples[place.sample]) {
+    for (const auto& term : terms) {
       const ImageKey key{place.chunk, term.image};
       if (!chunk.is_zero(term.image)) weights[{order, key}] += share.share * term.weight;
       ++order;
@@ -179,6 +194,12 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
     else same->weight += weight;
   }
   return need;
+}
+
+/// Decoded, perhaps uploaded.
+bool FieldPlayback::has(ImageKey key) const {
+  const auto found = images_.find(key);
+  return found != images_.end() && found->second.state != ImageState::kAwaited;
 }
 
 ImageState FieldPlayback::state(ImageKey key) const {
@@ -318,6 +339,8 @@ void FieldPlayback::want(std::size_t distance, const std::vector<SampleShare>& s
         const auto found = images_.find({place.chunk, term.image});
         if (found != images_.end()) found->second.rank = {frame_, distance};
       }
+      const auto sum = images_.find(sum_of(place));
+      if (sum != images_.end()) sum->second.rank = {frame_, distance};
     }
 }
 
@@ -357,7 +380,8 @@ double FieldPlayback::lifetime(const Chunk& chunk) const {
 
 double FieldPlayback::lifetime(ImageKey key) const {
   const Chunk& chunk = *chunks_[key.chunk];
-  const double samples = chunk.served.empty() ? 1.0 : static_cast<double>(std::max(1u, chunk.served[key.image]));
+  const bool is_sum = key.image >= chunk.served.size();
+  const double samples = is_sum ? 1.0 : static_cast<double>(std::max(1u, chunk.served[key.image]));
   return settings_.lifetime * std::pow(settings_.lifetime_factor, std::log2(samples) / 2.0);
 }
 
@@ -431,15 +455,16 @@ void FieldPlayback::request() {
   const Lock lock(mutex_);
   bool has_room = ask(0, now_);
   for (std::size_t d = 0; d < ahead_.size() && has_room; ++d) has_room = ask(d + 1, ahead_[d]);
-  const auto distance = [&](const Job& job) {
-    return job.image ? images_.at({job.chunk, *job.image}).rank.distance : chunks_[job.chunk]->rank.distance;
+  const auto urgency = [&](const Job& job) {
+    const Rank& rank = job.image ? images_.at({job.chunk, *job.image}).rank : chunks_[job.chunk]->rank;
+    return std::pair(rank.distance, job.order);
   };
-  std::stable_sort(jobs_.begin(), jobs_.end(), [&](const Job& a, const Job& b) { return distance(a) < distance(b); });
+  std::stable_sort(jobs_.begin(), jobs_.end(), [&](const Job& a, const Job& b) { return urgency(a) < urgency(b); });
   if (!jobs_.empty()) has_job_.notify_all();
 }
 
-/// Coarse first: coefficients, then the first images of all layers, then the second ones. False where memory is too
-/// full for something.
+/// Coarse first: coefficients, then sums, then the first images of all layers, then the second ones. False where memory
+/// is too full for something.
 bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& shares) {
   std::vector<Wanted> wanted;
   std::vector<std::size_t> chunks;
@@ -457,15 +482,18 @@ bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& sh
       has_room = has_room && chunk.plan;
       if (!chunk.plan) continue;
       bool is_missing = chunk.zeros.empty();
-      std::size_t order = 0;
+      std::size_t order = 2, late = 0;
       for (const auto& term : chunk.plan->of_samples[place.sample]) {
         const ImageKey key{place.chunk, term.image};
         if (!chunk.is_zero(term.image) && images_.count(key) == 0) {
           wanted.push_back({order, key});
           is_missing = true;
         }
+        late += chunk.is_zero(term.image) || has(key) ? 0 : 1;
         ++order;
       }
+      const bool is_summed = settings_.decodes_sums && distance == 0 && late > 1;
+      if (is_summed && images_.count(sum_of(place)) == 0) wanted.push_back({1, sum_of(place)});
       if (is_missing) chunks.push_back(place.chunk);
       chunk.is_pending = chunk.is_pending || (is_missing && distance == 0);
     }
@@ -473,7 +501,7 @@ bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& sh
   std::sort(wanted.begin(), wanted.end());
   const auto may_ask = [&] { return has_room || distance == 0; };
   for (const std::size_t chunk : chunks) has_room = may_ask() && ask_chunk(chunk, distance) && has_room;
-  for (const Wanted& one : wanted) has_room = may_ask() && ask_image(one.key, distance) && has_room;
+  for (const Wanted& one : wanted) has_room = may_ask() && ask_image(one, distance) && has_room;
   return has_room;
 }
 
@@ -486,11 +514,12 @@ bool FieldPlayback::ask_chunk(std::size_t number, std::size_t distance) {
   MULTUM_CHECK(memory_.take(bytes));
   chunk.state = ChunkState::kQueued;
   chunk.cancelled = false;
-  jobs_.push_back({number, std::nullopt});
+  jobs_.push_back({number, std::nullopt, 0});
   return true;
 }
 
-bool FieldPlayback::ask_image(ImageKey key, std::size_t distance) {
+bool FieldPlayback::ask_image(const Wanted& wanted, std::size_t distance) {
+  const ImageKey key = wanted.key;
   Chunk& chunk = *chunks_[key.chunk];
   if (chunk.decoded == nullptr || images_.count(key) > 0) return true;
   const std::size_t texels = texels_of(*chunk.format);
@@ -506,7 +535,7 @@ bool FieldPlayback::ask_image(ImageKey key, std::size_t distance) {
   image.bytes = kept;
   image.work_bytes = work;
   image.rank = {frame_, distance};
-  jobs_.push_back({key.chunk, key.image});
+  jobs_.push_back({key.chunk, key.image, wanted.order});
   return true;
 }
 

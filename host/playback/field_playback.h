@@ -37,6 +37,9 @@ struct PlaybackSettings {
   int threads = 0;                                  // that decode; 0: all cores
   double lifetime = 20.0;        // a: frames that an image of a single sample is kept unused; 0 to 1e6
   double lifetime_factor = 4.0;  // b, 1 to 64
+  /// Decodes the sum of a sample's images at once, for the price of one, where two or more are missing now: after a
+  /// jump textures are whole sooner. Which images a frame is made of then depends on time, and so does their rounding.
+  bool decodes_sums = false;
 };
 
 /// RGBA halves, [height][width][4], in the units of TextureChunk::image; alpha 0.
@@ -136,9 +139,10 @@ class FieldPlayback {
   struct Job {
     std::size_t chunk;
     std::optional<std::size_t> image;  // none: the chunk's coefficients
+    std::size_t order = 0;             // among those for the same frame, as in Wanted
   };
   struct Wanted {
-    std::size_t order;  // of terms, the coarsest first
+    std::size_t order;  // 1: a sum; then terms from 2 on, the coarsest first. 0 are coefficients
     ImageKey key;
     auto operator<=>(const Wanted&) const = default;
   };
@@ -148,6 +152,10 @@ class FieldPlayback {
   };
   using Lock = std::unique_lock<std::mutex>;
 
+  bool has(ImageKey key) const;
+  ImageKey sum_of(const Place& place) const {
+    return {place.chunk, chunks_[place.chunk]->served.size() + place.sample};
+  }
   std::optional<Place> place_of(std::size_t layer, std::size_t sample) const;
   std::vector<SampleShare> mixed(std::size_t layer, const std::vector<SampleShare>& shares) const;
   void read_head(Chunk& chunk, std::size_t distance);
@@ -159,7 +167,7 @@ class FieldPlayback {
   void want(std::size_t distance, const std::vector<SampleShare>& shares);
   bool ask(std::size_t distance, const std::vector<SampleShare>& shares);
   bool ask_chunk(std::size_t number, std::size_t distance);
-  bool ask_image(ImageKey key, std::size_t distance);
+  bool ask_image(const Wanted& wanted, std::size_t distance);
   bool make_room(std::size_t bytes, std::size_t distance);
   double lifetime(const Chunk& chunk) const;
   double lifetime(ImageKey key) const;

@@ -13,12 +13,17 @@ namespace {
 constexpr std::size_t kTexelBytes = 8;  // RGBA halves
 constexpr std::size_t kUploadLeast = std::size_t{1} << 16;
 
+PlayerSettings with_sums(PlayerSettings settings) {
+  settings.playback.decodes_sums = !settings.waits;  // else no frame may depend on time
+  return settings;
+}
+
 }  // namespace
 
 FieldPlayer::FieldPlayer(const GlFunctions& gl, const std::string& path, const PlayerSettings& settings)
     : gl_(gl),
-      settings_(settings),
-      playback_(path, settings.playback, [this](ImageKey key) { images_.erase(key); }),
+      settings_(with_sums(settings)),
+      playback_(path, settings_.playback, [this](ImageKey key) { images_.erase(key); }),
       textures_(playback_.description().layers.size()) {
   if (settings.upload_max < kUploadLeast)
     throw Error(ErrorCode::kUsage, "playback: uploads of " + std::to_string(settings.upload_max) +

@@ -20,7 +20,7 @@
 namespace multum::gl {
 
 struct PlayerSettings {
-  PlaybackSettings playback;
+  PlaybackSettings playback;                       // decodes_sums: where it does not wait
   std::size_t upload_max = std::size_t{16} << 20;  // bytes to the GPU a frame, at least 2^16
   bool is_linear = false;  // between samples: mixed, gamma-coded, linearly along each parameter; else the nearest
   bool waits = false;      // for all that a frame needs; else for the coarsest image of each texture alone

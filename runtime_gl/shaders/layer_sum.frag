@@ -31,9 +31,10 @@ vec3 multum_rounded_to_halves(vec3 values) {
   return vec3(multum_rounded_to_half(values.r), multum_rounded_to_half(values.g), multum_rounded_to_half(values.b));
 }
 
-// Which of n fine texels coarse texel i covers: the first, and what up to three weigh.
-vec3 multum_cover(int n, int i, out int first) {
+// Which of n fine texels coarse texel i covers: the first, how many, and what up to three weigh.
+vec3 multum_cover(int n, int i, out int first, out int count) {
   first = n == 1 ? 0 : 2 * i;
+  count = n == 1 ? 1 : 2 + n % 2;
   if (n == 1) return vec3(1.0, 0.0, 0.0);
   if (n % 2 == 0) return vec3(0.5, 0.5, 0.0);
   float m = float(n / 2);
@@ -42,13 +43,12 @@ vec3 multum_cover(int n, int i, out int first) {
 
 #ifdef MULTUM_MIP
 void main() {
-  ivec2 size = textureSize(u_finer, 0), at = ivec2(gl_FragCoord.xy), first;
-  vec3 columns = multum_cover(size.x, at.x, first.x), rows = multum_cover(size.y, at.y, first.y);
+  ivec2 size = textureSize(u_finer, 0), at = ivec2(gl_FragCoord.xy), first, count;
+  vec3 columns = multum_cover(size.x, at.x, first.x, count.x), rows = multum_cover(size.y, at.y, first.y, count.y);
   vec3 sum = vec3(0.0);
-  for (int y = 0; y < 3; ++y)
-    for (int x = 0; x < 3; ++x)
-      if (rows[y] * columns[x] > 0.0)
-        sum += rows[y] * columns[x] * texelFetch(u_finer, first + ivec2(x, y), 0).rgb;
+  for (int y = 0; y < count.y; ++y)
+    for (int x = 0; x < count.x; ++x)
+      sum += rows[y] * columns[x] * texelFetch(u_finer, first + ivec2(x, y), 0).rgb;
   o_colour = vec4(multum_rounded_to_halves(sum), 1.0);
 }
 #else

@@ -170,6 +170,15 @@ INSTANTIATE_TEST_SUITE_P(Formats, TextureTest,
                          testing::Values(TexelFormat::kRgba16Snorm, TexelFormat::kRgba16f, TexelFormat::kRgba32f),
                          [](const auto& test) { return std::string(texel_format_name(test.param)); });
 
+TEST(Half, ClampedOnesAreTheSameUpToTheLargest) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 2000000; ++i) {
+    const auto value = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+    if (std::isnan(value)) continue;
+    ASSERT_EQ(clamped_to_half(value), float_to_half(std::clamp(value, -65504.0f, 65504.0f))) << value;
+  }
+}
+
 TEST(Half, RoundsToNearestEvenOverAllExponents) {
   // Every half, and what lies just below, at and just above the middle between it and the next.
   for (std::uint32_t h = 0; h < 0x7bff; ++h) {

@@ -120,6 +120,12 @@ std::vector<float> TextureChunk::texture(std::size_t sample) const {
   return colours;
 }
 
+std::vector<float> TextureChunk::image_sum(std::size_t sample) const {
+  std::vector<float> colours(3 * format_.width * format_.height);
+  add_colours(plan_.of_samples[sample], colours);
+  return colours;
+}
+
 bool TextureChunk::is_zero(std::size_t number) const {
   if (format_.coder == ImageCoder::kDct) return dct_images_[number].is_empty();
   return std::all_of(wavelet_images_[number].begin(), wavelet_images_[number].end(),

@@ -37,6 +37,8 @@ class TextureChunk {
   /// inverse transforms and a turn of colours, or nothing where is_zero().
   std::vector<float> image(std::size_t number) const;
   bool is_zero(std::size_t number) const;
+  /// The sum of a sample's images, weighed: the texture without the offset, for the price of one image.
+  std::vector<float> image_sum(std::size_t sample) const;
   /// Bytes of coefficients.
   std::size_t memory_bytes() const;
 

@@ -125,6 +125,37 @@ TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
   for (std::size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], nearest[i], 0.1f);
 }
 
+TEST_F(PlaybackTest, AfterAJumpSumsComeFirstAndThenTheirImages) {
+  PackedFieldFile file(path());
+  PlaybackSettings settings;
+  settings.decodes_sums = true;
+  settings.threads = 1;
+  const auto playback = open(settings);
+  for (const std::size_t sample : {5u, 22u}) {
+    playback->begin_frame(one(sample), {});
+    ASSERT_TRUE(decode_all(*playback));
+    const auto check = [&] {
+      for (std::size_t l = 0; l < 3; ++l) {
+        const std::vector<int>& at = description_.field.samples[sample].at;
+        const std::size_t block = description_.layers[l].block_at(at);
+        const auto expected = file.chunk(l, block)->texture(description_.layers[l].blocks[block].chunk_sample(at));
+        const auto found = sum(playback->need(l));
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], expected[i], 0.1f) << l;
+      }
+    };
+    check();
+    EXPECT_EQ(playback->need(1).images.size(), 1u) << "one image stands for the sum";
+    do {  // the images come nevertheless: frames nearby will need them
+      for (const ImageKey& key : playback->decoded_ahead()) upload(*playback, key);
+      playback->request();
+    } while (playback->wait());
+    for (const ImageKey& key : playback->decoded_ahead()) upload(*playback, key);
+    EXPECT_GE(playback->need(1).images.size(), 3u);
+    check();
+  }
+}
+
 TEST_F(PlaybackTest, MemoryIsNeverExceededHoweverOneWanders) {
   PlaybackSettings settings;
   settings.memory_max = std::size_t{4} << 20;

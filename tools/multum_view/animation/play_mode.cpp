@@ -10,6 +10,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
+#include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
 #include "host/base/stopwatch.h"
 #include "host/parameters/parameter.h"
@@ -233,6 +234,7 @@ int play_field(const PlayOptions& options) {
   const InferredManifest field = PackedFieldFile(options.file).description().field;
   const std::vector<std::vector<double>> points = path_points(options, ParameterPath(options.path, field.parameters));
   check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string());
+  keep_freed_memory();  // of each image that is decoded
   const auto context = gl::make_headless_context(options.context);
   log_info(context->description());
   PathPlayer player(context->functions(), options, settings);
