@@ -142,7 +142,7 @@ TEST_F(ViewCommandTest, MixedModesAreRefused) {
   expect_refusal({map, "--thumbnails", path("s"), "--animate", path("f")},
                  {"--thumbnails", "--animate", "one of them"});
   expect_refusal({"--mip", map, "--scene", plan, "-o", out}, {"--mip", "--scene", "expected one of them"});
-  expect_refusal({map, "-o", out, "--frames", "3"}, {"--frames", "'multum-view animate'"});
+  expect_refusal({map, "-o", out, "--frames", "3"}, {"--frames", "'multum-view animate or play'"});
   expect_refusal({map, "-o", out, "-o", path("b.png")}, {"--output", "found 2"});
   expect_refusal({"--size", "8x8", "scene", plan, "-o", out}, {"--size", "before 'scene'"});
   expect_refusal({map, "scene", plan, "-o", out}, {"map.ndf.exr", "before 'scene'"});
