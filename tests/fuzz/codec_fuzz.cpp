@@ -80,6 +80,13 @@ void decode_chunk(std::span<const std::uint8_t> bytes) {
   const auto texture = chunk->texture(chunk->sample_count() - 1);
   MULTUM_CHECK(texture.size() == 3 * format->width * format->height);
   mip_levels(format->width, format->height, texture);
+  // What a player asks for: images by themselves, a sum of them, all within limits.
+  MULTUM_CHECK(chunk->image(chunk->plan().image_count() - 1).size() == texture.size());
+  MULTUM_CHECK(chunk->image_sum(0).size() == texture.size());
+  bool ran_out = false;
+  const auto limited = TextureChunk::decode(bytes, problem, {chunk->memory_bytes() / 2, nullptr, &ran_out});
+  MULTUM_CHECK(limited != nullptr || ran_out);
+  MULTUM_CHECK(limited == nullptr || limited->memory_bytes() <= chunk->memory_bytes() / 2);
 }
 
 /// 3 views by 2 lights of two objects, one of them moved; a layer that varies with both, one that is unseen at some.
