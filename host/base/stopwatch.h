@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures seconds of wall time.
+// Measures seconds of wall time, and of processor time.
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace multum {
 
@@ -21,6 +22,20 @@ class Stopwatch {
  private:
   using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now();
+};
+
+/// Processor time of the calling thread from its making on: what else runs on the machine does not count.
+class ThreadStopwatch {
+ public:
+  double seconds() const { return now() - start_; }
+
+ private:
+  static double now() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+  double start_ = now();
 };
 
 /// Adds the seconds of its own life to `total`.

@@ -67,7 +67,7 @@ enum class ImageState { kAbsent, kAwaited, kDecoded, kUploaded };
 struct PlaybackCounts {
   std::size_t chunks_decoded = 0, images_decoded = 0, cancelled = 0, forgotten = 0;
   std::size_t bytes = 0, bytes_most = 0;
-  double chunk_seconds = 0.0, image_seconds = 0.0;  // of all workers together
+  double chunk_seconds = 0.0, image_seconds = 0.0;  // processor time of all workers together
 };
 
 class FieldPlayback {

@@ -123,7 +123,7 @@ class PathPlayer {
             {"images_decoded", counts.images_decoded},
             {"cancelled", counts.cancelled},
             {"forgotten", counts.forgotten},
-            {"worker_seconds", {{"chunks", counts.chunk_seconds}, {"images", counts.image_seconds}}},
+            {"processor_seconds", {{"chunks", counts.chunk_seconds}, {"images", counts.image_seconds}}},
             {"preparing", times_json(preparing_)},
             {"drawing", times_json(drawing_)},
             {"damaged", player_.damaged()},
