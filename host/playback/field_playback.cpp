@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "host/base/error.h"
 #include "host/base/half_bits.h"
