@@ -253,7 +253,7 @@ const steps = {
   },
 
   async theLogOfARunningJobGrows() {
-    const id = await drill(0, { then: "fail", attempt_max: 30 });
+    const id = await drill(0, { then: "fail", attempt_max: 100 });
     const page = await openPage(`#job-${id}`);
     const attempts = page.locator("#detail tbody tr");
     await until("attempts", async () => (await attempts.count()) > 2);
