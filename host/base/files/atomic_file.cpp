@@ -29,7 +29,7 @@ void sweep_leftovers(const fs::path& folder, const std::string& name) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string found = entry.path().filename().string();
-    if (found.rfind(kPrefix, 0) != 0 || !found.ends_with("-" + name)) continue;
+    if (!is_temporary_name(found) || !found.ends_with("-" + name)) continue;
     const long pid = std::strtol(found.c_str() + sizeof(kPrefix) - 1, nullptr, 10);
     if (pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH) fs::remove(entry.path(), ignored);
   }
@@ -48,6 +48,8 @@ void sync_path(const std::string& path, int flags) {
 }
 
 }  // namespace
+
+bool is_temporary_name(std::string_view name) { return name.starts_with(kPrefix); }
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   const fs::path final_path(path_);

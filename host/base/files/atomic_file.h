@@ -30,6 +30,9 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// Is this file name a temporary one, of an AtomicFile in any process?
+bool is_temporary_name(std::string_view name);
+
 /// Writes a small text file atomically.
 void write_text_file(const std::string& path, std::string_view text);
 

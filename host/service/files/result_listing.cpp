@@ -140,6 +140,8 @@ void write_result_listing(const std::string& folder) {
   const OpenFile file = opened(folder);
   std::string text;
   Walk{[&](const Found& found) {
+    // Of an attempt that neither could finish it nor find it again, while folders were swapped.
+    if (is_temporary_name(found.name) && ::unlinkat(found.folder, found.name.c_str(), 0) == 0) return true;
     text += fmt::format("{} {}\n", found.state, found.path);
     return true;
   }}.run(file);

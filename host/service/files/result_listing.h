@@ -11,7 +11,8 @@
 
 namespace multum {
 
-/// Writes and syncs the listing of a folder's files. Throws Error(kEnvironment).
+/// Writes and syncs the listing of a folder's files; temporary ones that are left there (AtomicFile) go. Throws
+/// Error(kEnvironment).
 void write_result_listing(const std::string& folder);
 
 /// Name of the first entry of the folder that is not as it was published; "": there is none, or the folder is empty. A

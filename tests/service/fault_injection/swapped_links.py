@@ -91,8 +91,7 @@ def job_of(kind, source, target, number):
 def result_hash(kind, output):
     if kind != "infer":
         return hash_of(os.path.join(output, RESULTS[kind]).rstrip("/"))
-    textures = sorted(name for name in state_of(output) if name.endswith(".exr"))
-    return [hash_of(name) for name in textures]
+    return {os.path.relpath(name, output): hash_of(name) for name in sorted(state_of(output)) if name.endswith(".exr")}
 
 
 def main():
@@ -165,8 +164,11 @@ def main():
             done[f"{job['type']} {job['state']}"] += 1
         for name in os.listdir(target):
             kind = name[:5].rstrip("01234.")
-            if kind in kinds and ".kept-" not in name and result_hash(kind, os.path.join(target, name)) != right[kind]:
-                fail(f"{name} was made of what lies outside")
+            if kind not in kinds or ".kept-" in name:
+                continue
+            made = result_hash(kind, os.path.join(target, name))
+            if made != right[kind]:
+                fail(f"{name} was made of what lies outside: {made}, expected {right[kind]}")
         if state_of(outside) != before:
             fail(f"outside is not as it was: {sorted(set(state_of(outside).items()) ^ set(before.items()))[:5]}")
         if service.process.poll() is not None:
