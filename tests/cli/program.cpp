@@ -102,6 +102,14 @@ ProgramResult Program::wait() {
 
 ProgramResult run_program(const std::vector<std::string>& arguments) { return Program(arguments).wait(); }
 
+bool has_pseudo_terminals() {
+  int terminal = -1, program_side = -1;
+  if (openpty(&terminal, &program_side, nullptr, nullptr, nullptr) != 0) return false;
+  close(terminal);
+  close(program_side);
+  return true;
+}
+
 ProgramResult run_on_terminal(const std::vector<std::string>& arguments) {
   int terminal = -1;
   const pid_t pid = forkpty(&terminal, nullptr, nullptr, nullptr);

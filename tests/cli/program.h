@@ -42,6 +42,9 @@ class Program {
 };
 
 ProgramResult run_program(const std::vector<std::string>& arguments);
+/// False where the system has no pseudo terminals, as in a root without /dev/pts.
+bool has_pseudo_terminals();
+
 /// The same with a terminal of its own for stdin, stdout and stderr; all output is in `out`.
 ProgramResult run_on_terminal(const std::vector<std::string>& arguments);
 

@@ -14,6 +14,9 @@ const std::string kShown = "q\\x1b[31m\\xc2\\x9b2J\\x9b5n\\x7f";
 
 class TerminalTest : public CliTest {
  protected:
+  void SetUp() override {
+    if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals";
+  }
   // On a terminal none of it arrives, and its text is there; a pipe has the name itself.
   void expect_shown(const std::vector<std::string>& arguments, int exit_code) const {
     const ProgramResult shown = run_on_terminal(multum_command(arguments));
