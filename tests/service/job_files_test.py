@@ -193,6 +193,7 @@ class JobFilesTest(ClientCase):
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/a%20b.png")
         self.refused(400, "usage", ["100"], "PUT", "/v1/uploads/.hidden")
 
+    @unittest.skipUnless(shutil.which("curl"), "curl is not there, which the page's commands use")
     def test_the_commands_of_the_page_run_as_they_stand(self):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("rock")], check=True, capture_output=True)
