@@ -9,7 +9,6 @@
 
 #include "host/base/error.h"
 #include "host/base/files/checksum.h"
-#include "host/base/files/output_paths.h"
 #include "host/codec/byte_writer.h"
 #include "host/codec/decoder/byte_reader.h"
 
@@ -80,30 +79,23 @@ std::optional<Record> read_record(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 std::unique_ptr<PackingJournal> PackingJournal::open(const std::string& output, const std::string& key, bool resume) {
-  std::string folder = partial_folder(output);
-  std::unique_ptr<FolderLock> lock = FolderLock::take(folder);
-  if (lock == nullptr) return nullptr;
-  return std::unique_ptr<PackingJournal>(new PackingJournal(std::move(folder), std::move(lock), key, resume));
+  std::unique_ptr<PartialFolder> folder = PartialFolder::take(output);
+  if (folder == nullptr) return nullptr;
+  return std::unique_ptr<PackingJournal>(new PackingJournal(std::move(folder), key, resume));
 }
 
-PackingJournal::PackingJournal(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key,
-                               bool resume)
-    : folder_(std::move(folder)), lock_(std::move(lock)) {
-  std::error_code ignored;  // what cannot go is written over, or cannot be
+PackingJournal::PackingJournal(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume)
+    : folder_(std::move(folder)) {
   if (const std::uint64_t bytes = resume ? read_chunks(key) : 0; bytes > 0) {
+    std::error_code ignored;
     fs::resize_file(chunks_path(), bytes, ignored);
     return;
   }
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path(), ignored);
+  folder_->clear();
   std::ofstream out(chunks_path(), std::ios::binary);
   out << key << '\n';
   if (!out.flush())
     throw Error(ErrorCode::kEnvironment, chunks_path() + ": cannot be written: " + std::strerror(errno));
-}
-
-PackingJournal::~PackingJournal() {
-  std::error_code ignored;
-  if (!stays_) fs::remove_all(folder_, ignored);
 }
 
 std::uint64_t PackingJournal::read_chunks(const std::string& key) {

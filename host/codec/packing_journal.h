@@ -15,7 +15,7 @@
 #include <optional>
 #include <string>
 
-#include "host/base/files/folder_lock.h"
+#include "host/base/files/partial_folder.h"
 #include "host/codec/chunk_choice.h"
 
 namespace multum {
@@ -27,8 +27,6 @@ class PackingJournal {
   /// is there of the same key is kept when `resume`, anything else is removed. Null while another process packs to the
   /// same output. Throws Error(kEnvironment).
   static std::unique_ptr<PackingJournal> open(const std::string& output, const std::string& key, bool resume);
-  /// Removes the folder, unless leave() was called.
-  ~PackingJournal();
   PackingJournal(const PackingJournal&) = delete;
   PackingJournal& operator=(const PackingJournal&) = delete;
 
@@ -38,20 +36,18 @@ class PackingJournal {
   void add(std::size_t chunk, double lambda, const ChosenChunk& chosen);
 
   /// The folder stays when this is destroyed: the packing was stopped and may go on.
-  void leave() { stays_ = true; }
+  void leave() { folder_->leave(); }
   std::size_t found_count() const { return found_.size(); }
 
  private:
-  PackingJournal(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key, bool resume);
-  std::string chunks_path() const { return folder_ + "/chunks"; }
+  PackingJournal(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume);
+  std::string chunks_path() const { return folder_->path() + "/chunks"; }
   /// Bytes of the file that count; 0 when it is of another key.
   std::uint64_t read_chunks(const std::string& key);
 
-  std::string folder_;
-  std::unique_ptr<FolderLock> lock_;
+  std::unique_ptr<PartialFolder> folder_;  // removed at the end, unless left
   std::map<std::pair<std::size_t, double>, ChosenChunk> found_;
   std::mutex mutex_;  // of the file
-  bool stays_ = false;
 };
 
 }  // namespace multum

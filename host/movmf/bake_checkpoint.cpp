@@ -13,7 +13,6 @@
 
 #include "host/base/error.h"
 #include "host/base/files/checksum.h"
-#include "host/base/files/output_paths.h"
 
 namespace multum {
 namespace {
@@ -29,29 +28,21 @@ void append_line(const std::string& path, const std::string& line) {
 }  // namespace
 
 std::unique_ptr<BakeCheckpoint> BakeCheckpoint::open(const std::string& output, const std::string& key, bool resume) {
-  std::string folder = partial_folder(output);
-  std::unique_ptr<FolderLock> lock = FolderLock::take(folder);
-  if (lock == nullptr) return nullptr;
-  return std::unique_ptr<BakeCheckpoint>(new BakeCheckpoint(std::move(folder), std::move(lock), key, resume));
+  std::unique_ptr<PartialFolder> folder = PartialFolder::take(output);
+  if (folder == nullptr) return nullptr;
+  return std::unique_ptr<BakeCheckpoint>(new BakeCheckpoint(std::move(folder), key, resume));
 }
 
-BakeCheckpoint::BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key,
-                               bool resume)
-    : folder_(std::move(folder)), lock_(std::move(lock)) {
+BakeCheckpoint::BakeCheckpoint(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume)
+    : folder_(std::move(folder)) {
   if (resume) read_progress(key);
   if (!found_.empty()) return;
-  std::error_code ignored;  // what cannot go is written over, or cannot be
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path(), ignored);
-  append_line(folder_ + "/progress", key);
-}
-
-BakeCheckpoint::~BakeCheckpoint() {
-  std::error_code ignored;
-  if (!stays_) fs::remove_all(folder_, ignored);
+  folder_->clear();
+  append_line(progress_path(), key);
 }
 
 void BakeCheckpoint::read_progress(const std::string& key) {
-  std::ifstream in(folder_ + "/progress");
+  std::ifstream in(progress_path());
   std::string line;
   if (!std::getline(in, line) || line != key) return;
   while (std::getline(in, line)) {
@@ -80,9 +71,9 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
                                                   std::size_t feature_row_bytes) {
   const std::string name = "level-" + std::to_string(level);
   Level& opened =
-      levels_.try_emplace(level, Level{RowStore(row_count, lobe_row_bytes, folder_, name + ".lobes"), {}, 0})
+      levels_.try_emplace(level, Level{RowStore(row_count, lobe_row_bytes, folder_->path(), name + ".lobes"), {}, 0})
           .first->second;
-  if (feature_row_bytes > 0) opened.features.emplace(row_count, feature_row_bytes, folder_, name + ".features");
+  if (feature_row_bytes > 0) opened.features.emplace(row_count, feature_row_bytes, folder_->path(), name + ".features");
   for (const Block& block : found_[level]) {
     if (block.first_row != opened.rows_done || block.row_count < 1 || block.row_count > row_count - block.first_row)
       break;
@@ -106,7 +97,7 @@ void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const
   };
   add(done.lobes, lobes);
   if (done.features) add(*done.features, features);
-  append_line(folder_ + "/progress", fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
+  append_line(progress_path(), fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
   done.rows_done += row_count;
 }
 

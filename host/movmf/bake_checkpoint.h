@@ -16,7 +16,7 @@
 #include <optional>
 #include <string>
 
-#include "host/base/files/folder_lock.h"
+#include "host/base/files/partial_folder.h"
 #include "host/pyramid/row_store.h"
 
 namespace multum {
@@ -27,8 +27,6 @@ class BakeCheckpoint {
   /// depend on. What is there of the same bake is kept when `resume`, anything else is removed. Null while another
   /// process bakes the same output: the folder is its own. Throws Error(kEnvironment).
   static std::unique_ptr<BakeCheckpoint> open(const std::string& output, const std::string& key, bool resume);
-  /// Removes the folder, unless leave() was called.
-  ~BakeCheckpoint();
   BakeCheckpoint(const BakeCheckpoint&) = delete;
   BakeCheckpoint& operator=(const BakeCheckpoint&) = delete;
 
@@ -45,7 +43,7 @@ class BakeCheckpoint {
   void add_rows(int level, int row_count, const void* lobes, const void* features);
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
-  void leave() { stays_ = true; }
+  void leave() { folder_->leave(); }
   /// Rows of texels that an earlier bake left.
   std::uint64_t rows_resumed() const { return rows_resumed_; }
 
@@ -54,16 +52,16 @@ class BakeCheckpoint {
     int first_row, row_count;
     std::string checksum;
   };
-  BakeCheckpoint(std::string folder, std::unique_ptr<FolderLock> lock, const std::string& key, bool resume);
+  BakeCheckpoint(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume);
   void read_progress(const std::string& key);
   static std::string block_checksum(const Level& level, int first_row, int row_count);
 
-  std::string folder_;
-  std::unique_ptr<FolderLock> lock_;
+  std::string progress_path() const { return folder_->path() + "/progress"; }
+
+  std::unique_ptr<PartialFolder> folder_;    // removed at the end, unless left
   std::map<int, std::vector<Block>> found_;  // by level, in order
   std::map<int, Level> levels_;
   std::uint64_t rows_resumed_ = 0;
-  bool stays_ = false;
 };
 
 }  // namespace multum

@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/asset/inferred/field_files.h"
 #include "host/base/base64.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
-#include "host/base/files/content_hash.h"
 #include "host/base/files/output_paths.h"
 #include "host/codec/field_unpacking.h"
 #include "host/html/html_page.h"
@@ -56,10 +56,7 @@ std::string file_bytes(const std::string& path) {
 std::string geometry_of(const std::string& field) {
   const PackedFieldFile file(field);
   const InferredManifest& manifest = file.description().field;
-  const std::string path = (fs::path(field).parent_path() / manifest.geometry_file).string();
-  if (hash_file(path) != manifest.geometry_hash)
-    throw Error(ErrorCode::kInput, path + ": is not the geometry that textures were inferred for (SHA-256 " +
-                                       manifest.geometry_hash + ")");
+  const std::string path = checked_geometry(manifest, fs::path(field).parent_path().string());
   std::set<std::string> drawn;
   for (const InferredObject& object : manifest.objects) drawn.insert(object.mesh);
   std::vector<ObjectMesh> objects = read_object_meshes(path, manifest.uv_set);

@@ -2,10 +2,10 @@
 #include "tools/multum_wasm/packed_field.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdlib>
 #include <memory>
 
+#include "host/base/half_bits.h"
 #include "host/codec/decoder/mip_levels.h"
 #include "host/codec/decoder/packed_index.h"
 #include "host/codec/decoder/texture_chunk.h"
@@ -31,18 +31,6 @@ struct MultumTextureChunk {
 namespace {
 
 std::string last_problem;
-
-/// The nearest half, ties to even.
-std::uint16_t half_bits(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(std::clamp(value, -65504.0f, 65504.0f));
-  const std::uint32_t sign = bits >> 16 & 0x8000, magnitude = bits & 0x7fffffff;
-  if (magnitude < 0x38800000) {  // below 2^-14 halves are multiples of 2^-24, as floats beside 1/2 are of 2^-24
-    const float shifted = std::bit_cast<float>(magnitude) + 0.5f;
-    return static_cast<std::uint16_t>(sign | (std::bit_cast<std::uint32_t>(shifted) - 0x3f000000));
-  }
-  const std::uint32_t rounded = magnitude + 0xfff + (magnitude >> 13 & 1);
-  return static_cast<std::uint16_t>(sign | ((rounded - 0x38000000) >> 13));
-}
 
 }  // namespace
 
@@ -118,7 +106,7 @@ void multum_texture(const MultumTextureChunk* chunk, std::size_t sample, float* 
 void multum_radiance_halves(const MultumTextureChunk* chunk, std::size_t sample, std::uint16_t* out) {
   const std::vector<float> texture = chunk->decoded->texture(sample);
   std::transform(texture.begin(), texture.end(), out,
-                 [](float value) { return half_bits(multum::radiance_of(value)); });
+                 [](float value) { return multum::clamped_to_half(multum::radiance_of(value)); });
 }
 
 std::size_t multum_level_texels(const MultumTextureChunk* chunk) {
@@ -129,5 +117,5 @@ void multum_radiance_levels(const MultumTextureChunk* chunk, std::size_t sample,
   std::vector<float> texture = chunk->decoded->texture(sample);
   std::transform(texture.begin(), texture.end(), texture.begin(), multum::radiance_of);
   const std::vector<float> levels = multum::mip_levels(multum_width(chunk), multum_height(chunk), texture);
-  std::transform(levels.begin(), levels.end(), out, half_bits);
+  std::transform(levels.begin(), levels.end(), out, multum::clamped_to_half);
 }

@@ -5,6 +5,9 @@
 #include <filesystem>
 #include <set>
 
+#include "host/base/error.h"
+#include "host/base/files/content_hash.h"
+
 namespace multum {
 
 ObjectPoses object_poses(const InferredManifest& field, const InferredObject& object) {
@@ -23,6 +26,14 @@ ObjectPoses object_poses(const InferredManifest& field, const InferredObject& ob
 
 std::string matrix_name(const InferredSample& sample, const InferredObject& object) {
   return "matrices/" + sample.name + "_" + object.name + ".fmx";
+}
+
+std::string checked_geometry(const InferredManifest& field, const std::string& folder) {
+  const std::string path = (std::filesystem::path(folder) / field.geometry_file).string();
+  if (hash_file(path) != field.geometry_hash)
+    throw Error(ErrorCode::kInput,
+                path + ": is not the geometry that textures were inferred for (SHA-256 " + field.geometry_hash + ")");
+  return path;
 }
 
 std::vector<std::string> inferred_field_files(const std::string& manifest_path) {

@@ -39,12 +39,6 @@ void make_folder(const std::string& path) {
   if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
 }
 
-std::string partial_folder(const std::string& output) {
-  const fs::path path(output);
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return (folder / (".multum-partial-" + path.filename().string())).string();
-}
-
 void check_writable(const std::string& path) {
   // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
   const AtomicFile probe(path);

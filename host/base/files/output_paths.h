@@ -14,9 +14,6 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
 /// Makes a folder, and those that it lies in, where it is not there yet. Throws Error(kEnvironment).
 void make_folder(const std::string& path);
 
-/// The hidden folder beside an output for what is done of it so far: ".multum-partial-NAME".
-std::string partial_folder(const std::string& output);
-
 /// Throws Error(kEnvironment, or kUsage for a folder) when no file of this name can be written; creates none.
 void check_writable(const std::string& path);
 

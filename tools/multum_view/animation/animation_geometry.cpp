@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/animation/animation_geometry.h"
 
-#include <filesystem>
-
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
+#include "host/asset/inferred/field_files.h"
 
 namespace multum {
 
 AnimationGeometry::AnimationGeometry(const gl::GlFunctions& gl, const InferredManifest& manifest,
                                      const std::string& folder)
     : manifest_(manifest) {
-  const std::string geometry = (std::filesystem::path(folder) / manifest.geometry_file).string();
-  if (hash_file(geometry) != manifest.geometry_hash)
-    throw Error(ErrorCode::kInput, geometry + ": is not the geometry that textures were inferred for (SHA-256 " +
-                                       manifest.geometry_hash + ")");
+  const std::string geometry = checked_geometry(manifest, folder);
   meshes_ = read_object_meshes(geometry, manifest.uv_set);
   for (const InferredObject& object : manifest.objects) {
     places_.push_back(find_object(meshes_, object.mesh, geometry));
