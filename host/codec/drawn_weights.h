@@ -24,6 +24,10 @@ constexpr std::size_t kShareCell = 16;
 std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMatrix>& matrices,
                                                      const CoefficientLayout& layout);
 
+/// By how much energies of cosines grow in each block of which only a part is seen: errors of coefficients add up
+/// there. `masses`: texel_masses. Energies of coefficient_energies have grown by it.
+std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses);
+
 /// What the finest texels, with what the coarser ones hand down to them, weigh in the picture: A^T 1.
 std::vector<float> texel_masses(const FilterMatrix& matrix);
 
@@ -36,5 +40,8 @@ std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
 
 /// The cell of each coefficient.
 std::vector<std::uint32_t> cells_of_coefficients(const CoefficientLayout& layout);
+
+/// Sums of a value of each texel over each cell, row by row; `texels`: [height][width].
+std::vector<float> cell_sums(std::size_t width, const std::vector<float>& texels);
 
 }  // namespace multum

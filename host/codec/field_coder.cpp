@@ -128,13 +128,13 @@ ChosenChunk FieldCoder::coded(std::size_t number, const ChunkSettings* before, d
   std::optional<ChunkSource> own;
   const ChunkSource& textures = textures_of(number, own);
   const auto weights_of = [&](ImageCoder coder, std::size_t side) -> CoefficientWeights {
-    const auto& energies = chunk.weights->energies.at({coder, side});
+    const PoseEnergies& energies = chunk.weights->energies.at({coder, side});
     return [&, cells = cells_of_coefficients({coder, chunk.width, chunk.height, side})](std::size_t sample) {
       advance(0);
       std::vector<float> sum(cells.size());
       for (const std::size_t s : chunk.seen_at[sample]) {
         const std::vector<float>& shares = chunk.weights->shares[s][chunk.layer_of_object];
-        const std::vector<float>& energy = energies[chunk.weights->pose_of_sample[s]];
+        const std::vector<float> energy = energies.of(chunk.weights->pose_of_sample[s], cells);
         for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += energy[j] * shares[cells[j]];
       }
       return sum;

@@ -85,12 +85,11 @@ std::string journal_key(const FieldPackSettings& settings, const FieldSource& so
 }
 
 std::uint64_t weight_bytes(const FieldSource& source) {
-  std::uint64_t values = 0;
+  std::uint64_t bytes = 0;
   for (const auto& weights : source.weights)
-    for (const auto& [coder, poses] : weights->energies)
-      for (const std::vector<float>& energies : poses) values += energies.size();
-  for (const ChunkToCode& chunk : source.chunks) values += chunk.texel_weights.size();
-  return values * sizeof(float);
+    for (const auto& [coder, energies] : weights->energies) bytes += energies.bytes();
+  for (const ChunkToCode& chunk : source.chunks) bytes += chunk.texel_weights.size() * sizeof(float);
+  return bytes;
 }
 
 FieldPackReport report_of(const FieldPackSettings& settings, const FieldSource& source, const FieldCoder& coder,

@@ -36,7 +36,7 @@ InferredTexture read_texture_of(const std::string& folder, const std::string& na
   return texture;
 }
 
-const TextureMapping& mapping_of(const InferredObject& object, std::size_t sample) {
+const TextureMapping& mapping_of_sample(const InferredObject& object, std::size_t sample) {
   return object.mappings[static_cast<std::size_t>(object.mapping_of_sample[sample])];
 }
 
@@ -78,29 +78,32 @@ class ObjectReading {
       std::vector<std::size_t> poses;  // of one size of textures
     };
     constexpr std::size_t kPosesMax = 8;
+    const auto measured = measured_of_poses();
+    const auto is_measured = [&](std::size_t p) { return measured[p].front() == p; };
     std::map<std::pair<int, int>, std::vector<std::size_t>> by_size;
-    for (std::size_t p = 0; p < poses_.size(); ++p) {
-      const TextureMapping& mapping = mapping_of(object_, poses_[p].samples.front());
-      by_size[{mapping.width, mapping.height}].push_back(p);
-    }
+    for (std::size_t p = 0; p < poses_.size(); ++p)
+      if (is_measured(p)) by_size[{mapping_of(p).width, mapping_of(p).height}].push_back(p);
     std::vector<Item> items;
     for (const CoderAndSide& coder : settings_.coders) {
-      weights_.energies[coder].resize(poses_.size());
+      weights_.energies.emplace(coder, PoseEnergies(poses_.size()));
       for (const auto& [size, poses] : by_size)
         for (std::size_t k = 0; k < poses.size(); ++k) {
           if (k % kPosesMax == 0) items.push_back({coder, {}});
           items.back().poses.push_back(poses[k]);
         }
+      for (std::size_t p = 0; p < poses_.size(); ++p)
+        if (!is_measured(p))
+          weights_.energies.at(coder).set_like(p, layout_of(coder, p), measured[p], poses_[p].masses);
     }
     for_each_item(static_cast<int>(items.size()), settings_.threads, [&](int i) {
       const Item& item = items[static_cast<std::size_t>(i)];
       std::vector<FilterMatrix> matrices;
       for (const std::size_t p : item.poses) matrices.push_back(read_matrix(poses_[p]));
-      const CoefficientLayout layout{item.coder.first, static_cast<std::size_t>(matrices[0].texture_width),
-                                     static_cast<std::size_t>(matrices[0].texture_height), item.coder.second};
+      const CoefficientLayout layout = layout_of(item.coder, item.poses.front());
       auto energies = coefficient_energies(matrices, layout);
       for (std::size_t k = 0; k < item.poses.size(); ++k)
-        weights_.energies.at(item.coder)[item.poses[k]] = std::move(energies[k]);
+        weights_.energies.at(item.coder)
+            .set_measured(item.poses[k], layout, std::move(energies[k]), poses_[item.poses[k]].masses);
       advance(progress);
     });
   }
@@ -116,8 +119,8 @@ class ObjectReading {
     chunk.seen_at.resize(count);
     std::set<std::size_t> poses;
     for (const std::size_t s : grid.samples_in(block)) {
-      chunk.width = static_cast<std::size_t>(mapping_of(object_, s).width);
-      chunk.height = static_cast<std::size_t>(mapping_of(object_, s).height);
+      chunk.width = static_cast<std::size_t>(mapping_of_sample(object_, s).width);
+      chunk.height = static_cast<std::size_t>(mapping_of_sample(object_, s).height);
       if (layer.textures[s].empty()) continue;
       const std::size_t number = block.chunk_sample(field_.samples[s].at);
       if (chunk.textures[number].empty()) chunk.textures[number] = layer.textures[s];
@@ -150,10 +153,56 @@ class ObjectReading {
     std::string checksum;
   };
 
+  const TextureMapping& mapping_of(std::size_t pose) const {
+    return mapping_of_sample(object_, poses_[pose].first_sample);
+  }
+
+  CoefficientLayout layout_of(const CoderAndSide& coder, std::size_t pose) const {
+    const TextureMapping& mapping = mapping_of(pose);
+    return {coder.first, static_cast<std::size_t>(mapping.width), static_cast<std::size_t>(mapping.height),
+            coder.second};
+  }
+
+  /// Poses with the same texture coordinates that see the object from the same place: they differ in what hides it.
+  std::vector<std::vector<std::size_t>> alike_poses() const {
+    std::vector<glm::dmat4> object_to_clip;
+    std::vector<std::vector<std::size_t>> groups;
+    for (std::size_t p = 0; p < poses_.size(); ++p) {
+      const InferredSample& sample = field_.samples[poses_[p].first_sample];
+      const auto moved = sample.object_to_world.find(object_.name);
+      object_to_clip.push_back(moved == sample.object_to_world.end() ? sample.world_to_clip
+                                                                     : sample.world_to_clip * moved->second);
+      const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<std::size_t>& poses) {
+        const std::size_t first = poses.front();
+        return &mapping_of(first) == &mapping_of(p) && object_to_clip[first] == object_to_clip[p];
+      });
+      if (group == groups.end()) groups.push_back({p});
+      else group->push_back(p);
+    }
+    return groups;
+  }
+
+  /// Of each pose, those whose energies are measured for it: itself alone, or some that are like it.
+  std::vector<std::vector<std::size_t>> measured_of_poses() const {
+    std::vector<std::vector<std::size_t>> result(poses_.size());
+    for (const std::vector<std::size_t>& poses : alike_poses()) {
+      std::vector<std::vector<float>> masses;
+      for (const std::size_t p : poses)
+        masses.push_back(cell_sums(static_cast<std::size_t>(mapping_of(p).width), poses_[p].masses));
+      std::vector<std::size_t> measured;
+      for (const std::size_t k : poses_to_measure(masses)) measured.push_back(poses[k]);
+      for (const std::size_t p : poses) {
+        const bool is_measured = std::find(measured.begin(), measured.end(), p) != measured.end();
+        result[p] = is_measured ? std::vector{p} : measured;
+      }
+    }
+    return result;
+  }
+
   FilterMatrix read_matrix(const Pose& pose) const {
     const std::string path = settings_.folder + "/" + matrix_name(field_.samples[pose.first_sample], object_);
     FilterMatrix matrix = read_filter_matrix(path);
-    const TextureMapping& mapping = mapping_of(object_, pose.first_sample);
+    const TextureMapping& mapping = mapping_of_sample(object_, pose.first_sample);
     if (matrix.texture_width != mapping.width || matrix.texture_height != mapping.height)
       refuse_file(path, fmt::format("is of a texture of {} x {}, the manifest's mapping of {} x {}",
                                     matrix.texture_width, matrix.texture_height, mapping.width, mapping.height));
@@ -174,7 +223,7 @@ class ObjectReading {
   }
 
   InferredTexture first_read(std::size_t sample, const std::string& name) {
-    const TextureMapping& mapping = mapping_of(object_, sample);
+    const TextureMapping& mapping = mapping_of_sample(object_, sample);
     InferredTexture texture = read_texture_of(settings_.folder, name, static_cast<std::size_t>(mapping.width),
                                               static_cast<std::size_t>(mapping.height));
     Checksum checksum;

@@ -12,15 +12,16 @@
 #include "host/base/progress.h"
 #include "host/codec/chunk_choice.h"
 #include "host/codec/field_description.h"
+#include "host/codec/pose_energies.h"
 
 namespace multum {
 
 /// What weighs the errors of an object's textures.
 struct ObjectWeights {
   std::vector<std::size_t> pose_of_sample;
-  std::vector<std::vector<std::vector<float>>> shares;               // [sample][layer][cell]: layer_shares
-  std::map<CoderAndSide, std::vector<std::vector<float>>> energies;  // [pose][coefficient]: coefficient_energies
-  double pixels = 0.0;                                               // covered, of all samples
+  std::vector<std::vector<std::vector<float>>> shares;  // [sample][layer][cell]: layer_shares
+  std::map<CoderAndSide, PoseEnergies> energies;
+  double pixels = 0.0;  // covered, of all samples
 };
 
 /// The textures of one layer of an object over one block of the parameters.

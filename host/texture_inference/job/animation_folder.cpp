@@ -28,10 +28,11 @@ constexpr const char* kExpected =
     "expected a folder of renders: scene.json beside geometry.glb, .gltf or .obj, rad_vVV_pPP.exr, and geom_vVV.exr or "
     "id_vVV_pPP.png";
 
-// Samples along a parameter that share texture coordinates: all, or blocks as even as may be of at most 8, the size of
-// Hakura et al. (sec. 4).
+// Samples along a parameter that share texture coordinates: all, or blocks as even as may be of at most 16. Hakura et
+// al. (sec. 4) have blocks of 8; but diffuse textures of two blocks are packed twice: with one block for its 16 views,
+// field_demo2 has 0.88 of the error at 192:1.
 int even_block(int count) {
-  constexpr int kBlockMax = 8;
+  constexpr int kBlockMax = 16;
   if (count <= kBlockMax) return 0;
   const int blocks = (count + kBlockMax - 1) / kBlockMax;
   return (count + blocks - 1) / blocks;

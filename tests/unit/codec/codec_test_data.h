@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes what tests of the codec share: random bytes and pictures, damaged copies, errors.
+// Makes what tests of the codec share: random bytes and pictures, filter matrices, damaged copies, errors.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "host/asset/inferred/filter_matrix.h"
 #include "host/base/split_mix.h"
 
 namespace multum {
@@ -39,6 +40,28 @@ inline std::vector<float> test_plane(std::size_t width, std::size_t height, doub
           120.0 + 50.0 * std::sin(0.13 * static_cast<double>(x) + phase) * std::cos(0.21 * static_cast<double>(y)) +
           (2 * x > width + y ? 40.0 : 0.0) + noise * (random.uniform() - 0.5));
   return plane;
+}
+
+/// Pixels that average squares of `block` x `block` texels of the finest level, of columns begin to end alone.
+inline FilterMatrix seen_columns(int width, int height, int block, int begin, int end) {
+  FilterMatrix matrix;
+  matrix.width = width / block;
+  matrix.height = height / block;
+  matrix.texture_width = width;
+  matrix.texture_height = height;
+  matrix.row_begin.push_back(0);
+  for (int y = 0; y < height / block; ++y)
+    for (int x = begin / block; x < end / block; ++x) {
+      matrix.pixels.push_back(static_cast<std::uint32_t>(y * matrix.width + x));
+      matrix.coverage.push_back(1.0f);
+      for (int j = 0; j < block; ++j)
+        for (int i = 0; i < block; ++i) {
+          matrix.columns.push_back(static_cast<std::uint32_t>((y * block + j) * width + x * block + i));
+          matrix.weights.push_back(1.0f / static_cast<float>(block * block));
+        }
+      matrix.row_begin.push_back(static_cast<std::uint32_t>(matrix.columns.size()));
+    }
+  return matrix;
 }
 
 inline double mean_square(const std::vector<float>& a, const std::vector<float>& b) {

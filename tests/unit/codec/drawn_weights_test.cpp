@@ -9,27 +9,8 @@
 namespace multum {
 namespace {
 
-/// Pixels that average squares of `block` x `block` texels of the finest level, for the texture's left half alone.
-FilterMatrix half_seen(int width, int height, int block) {
-  FilterMatrix matrix;
-  matrix.width = width / block;
-  matrix.height = height / block;
-  matrix.texture_width = width;
-  matrix.texture_height = height;
-  matrix.row_begin.push_back(0);
-  for (int y = 0; y < height / block; ++y)
-    for (int x = 0; x < width / block / 2; ++x) {
-      matrix.pixels.push_back(static_cast<std::uint32_t>(y * matrix.width + x));
-      matrix.coverage.push_back(1.0f);
-      for (int j = 0; j < block; ++j)
-        for (int i = 0; i < block; ++i) {
-          matrix.columns.push_back(static_cast<std::uint32_t>((y * block + j) * width + x * block + i));
-          matrix.weights.push_back(1.0f / static_cast<float>(block * block));
-        }
-      matrix.row_begin.push_back(static_cast<std::uint32_t>(matrix.columns.size()));
-    }
-  return matrix;
-}
+/// The texture's left half alone.
+FilterMatrix half_seen(int width, int height, int block) { return seen_columns(width, height, block, 0, width / 2); }
 
 std::vector<float> energies_of(const FilterMatrix& matrix, const CoefficientLayout& layout) {
   return coefficient_energies({matrix}, layout).at(0);
