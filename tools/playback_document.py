@@ -4,13 +4,15 @@
 
     tools/playback_document.py FIELD... --work DIR -o docs/PLAYBACK.md [--bin DIR] [--parts PART...] [--measure-nothing]
 
-FIELD is a folder of ray-traced frames that `multum animation` understands (docs/ANIMATION.md); each gets a section. Its
-textures are inferred once, into DIR; every figure is a row of DIR/rows.json as soon as it is there, and is not measured
+FIELD is a folder of ray-traced frames that `multum animation` understands (docs/ANIMATION.md); each gets a section.
+Where a parameter of it runs over two things at once, --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT tells them apart.
+Textures are inferred once, into DIR; every figure is a row of DIR/rows.json as soon as it is there, and is not measured
 again while it is. --measure-nothing makes the page of those alone. Videos need Debian's ffmpeg.
 """
 import argparse
 import datetime
 import json
+import math
 import pathlib
 import re
 import shutil
@@ -20,8 +22,9 @@ import zlib
 import committed_tree
 from debian_python import use_a_python_with
 
-PARTS = ("curves", "video", "coder", "inference", "costs")
+PARTS = ("curves", "video", "coder", "inference", "costs", "dimensions")
 RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
+GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
 # Name, options of `multum pack`, colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
@@ -139,6 +142,34 @@ class FieldMeasurement:
             self.rows.measured(self.name, "cost", f"{threads} threads", lambda: {
                 "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
 
+    def measure_dimensions(self, video_codecs, ratios):
+        """The field's first two parameters alone, at the middle of the others, then one more each time."""
+        from parameter_grid import with_leading_parameters
+        names = self.field.parameters
+        for kept in range(2, len(names) + 1):
+            def measure():
+                part = self
+                if kept < len(names):
+                    job, inferred = self.scratch / f"leading{kept}.toml", self.scratch / f"leading{kept}"
+                    job.write_text(with_leading_parameters(self.field.path.read_text(), kept))
+                    shutil.rmtree(inferred, ignore_errors=True)
+                    self.programs.infer(job, inferred)
+                    part = FieldMeasurement(self.name, job, inferred, self.programs, self.rows, self.stated)
+                return {"counts": part.field.counts, "raw_bytes": part.field.raw_bytes,
+                        **part.errors_of_growth(video_codecs, ratios)}
+            self.rows.measured(self.name, "dimension", ", ".join(names[:kept]), measure)
+
+    def errors_of_growth(self, video_codecs, ratios):
+        """`at`: of each ratio, errors of what is packed, all and beside inferred textures, and of a video."""
+        from fields import mse
+        points = []
+        for ratio in ratios:
+            size, frames = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
+            packed = self.packed(["--ratio", f"{ratio:g}"])
+            points.append({"ratio": ratio, "pack": packed.get("mse"), "beside": packed.get("mse_beside_inferred"),
+                           "video": mse(frames, self.traced), "video_ratio": self.field.raw_bytes / size})
+        return {"own": mse(self.own, self.traced), "at": points}
+
     def stated_errors(self, inferred):
         """MSE at each stated ratio, and the processor seconds of packing at the main one; of a curve, where it has
         them."""
@@ -186,15 +217,19 @@ def with_texture_settings(job, changes):
     return head + texture + rest
 
 
-def prepared(folder, work, programs, rows):
-    """Makes the job and infers the textures, where that was not done. Name, job, folder of textures."""
+def prepared(folder, work, programs, rows, split):
+    """Makes the job and infers the textures, where that was not done. Name, job, folder of textures. `split`: a
+    parameter that is several, and these, as with_split_parameter has them; or None."""
     from fields import Field, mse
+    from parameter_grid import with_split_parameter
     name = folder.name
     own = work / name
     job, inferred = own / "animation.toml", own / "inferred"
     own.mkdir(parents=True, exist_ok=True)
     if not job.exists():
         programs.job(folder, job)
+        if split:
+            job.write_text(with_split_parameter(job.read_text(), *split))
 
     def measure():
         if not (inferred / "inferred.json").exists():
@@ -340,9 +375,7 @@ def costs_section(rows, name, main):
     found = [row for row in found if "refused" not in row]
     if not found:
         return []
-    samples = 1
-    for count in field["counts"]:
-        samples *= count
+    samples = math.prod(field["counts"])
     line = lambda what, row: [what, f"{row['seconds']:.0f}", f"{row['processor_seconds']:.0f}",
                               f"{row['processor_seconds'] / samples:.2f}", f"{row['memory_bytes'] / 2 ** 20:.0f}"]
     return ["### What it takes",
@@ -354,11 +387,35 @@ def costs_section(rows, name, main):
             "process held."]
 
 
+def dimensions_section(rows, name, leading):
+    found = rows.of(name, "dimension")
+    if len(found) < 2:
+        return []
+    lines = []
+    for row in found:
+        cells = [cell for at in row["at"] for cell in (
+            number(at["pack"]), number(at["beside"]), f"{at['video']:.1f} ({at['video_ratio']:.0f}:1)")]
+        lines.append([row["name"], math.prod(row["counts"]), f"{row['raw_bytes']:,}", number(row["own"]), *cells])
+    head = ["parameters", "samples", "raw bytes", "MSE of inferred textures"]
+    for at in found[0]["at"]:
+        head += [f"MSE at {at['ratio']:g}:1", "beside inferred textures", leading]
+    before, after = found[-2]["at"][-1], found[-1]["at"][-1]
+    words = ""
+    if after["beside"] and before["beside"]:
+        words = (f" With `{found[-1]['name'].split(', ')[-1]}` as one parameter more, what packing adds at "
+                 f"{after['ratio']:g}:1 is {after['beside'] / before['beside']:.2f} times as much, and the error of "
+                 f"{leading} {after['video'] / before['video']:.2f} times.")
+    return ["### What another parameter costs",
+            table(head, lines),
+            "The first parameters alone are at the middle samples of the others. At one ratio a field of more samples "
+            "has as many times the bytes." + words]
+
+
 def document(rows, names, video_codecs, stated, machine, pictures):
     main = stated[len(stated) // 2]
     parts = ["# Packed animations beside video codecs",
              f"Generated by `tools/playback_document.py` ({machine}). Do not edit.",
-             "Fields of ray-traced frames over two parameters ([ANIMATION](ANIMATION.md)): their textures inferred by "
+             "Fields of ray-traced frames over some parameters ([ANIMATION](ANIMATION.md)): their textures inferred by "
              "`multum infer`, packed by `multum pack`, unpacked and drawn by `multum-view sample`. MSE: mean squared "
              "error of red, green and blue in 8-bit values at gamma 2.2, over all pixels of all samples, silhouettes "
              "included, beside the traced frames. A ratio is that of raw 24-bit frames to all that is stored but the "
@@ -378,8 +435,18 @@ def document(rows, names, video_codecs, stated, machine, pictures):
                   f"{row['geometry_bytes']:,} bytes, {row['geometry_deflated_bytes']:,} deflated. Frames drawn of the "
                   f"inferred textures, nothing packed, have an MSE of {row['own']:.1f}.",
                   *curves_section(rows, name, video_codecs, stated, pictures), *coder_section(rows, name, main),
-                  *inference_section(rows, name, stated), *costs_section(rows, name, main)]
+                  *inference_section(rows, name, stated), *costs_section(rows, name, main),
+                  *dimensions_section(rows, name, video_codecs.LEADING)]
     return "\n\n".join(parts) + "\n"
+
+
+def split_parameter(parser, text):
+    """("PARAMETER", [("NAME", COUNT), ...]) of PARAMETER=NAME:COUNT,..."""
+    found = re.fullmatch(r"(\w+)=(\w+:[1-9]\d*(?:,\w+:[1-9]\d*)+)", text)
+    if not found:
+        parser.error(f"--split: '{text}' is not PARAMETER=NAME:COUNT,NAME:COUNT")
+    parts = [one.split(":") for one in found.group(2).split(",")]
+    return found.group(1), [(name, int(count)) for name, count in parts]
 
 
 def arguments():
@@ -388,12 +455,16 @@ def arguments():
     parser.add_argument("--bin", default="build/release/bin", type=pathlib.Path, help="folder of multum, multum-view")
     parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of textures and rows.json")
     parser.add_argument("--parts", nargs="+", default=PARTS, choices=PARTS, help="what is measured (default: all)")
+    parser.add_argument("--split", nargs=2, action="append", default=[], metavar=("FIELD", "PARAMETER=NAME:COUNT,..."),
+                        help="a field's parameter that is several, the last of which runs fastest")
     parser.add_argument("--ratios", nargs="+", type=float, default=[48, 96, 192, 384, 768, 1000],
                         help="of the curves of multum pack")
     parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"), help="of the curves of multum pack")
     parser.add_argument("--videos", nargs="+", help="codecs by their names' beginnings, as 'AV1' (default: all)")
     parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
                         help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
+    parser.add_argument("--growth", nargs="+", type=float, default=GROWTH_RATIOS,
+                        help="ratios at which more and more parameters are compared (default: 96 192)")
     parser.add_argument("--measure-nothing", action="store_true", help="make the page of the rows that are there")
     parser.add_argument("--context", default="auto", help="GL that draws: auto, egl, osmesa")
     parser.add_argument("--inferences", type=int, default=len(INFERENCES),
@@ -401,7 +472,9 @@ def arguments():
     parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     committed_tree.add_option(parser)
-    return parser.parse_args()
+    given = parser.parse_args()
+    given.split = [(field, split_parameter(parser, text)) for field, text in given.split]
+    return given
 
 
 def main():
@@ -411,12 +484,13 @@ def main():
     sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "playback"))
     import video_codecs
     from programs import Programs
-    if "video" in given.parts and not given.measure_nothing:
+    if {"video", "dimensions"} & set(given.parts) and not given.measure_nothing:
         video_codecs.require_ffmpeg()
     given.work.mkdir(parents=True, exist_ok=True)
     programs, rows = Programs(given.bin, given.context), Rows(given.work / "rows.json", commit)
     for folder in [] if given.measure_nothing else given.fields:
-        field = FieldMeasurement(*prepared(folder, given.work, programs, rows), programs, rows, given.stated)
+        split = next((one for name, one in given.split if name == folder.name), None)
+        field = FieldMeasurement(*prepared(folder, given.work, programs, rows, split), programs, rows, given.stated)
         if "curves" in given.parts:
             field.measure_curves(given.ratios, given.coders)
         if "video" in given.parts:
@@ -425,6 +499,8 @@ def main():
             field.measure_coder_sets()
         if "costs" in given.parts:
             field.measure_costs()
+        if "dimensions" in given.parts and len(field.field.parameters) > 2:
+            field.measure_dimensions(video_codecs, given.growth)
         if "inference" in given.parts:
             field.measure_inference(given.keep, given.inferences)
     names = [folder.name for folder in given.fields]

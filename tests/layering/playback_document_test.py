@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 import xml.etree.ElementTree
 
@@ -22,6 +23,7 @@ TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
 sys.path[:0] = [str(TOOLS), str(TOOLS / "playback")]
 import curves  # noqa: E402
 import fields  # noqa: E402
+import parameter_grid  # noqa: E402
 import playback_document  # noqa: E402
 import video_codecs  # noqa: E402
 
@@ -95,6 +97,31 @@ class PartsTest(unittest.TestCase):
         with self.assertRaisesRegex(SystemExit, "no side_max"):
             playback_document.with_texture_settings(job, {"side_max": 2})
 
+    def test_a_parameter_becomes_two_and_is_left_out_again(self):
+        job = "".join(['a = 1\n[texture]\nwrap = "clamp"\n\n',
+                       *[f'[[parameter]]\nname = "{name}"\ncount = {count}  # samples\n\n'
+                         for name, count in (("view", 2), ("moved", 6))],
+                       '[[layer]]\nname = "diffuse"\ndepends_on = ["moved"]  # x\n\n',
+                       *[f'[[sample]]\nat = [{v}, {p}]\nname = "{v}_{p}"\n[sample.object_to_world]\n"a" = [[1.0]]\n\n'
+                         for v in range(2) for p in range(6)]])
+        split = tomllib.loads(parameter_grid.with_split_parameter(job, "moved", [("turn", 3), ("light", 2)]))
+        self.assertEqual([(one["name"], one["count"]) for one in split["parameter"]],
+                         [("view", 2), ("turn", 3), ("light", 2)])
+        self.assertEqual(split["layer"][0]["depends_on"], ["turn", "light"])
+        self.assertEqual({one["name"]: one["at"] for one in split["sample"]},
+                         {f"{v}_{p}": [v, p // 2, p % 2] for v in range(2) for p in range(6)})
+        whole = parameter_grid.with_split_parameter(job, "moved", [("turn", 3), ("light", 2)])
+        part = tomllib.loads(parameter_grid.with_leading_parameters(whole, 2))
+        self.assertEqual([one["name"] for one in part["parameter"]], ["view", "turn"])
+        self.assertEqual(part["layer"][0]["depends_on"], ["turn"])
+        self.assertEqual([(one["at"], one["name"]) for one in part["sample"]],
+                         [([v, t], f"{v}_{2 * t + 1}") for v in range(2) for t in range(3)])
+        self.assertEqual(part["sample"][0]["object_to_world"], {"a": [[1.0]]})
+        with self.assertRaisesRegex(SystemExit, "has 6 samples"):
+            parameter_grid.with_split_parameter(job, "moved", [("turn", 2), ("light", 2)])
+        with self.assertRaisesRegex(SystemExit, "no parameter wind"):
+            parameter_grid.with_split_parameter(job, "wind", [("turn", 2), ("light", 2)])
+
 
 class DocumentTest(unittest.TestCase):
     def setUp(self):
@@ -146,6 +173,30 @@ class DocumentTest(unittest.TestCase):
         page = (self.folder / "PLAYBACK.md").read_text()
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
         self.assertIn("commit 1;", page.split("Do not edit")[0])
+
+    @unittest.skipUnless(os.path.exists("/usr/bin/ffmpeg"), "no ffmpeg here")
+    def test_what_another_parameter_costs(self):
+        write_traced_field(self.folder / "field_small", lights=4)
+        split = ("--split", "field_small", "light=swing:2,lamp:2")
+        done = self.run_tool("--parts", "dimensions", "--growth", "8", *split)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        page = (self.folder / "PLAYBACK.md").read_text()
+        self.assertIn("2 of view x 2 of swing x 2 of lamp", page)
+        lines = re.findall(r"^\| (view, .*?) \| (\d+) \| ([\d,]+) \| (\S+) \| (\S+) \| (\S+) \| \S+ "
+                           r"\((\d+):1\) \|$", page, re.MULTILINE)
+        self.assertEqual([line[:3] for line in lines], [("view, swing", "4", "82,944"),
+                                                        ("view, swing, lamp", "8", "165,888")])
+        for line in lines:
+            own, packed, added, ratio = map(float, line[3:])
+            self.assertGreater(packed, added)
+            self.assertLess(packed, 3 * (own + added))
+            self.assertGreaterEqual(ratio, 8)
+        self.assertRegex(page, r"With `lamp` as one parameter more, what packing adds at 8:1 is \d")
+
+    def test_splits_that_are_none_are_refused(self):
+        done = self.run_tool("--split", "field_small", "light=swing")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("'light=swing' is not PARAMETER=NAME:COUNT,NAME:COUNT", done.stderr)
 
     def test_missing_ffmpeg_is_named_before_anything_is_done(self):
         done = self.run_tool(environment={"PATH": str(self.folder)})

@@ -68,16 +68,7 @@ class FieldStudy:
 
     def video(self, ratio):
         """The best quality of AV1 that is no larger than raw frames over the ratio; the smallest where none is."""
-        codec = video_codecs.CODECS[0]
-        low, high = 1, 63
-        best = video_codecs.coded(codec, high, self.traced)
-        while low < high:  # sizes fall as the number of the quality rises
-            middle = (low + high) // 2
-            size, frames = video_codecs.coded(codec, middle, self.traced)
-            if size * ratio <= self.field.raw_bytes:
-                best, high = (size, frames), middle
-            else:
-                low = middle + 1
+        best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
     def crop(self):

@@ -87,3 +87,17 @@ def coded(codec, quality, frames):
         if len(decoded) != count:
             sys.exit(f"{codec.name}: {len(decoded)} frames come out, expected {count}")
         return os.path.getsize(stream) - codec.overhead * count, rgb(decoded.astype(np.float64))
+
+
+def best_within(codec, size_max, frames):
+    """Bytes and frames of the best quality that takes at most so many bytes; of the smallest where none does."""
+    low, high = 1, 63
+    best = coded(codec, high, frames)
+    while low < high:  # sizes fall as the number of the quality rises
+        middle = (low + high) // 2
+        found = coded(codec, middle, frames)
+        if found[0] <= size_max:
+            best, high = found, middle
+        else:
+            low = middle + 1
+    return best

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Changes the grid of parameters of a job of `multum infer`: one that runs over two things at once becomes two, and
+fewer parameters leave the samples at the middle of the others. Jobs are texts of TOML as `multum animation` writes
+them: what is not of the grid stays as it is."""
+import json
+import math
+import re
+import sys
+
+
+def tables(job):
+    """The text before the first [[...]], and each of them with what belongs to it."""
+    return re.split(r"^(?=\[\[)", job, flags=re.MULTILINE)
+
+
+def is_a(table, kind):
+    return table.startswith(f"[[{kind}]]")
+
+
+def name_of(table):
+    return re.search(r'^name = "(.*)"', table, re.MULTILINE).group(1)
+
+
+def count_of(table):
+    return int(re.search(r"^count = (\d+)", table, re.MULTILINE).group(1))
+
+
+def with_value(table, key, value):
+    """`value` is given as JSON has it, which TOML reads."""
+    changed, count = re.subn(rf"^{key} = (\[.*?\]|\"[^\"]*\"|\S+)", lambda _: f"{key} = {json.dumps(value)}", table,
+                             count=1, flags=re.MULTILINE)
+    if count != 1:
+        sys.exit(f"the job has no {key} in {table.splitlines()[0]}")
+    return changed
+
+
+def list_of(table, key):
+    return json.loads(re.search(rf"^{key} = (\[.*?\])", table, re.MULTILINE).group(1))
+
+
+def with_split_parameter(job, name, parts):
+    """Of the parameter `name`, the parameters `parts`, (name, count) each; the last runs fastest."""
+    parameters = [table for table in tables(job) if is_a(table, "parameter")]
+    place = next((k for k, table in enumerate(parameters) if name_of(table) == name), None)
+    if place is None:
+        sys.exit(f"the job has no parameter {name}")
+    counts = [count for _, count in parts]
+    if math.prod(counts) != count_of(parameters[place]):
+        sys.exit(f"{name} has {count_of(parameters[place])} samples, expected the product of {counts}")
+    result = []
+    for table in tables(job):
+        if is_a(table, "parameter") and name_of(table) == name:
+            result += [with_value(with_value(table, "name", part), "count", count) for part, count in parts]
+            continue
+        if is_a(table, "layer"):
+            names = [one for old in list_of(table, "depends_on")
+                     for one in ([part for part, _ in parts] if old == name else [old])]
+            table = with_value(table, "depends_on", names)
+        elif is_a(table, "sample"):
+            at = list_of(table, "at")
+            rest, digits = at[place], []
+            for count in reversed(counts):
+                digits.insert(0, rest % count)
+                rest //= count
+            table = with_value(table, "at", at[:place] + digits + at[place + 1:])
+        result.append(table)
+    return "".join(result)
+
+
+def with_leading_parameters(job, kept):
+    """The first `kept` parameters alone, at the middle samples of the others."""
+    parameters = [table for table in tables(job) if is_a(table, "parameter")]
+    names = [name_of(table) for table in parameters]
+    middle = [count_of(table) // 2 for table in parameters]
+    result = []
+    for table in tables(job):
+        if is_a(table, "parameter") and name_of(table) in names[kept:]:
+            continue
+        if is_a(table, "layer"):
+            left = [one for one in list_of(table, "depends_on") if one in names[:kept]]
+            table = with_value(table, "depends_on", left)
+        if is_a(table, "sample"):
+            at = list_of(table, "at")
+            if at[kept:] != middle[kept:]:
+                continue
+            table = with_value(table, "at", at[:kept])
+        result.append(table)
+    return "".join(result)
