@@ -262,7 +262,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({}), kUsage,
                  {"no command",
                   "bake plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
-                  "animation infer pack unpack player serve rescue submit",
+                  "animation infer openjd pack unpack player serve rescue submit",
                   "--help"});
   expect_failure(multum({"cook"}), kUsage, {"unknown command 'cook'", ": bake"});
   expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});

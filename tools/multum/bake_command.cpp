@@ -17,6 +17,7 @@
 #include "tools/multum/bake_manifest_mode.h"
 #include "tools/multum/bake_print.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/openjd_lines.h"
 #include "tools/multum/scene_mode.h"
 
 namespace multum {
@@ -28,6 +29,7 @@ struct BakeOptions {
   ParameterValues values{bake_parameters()};
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
+  std::string shard;  // empty: all of them
 };
 
 std::optional<MapRegion> parse_region(const std::string& text) {
@@ -85,8 +87,9 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
 // Each map for itself: one that fails does not keep the others from their bake. The exit code is the first failure's.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
-  std::size_t unchanged = 0, failed = 0;
+  std::size_t unchanged = 0, failed = 0, begun = 0;
   for (const BakeJob& job : jobs) {
+    openjd_part(begun++, jobs.size());
     try {
       if (has_target(o)) {
         unchanged += bake_chosen(job, o, device).unchanged ? 1 : 0;
@@ -112,6 +115,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   BakeJob& job = o.job;
   const bool has_manifest = !o.manifest.manifest.empty();
   const bool has_scene = o.inputs.size() == 1 && o.inputs[0].ends_with(".toml");
+  const WorkShard shard = o.shard.empty() ? WorkShard() : parse_work_shard("--shard", o.shard);
   if (has_manifest) check_no_map_is_given(bake, o.manifest);
   else if (o.inputs.empty() || job.output.empty()) throw CLI::RequiredError(o.inputs.empty() ? "input" : "--output");
   if (has_scene) check_no_map_option_is_given(bake, o.inputs[0]);
@@ -121,18 +125,27 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_target_options(o);
   apply(o.values, job);
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
-  if (has_manifest) return run_manifest(o.manifest, job, device_choice, printing(o));
+  if (has_manifest) {
+    o.manifest.shard = shard;
+    return run_manifest(o.manifest, job, device_choice, o.common, printing(o));
+  }
+  if (has_scene && !o.shard.empty())
+    throw Error(ErrorCode::kUsage, o.inputs[0] + ": --shard divides several maps, found a scene");
   if (has_scene) return run_scene(o.inputs[0], job, device_choice, o.common, printing(o));
   if (o.values.has("region") == job.onto.empty())
     throw Error(
         ErrorCode::kUsage,
         "--region and --onto need each other: the part that was edited, and the file that was baked before the edit");
   job.region = parse_region(o.values.text("region").value_or(""));
-  const std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
+  std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
+  const bool is_several = jobs.size() > 1;
+  if (!o.shard.empty() && !is_several)
+    throw Error(ErrorCode::kUsage, "--shard divides several maps, a set or a manifest, found one map: " + o.inputs[0]);
+  jobs = pieces_of(shard, std::move(jobs));
   // One map is looked at first, which may end it; of several, none is read where there is no device to bake on.
-  Device device = jobs.size() > 1 ? Device::open(device_choice) : Device::when_needed(device_choice);
+  Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
-  if (jobs.size() > 1) return bake_several(jobs, o, device);
+  if (is_several) return bake_several(jobs, o, device);
   if (has_target(o)) return bake_chosen(jobs[0], o, device), 0;
   const auto progress = make_progress(o.common);
   print_report(jobs[0], printing(o), bake_file(jobs[0], nullptr, device, progress.get()));
@@ -151,6 +164,8 @@ void add_bake_command(CLI::App& app, int* exit_code) {
                        "its maps into the folder --output (docs/SCENE.md)");
   bake->add_option("-o,--output", options->job.output,
                    "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>");
+  bake->add_option("--shard", options->shard,
+                   "bake share I of N of several maps alone, I/N, or shares I to J, I-J/N: for farms (docs/FARMS.md)");
   add_parameter_options(*bake, options->values);
   add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);

@@ -5,12 +5,12 @@
 
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/progress.h"
 #include "host/base/shown_text.h"
 #include "host/base/stopwatch.h"
 #include "host/manifest/manifest_report.h"
 #include "host/parameters/bake_parameters.h"
 #include "tools/command_line/parameter_options.h"
+#include "tools/multum/openjd_lines.h"
 
 namespace multum {
 namespace {
@@ -45,11 +45,12 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
 }
 
 // Each map for itself: one that fails does not keep the others from theirs.
-MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const BakePrinting& printing) {
+MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
+                  const BakePrinting& printing) {
   const Stopwatch stopwatch;
   MapResult result;
   try {
-    const auto progress = make_terminal_progress(!printing.quiet);
+    const auto progress = make_progress(common);
     result = run_manifest_map(map, o.run, device, progress.get());
   } catch (const Error& error) {
     result = failed_map(map, error);
@@ -100,14 +101,18 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
 }
 
 int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const DeviceChoice& device_choice,
-                 BakePrinting printing) {
+                 const CommonOptions& common, BakePrinting printing) {
   const Stopwatch stopwatch;
   if (o.summary == kStdout) printing.out = stderr;
-  const std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
+  std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
   check_result_files(o, maps);
+  maps = pieces_of(o.shard, std::move(maps));
   Device device = Device::open(device_choice);
   ManifestOutcome outcome{o.manifest, o.run, {}, 0.0};
-  for (const ManifestMap& map : maps) outcome.results.push_back(run_map(map, o, device, printing));
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    openjd_part(i, maps.size());
+    outcome.results.push_back(run_map(maps[i], o, device, common, printing));
+  }
   outcome.seconds = stopwatch.seconds();
   print_outcome(outcome, printing);
   if (!o.junit.empty()) write_text_file(o.junit, manifest_junit(outcome));

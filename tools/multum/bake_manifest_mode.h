@@ -7,8 +7,10 @@
 #include <CLI/CLI.hpp>
 
 #include "host/bake/bake_job.h"
+#include "host/base/work_shard.h"
 #include "host/manifest/manifest_run.h"
 #include "tools/multum/bake_print.h"
+#include "tools/multum/commands.h"
 
 namespace multum {
 
@@ -17,6 +19,7 @@ struct ManifestModeOptions {
   ManifestRunSettings run;
   std::string junit;    // empty: none
   std::string summary;  // empty: none; "-": to stdout, and nothing else goes there
+  WorkShard shard;      // of the maps
 };
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& options);
@@ -26,6 +29,6 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& opti
 
 /// Returns the exit code. `pattern` has what is the same for all maps.
 int run_manifest(const ManifestModeOptions& options, const BakeJob& pattern, const DeviceChoice& device,
-                 BakePrinting printing);
+                 const CommonOptions& common, BakePrinting printing);
 
 }  // namespace multum

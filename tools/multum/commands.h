@@ -16,6 +16,7 @@ struct CommonOptions {
   int threads = 0;  // 0: all cores
   bool verbose = false;
   bool quiet = false;
+  bool openjd = false;  // print lines for whoever runs this as a task (tools/multum/openjd_lines.h)
 };
 
 /// Applies verbosity and thread count to everything below; to be called before the first OpenCL or image call.
@@ -37,6 +38,8 @@ std::string find_viewer();
 void add_animation_command(CLI::App& app, int* exit_code);
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_infer_command(CLI::App& app, int* exit_code);
+/// Another command's words as a bundle for farms; `check_words` throws Error(kUsage) where they are none.
+void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words));
 /// pack, unpack.
 void add_pack_commands(CLI::App& app, int* exit_code);
 void add_player_command(CLI::App& app, int* exit_code);

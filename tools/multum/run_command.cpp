@@ -12,6 +12,7 @@
 #include "host/opencl/program_cache.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/openjd_lines.h"
 
 namespace multum {
 namespace {
@@ -30,6 +31,43 @@ std::string program_cache_folder() {
 Progress::Callback& listener() {
   static Progress::Callback callback;
   return callback;
+}
+
+void check_words(const std::vector<std::string>& words);
+
+void add_commands(CLI::App& app, int* exit_code) {
+  add_bake_command(app, exit_code);
+  add_plan_command(app, exit_code);
+  add_tradeoff_command(app, exit_code);
+  add_info_command(app, exit_code);
+  add_verify_command(app, exit_code);
+  add_devices_command(app, exit_code);
+  add_selftest_command(app, exit_code);
+  add_testmap_command(app, exit_code);
+  add_pyramid_commands(app, exit_code);
+  add_materials_command(app, exit_code);
+  add_parameters_command(app, exit_code);
+  add_animation_command(app, exit_code);
+  add_infer_command(app, exit_code);
+  add_openjd_command(app, exit_code, check_words);
+  add_pack_commands(app, exit_code);
+  add_player_command(app, exit_code);
+  add_serve_commands(app, exit_code);
+  add_client_commands(app, exit_code);
+}
+
+// Parses the words of a command, and runs nothing. Throws Error(kUsage).
+void check_words(const std::vector<std::string>& words) {
+  CLI::App app("", "multum");
+  app.require_subcommand(1);
+  int ignored = 0;
+  add_commands(app, &ignored);
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) command->callback([] {});
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& error) {
+    throw Error(ErrorCode::kUsage, words.front() + ": " + error.what());
+  }
 }
 
 }  // namespace
@@ -55,29 +93,18 @@ int run_command(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message(usage_error);
   int exit_code = 0;
-  add_bake_command(app, &exit_code);
-  add_plan_command(app, &exit_code);
-  add_tradeoff_command(app, &exit_code);
-  add_info_command(app, &exit_code);
-  add_verify_command(app, &exit_code);
-  add_devices_command(app, &exit_code);
-  add_selftest_command(app, &exit_code);
-  add_testmap_command(app, &exit_code);
-  add_pyramid_commands(app, &exit_code);
-  add_materials_command(app, &exit_code);
-  add_parameters_command(app, &exit_code);
-  add_animation_command(app, &exit_code);
-  add_infer_command(app, &exit_code);
-  add_pack_commands(app, &exit_code);
-  add_player_command(app, &exit_code);
-  add_serve_commands(app, &exit_code);
-  add_client_commands(app, &exit_code);
+  add_commands(app, &exit_code);
   set_program_cache_folder(program_cache_folder());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return print_parse_error(app, error);
+  } catch (const std::exception& error) {
+    if (has_openjd_lines()) print_openjd_failure(error.what());
+    throw;
   }
+  if (has_openjd_lines() && exit_code == 0) print_openjd_success();
+  else if (has_openjd_lines()) print_openjd_failure("exit code " + std::to_string(exit_code) + "; stderr says why");
   // Results count as given only when they reached stdout: a full disk or a closed pipe must not end in exit code 0.
   if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return exit_code;
@@ -95,11 +122,13 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
 }
 
 std::unique_ptr<Progress> make_progress(const CommonOptions& options) {
-  return listener() ? std::make_unique<Progress>(listener()) : make_terminal_progress(!options.quiet);
+  if (listener()) return std::make_unique<Progress>(listener());
+  return options.openjd ? make_openjd_progress() : make_terminal_progress(!options.quiet);
 }
 
 int apply(const CommonOptions& options) {
   set_log_level(options.quiet ? LogLevel::kQuiet : options.verbose ? LogLevel::kVerbose : LogLevel::kNormal);
+  if (options.openjd) begin_openjd_lines();
   const unsigned cores = std::thread::hardware_concurrency();
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(cores > 0 ? cores : 1);
   // PoCL takes its thread count from the environment when the first platform is looked for.
@@ -111,6 +140,8 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--threads", options.threads, "threads to use (default: all cores)")->check(CLI::Range(1, 1024));
   command.add_flag("-v,--verbose", options.verbose, "print plans, caches and timings too");
   command.add_flag("-q,--quiet", options.quiet, "print nothing but errors and results");
+  command.add_flag("--openjd", options.openjd,
+                   "print openjd_progress, openjd_status and openjd_fail lines (docs/FARMS.md)");
 }
 
 }  // namespace multum

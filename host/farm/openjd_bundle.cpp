@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/farm/openjd_bundle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Multum listens to SIGTERM and leaves what --resume takes.
+constexpr int kNoticeSeconds = 30;
+// Shares that a farm hands to one process: starting one, with its OpenCL programs, takes a second or less.
+constexpr int kChunkSeconds = 60;
+
+std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+
+// Input, Input2, ... , Output: in order of the words.
+std::vector<std::string> parameter_names(const FarmCommand& command) {
+  std::vector<std::string> names;
+  int inputs = 0, outputs = 0;
+  for (const FarmWord& path : command.paths) {
+    int& count = path.is_output ? outputs : inputs;
+    names.push_back(
+        fmt::format("{}{}", path.is_output ? "Output" : "Input", ++count == 1 ? "" : std::to_string(count)));
+  }
+  return names;
+}
+
+// In strings of a template {{ begins a reference, and nothing escapes it.
+void check_word(const std::string& word) {
+  if (word.find("{{") != std::string::npos)
+    throw Error(ErrorCode::kUsage,
+                word + ": holds {{, which Open Job Description takes for a reference, expected another name");
+}
+
+std::vector<std::string> template_words(const FarmCommand& command) {
+  std::vector<std::string> words = command.words;
+  for (const std::string& word : words) check_word(word);
+  const std::vector<std::string> names = parameter_names(command);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const FarmWord& path = command.paths[i];
+    std::string& word = words.at(path.word);
+    const std::size_t at = word.find(path.path);
+    MULTUM_CHECK(at != std::string::npos);
+    word.replace(at, path.path.size(), "{{Param." + names[i] + "}}");
+  }
+  if (command.shards > 1) {
+    words.emplace_back("--shard");
+    words.push_back(fmt::format("{{{{Task.Param.Shard}}}}/{}", command.shards));
+  }
+  words.emplace_back("--openjd");
+  return words;
+}
+
+void append_yaml(const FarmJson& value, int indent, bool is_in_list, std::string& out) {
+  const std::string margin(static_cast<std::size_t>(indent), ' ');
+  bool is_first = true;
+  const auto begin_line = [&] {
+    if (!is_first || !is_in_list) out += margin;
+    is_first = false;
+  };
+  const auto append_value = [&](const FarmJson& own, int own_indent) {
+    if (own.is_structured() && !own.empty()) {
+      out += '\n';
+      append_yaml(own, own_indent, false, out);
+    } else {
+      out += ' ' + own.dump() + '\n';
+    }
+  };
+  if (value.is_object()) {
+    for (const auto& [key, own] : value.items()) {
+      begin_line();
+      out += key + ':';
+      append_value(own, indent + 2);
+    }
+    return;
+  }
+  for (const FarmJson& own : value) {
+    begin_line();
+    out += '-';
+    if (own.is_object() && !own.empty()) {
+      out += ' ';
+      append_yaml(own, indent + 2, true, out);
+    } else {
+      append_value(own, indent + 2);
+    }
+  }
+}
+
+}  // namespace
+
+FarmJson openjd_template(const FarmCommand& command) {
+  FarmJson parameters = FarmJson::array();
+  const std::vector<std::string> names = parameter_names(command);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    parameters.push_back({{"name", names[i]},
+                          {"type", "PATH"},
+                          {"objectType", command.paths[i].is_folder ? "DIRECTORY" : "FILE"},
+                          {"dataFlow", command.paths[i].is_output ? "OUT" : "IN"}});
+  parameters.push_back({{"name", "Multum"},
+                        {"type", "STRING"},
+                        {"default", "multum"},
+                        {"description", "The program, by its name on PATH or its path on the workers"}});
+  FarmJson run = {{"command", "{{Param.Multum}}"},
+                  {"args", template_words(command)},
+                  {"cancelation", {{"mode", "NOTIFY_THEN_TERMINATE"}, {"notifyPeriodInSeconds", kNoticeSeconds}}}};
+  FarmJson step = {{"name", "Run"}};
+  if (command.shards > 1) {
+    const FarmJson chunks = {
+        {"defaultTaskCount", 1}, {"targetRuntimeSeconds", kChunkSeconds}, {"rangeConstraint", "CONTIGUOUS"}};
+    step["parameterSpace"] = {{"taskParameterDefinitions",
+                               {{{"name", "Shard"},
+                                 {"type", "CHUNK[INT]"},
+                                 {"range", fmt::format("1-{}", command.shards)},
+                                 {"chunks", chunks}}}}};
+  }
+  step["script"] = {{"actions", {{"onRun", run}}}};
+  if (command.threads > 0)
+    step["hostRequirements"] = {{"amounts", {{{"name", "amount.worker.vcpu"}, {"min", command.threads}}}}};
+  FarmJson job = {{"specificationVersion", "jobtemplate-2023-09"}};
+  if (command.shards > 1) job["extensions"] = {"TASK_CHUNKING"};
+  check_word(command.name);
+  job["name"] = command.name;
+  job["parameterDefinitions"] = parameters;
+  job["steps"] = {step};
+  return job;
+}
+
+FarmJson openjd_parameter_values(const FarmCommand& command) {
+  FarmJson values = FarmJson::array();
+  const std::vector<std::string> names = parameter_names(command);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    values.push_back({{"name", names[i]}, {"value", absolute(command.paths[i].path)}});
+  return {{"parameterValues", values}};
+}
+
+FarmJson openjd_asset_references(const FarmCommand& command) {
+  const auto all_absolute = [](std::vector<std::string> paths) {
+    for (std::string& path : paths) path = absolute(path);
+    std::sort(paths.begin(), paths.end());
+    paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
+    return FarmJson(paths);
+  };
+  return {
+      {"assetReferences",
+       {{"inputs", {{"filenames", all_absolute(command.inputs)}, {"directories", all_absolute(command.input_folders)}}},
+        {"outputs", {{"directories", all_absolute(command.output_folders)}}},
+        {"referencedPaths", FarmJson::array()}}}};
+}
+
+std::string yaml_text(const FarmJson& value) {
+  std::string text;
+  append_yaml(value, 0, false, text);
+  return text;
+}
+
+void write_openjd_bundle(const FarmCommand& command, const std::string& folder) {
+  const std::string texts[] = {yaml_text(openjd_template(command)), yaml_text(openjd_parameter_values(command)),
+                               yaml_text(openjd_asset_references(command))};
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed) throw Error(ErrorCode::kEnvironment, folder + ": cannot create the folder: " + failed.message());
+  const char* const names[] = {"template.yaml", "parameter_values.yaml", "asset_references.yaml"};
+  for (std::size_t i = 0; i < 3; ++i) write_text_file(folder + "/" + names[i], texts[i]);
+}
+
+}  // namespace multum

@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""multum as a render farm meets it: job bundles of Open Job Description against the published schema, run by what the
+specification says, to the same files as without a farm; shares of several maps; exit codes.
+
+  tests/cli/farms/openjd_test.py --programs FOLDER
+"""
+import hashlib
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import jsonschema
+import openjd_schema
+import yaml
+from openjd_runner import Bundle, loaded
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+programs = ROOT / "build/release/bin"
+
+
+def run(*words, cwd=None):
+    return subprocess.run([programs / "multum", *map(str, words)], capture_output=True, text=True, cwd=cwd, check=False)
+
+
+def contents(folder):
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(folder.glob("*.ndf.exr"))}
+
+
+class FarmTest(unittest.TestCase):
+    maps = 5
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+        for i in range(self.maps):
+            self.succeed("testmap", self.folder / f"rock_{1001 + i}", "--size", 32, "--seed", i + 1)
+            (self.folder / f"rock_{1001 + i}_normal.png").rename(self.folder / f"rock_{1001 + i}.png")
+        lines = [f'[[map]]\ninput = "rock_{1001 + i}.png"\noutput = "out/rock_{1001 + i}.ndf.exr"\n'
+                 for i in range(self.maps)]
+        (self.folder / "out").mkdir()
+        self.manifest = self.folder / "maps.toml"
+        self.manifest.write_text("[defaults]\nlobes = 2\n\n" + "\n".join(lines))
+
+    def succeed(self, *words):
+        done = run(*words)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done
+
+    def baked_here(self):
+        """What the manifest's maps become without a farm."""
+        self.succeed("bake", "--manifest", self.manifest)
+        there = contents(self.folder / "out")
+        self.assertEqual(len(there), self.maps)
+        shutil.rmtree(self.folder / "out")
+        (self.folder / "out").mkdir()
+        return there
+
+    def bundle(self, *words):
+        folder = self.folder / "bundle"
+        done = self.succeed("openjd", "-o", folder, *words)
+        for name, schema in (("template", openjd_schema.TEMPLATE), ("parameter_values", openjd_schema.VALUES),
+                             ("asset_references", openjd_schema.ASSETS)):
+            jsonschema.validate(loaded(folder / f"{name}.yaml"), schema)
+        bundle = Bundle(folder)
+        bundle.set("Multum", str(programs / "multum"))
+        return bundle, done.stdout
+
+
+class SharesTest(FarmTest):
+    def test_shares_make_what_one_run_makes(self):
+        whole = self.baked_here()
+        for share in ("3/3", "1/3", "2/3", "1/3"):  # in any order, and one twice
+            self.succeed("bake", "--manifest", self.manifest, "--shard", share)
+        self.assertEqual(contents(self.folder / "out"), whole)
+
+    def test_a_share_bakes_its_own_maps_alone(self):
+        self.succeed("bake", "--manifest", self.manifest, "--shard", "2/3")
+        self.assertEqual(set(contents(self.folder / "out")), {"rock_1002.ndf.exr", "rock_1005.ndf.exr"})
+        self.succeed("bake", "--manifest", self.manifest, "--shard", "6/9")  # more shares than maps
+        self.assertEqual(len(contents(self.folder / "out")), 2)
+
+    def test_shares_of_a_set(self):
+        out = f"{self.folder}/out/<UDIM>.ndf.exr"
+        self.succeed("bake", f"{self.folder}/rock_<UDIM>.png", "-o", out, "--lobes", 2, "--shard", "1-2/4")
+        self.assertEqual(set(contents(self.folder / "out")), {"1001.ndf.exr", "1002.ndf.exr", "1005.ndf.exr"})
+
+    def test_refusals(self):
+        for share in ("0/3", "4/3", "2-1/3", "1/0", "a", "1/3/5", "-1/3"):
+            done = run("bake", "--manifest", self.manifest, f"--shard={share}")
+            self.assertEqual(done.returncode, 2, share)
+            self.assertIn("expected I/N", done.stderr)
+        done = run("bake", self.folder / "rock_1001.png", "-o", self.folder / "a.ndf.exr", "--shard", "1/2")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("found one map", done.stderr)
+
+
+class BundleTest(FarmTest):
+    def test_a_manifest_is_run_to_the_same_files(self):
+        whole = self.baked_here()
+        bundle, said = self.bundle("bake", "--manifest", self.manifest)
+        self.assertIn("5 tasks", said)
+        self.assertEqual(bundle.assets["inputs"]["filenames"], sorted(
+            [str(self.manifest), *[str(self.folder / f"rock_{1001 + i}.png") for i in range(self.maps)]]))
+        self.assertEqual(bundle.assets["outputs"]["directories"], [str(self.folder / "out")])
+        tasks = bundle.run(chunk_size=2, again=[{"Task.Param.Shard": "3-4"}], order=lambda tasks: tasks[::-1])
+        self.assertEqual([(task.values["Task.Param.Shard"], task.code) for task in tasks],
+                         [("5", 0), ("3-4", 0), ("3-4", 0), ("1-2", 0)])
+        self.assertEqual(contents(self.folder / "out"), whole)
+        for task in tasks:
+            self.assertEqual(task.progress, sorted(task.progress))
+            self.assertEqual(task.progress[-1], 100)
+            self.assertFalse(task.failures)
+        first = tasks[0]
+        self.assertGreater(len(first.progress), 1)
+        self.assertTrue(any(status.startswith("read ") for status in first.statuses))
+
+    def test_maps_by_name(self):
+        maps = [self.folder / f"rock_{1001 + i}.png" for i in range(3)]
+        bundle, _ = self.bundle("--shards", 2, "--name", "rocks", "bake", *maps, "-o", self.folder / "out", "--lobes=2")
+        self.assertEqual(bundle.template["name"], "rocks")
+        self.assertEqual([one["dataFlow"] for one in bundle.template["parameterDefinitions"] if one["type"] == "PATH"],
+                         ["IN", "IN", "IN", "OUT"])
+        self.assertEqual([task.code for task in bundle.run()], [0, 0])
+        self.assertEqual(set(contents(self.folder / "out")), {f"rock_{1001 + i}.ndf.exr" for i in range(3)})
+
+    def test_files_that_a_farm_puts_elsewhere(self):
+        bundle, _ = self.bundle("bake", self.folder / "rock_1001.png", "-o", self.folder / "out/a.ndf.exr", "--lobes",
+                                "2", "--roughness", f"{self.folder / 'rock_1002.png'}:R")
+        self.assertNotIn("parameterSpace", bundle.template["steps"][0])
+        elsewhere = self.folder / "worker"
+        elsewhere.mkdir()
+        for name, file in (("Input", "rock_1001.png"), ("Input2", "rock_1002.png")):
+            (self.folder / file).rename(elsewhere / file)
+            bundle.set(name, str(elsewhere / file))
+        bundle.set("Output", str(elsewhere / "a.ndf.exr"))
+        [task] = bundle.run()
+        self.assertEqual(task.code, 0, task.text)
+        self.assertTrue((elsewhere / "a.ndf.exr").exists())
+
+    def test_a_failure_is_told(self):
+        bundle, _ = self.bundle("bake", "--manifest", self.manifest)
+        (self.folder / "rock_1002.png").write_bytes(b"no picture")
+        tasks = bundle.run()
+        self.assertEqual([task.code for task in tasks], [0, 3, 0, 0, 0])
+        self.assertEqual(tasks[1].failures, ["exit code 3; stderr says why"])
+        bundle, _ = self.bundle("bake", self.folder / "rock_1002.png", "-o", self.folder / "a.ndf.exr")
+        [task] = bundle.run()
+        self.assertEqual(task.code, 3)
+        self.assertEqual(len(task.failures), 1)
+        self.assertIn("rock_1002.png", task.failures[0])
+
+    def test_a_canceled_task_goes_on_where_it_stopped(self):
+        size = 512
+        self.succeed("testmap", self.folder / "large", "--size", size)
+        file = self.folder / "out/large.ndf.exr"
+        bundle, _ = self.bundle("bake", self.folder / "large_normal.png", "-o", file)
+        [step] = bundle.steps()
+        task = bundle.run_task(step, {}, cancel_at=1)
+        self.assertEqual(task.code, 130, task.text)
+        self.assertFalse(file.exists())
+        self.assertEqual(bundle.run_task(step, {}).code, 0)
+        resumed = contents(self.folder / "out")
+        self.succeed("bake", self.folder / "large_normal.png", "-o", file, "--force")
+        self.assertEqual(contents(self.folder / "out"), resumed)
+
+    def test_refusals(self):
+        for words, expected in ((("bake", self.folder / "none.png", "-o", "a.ndf.exr"), "found no map that is there"),
+                                (("bake", "--manifest", self.manifest, "--lobos", 3), "--lobos"),
+                                (("bake", "--manifest", self.manifest, "--shard", "1/2"), "--shards N before bake"),
+                                (("--shards", 6, "bake", "--manifest", self.manifest), "at most 5"),
+                                (("info", self.folder / "rock_1001.png"), "no command for a farm"),
+                                (("bakery",), "bakery"), ((), "found no command")):
+            done = run("openjd", "-o", self.folder / "bundle", *words)
+            self.assertEqual(done.returncode, 2, words)
+            self.assertIn(expected, done.stderr)
+            self.assertFalse((self.folder / "bundle").exists())
+
+    def test_the_schema_refuses_what_is_none(self):
+        good, _ = self.bundle("bake", "--manifest", self.manifest)
+        for change in (lambda t: t.pop("steps"), lambda t: t.update(specificationVersion="jobtemplate-2024-01"),
+                       lambda t: t.update(more=1), lambda t: t["parameterDefinitions"][0].update(objectType="file"),
+                       lambda t: t["steps"][0]["script"]["actions"]["onRun"].pop("command")):
+            template = yaml.safe_load(yaml.safe_dump(good.template))
+            change(template)
+            with self.assertRaises(jsonschema.ValidationError):
+                jsonschema.validate(template, openjd_schema.TEMPLATE)
+
+
+class DocumentTest(unittest.TestCase):
+    """docs/FARMS.md: its example for Kubernetes, by what the API's reference says of batch/v1 Jobs."""
+
+    def test_the_indexed_job(self):
+        text = (ROOT / "docs/FARMS.md").read_text()
+        [block] = re.findall(r"^```yaml\n(apiVersion: batch/v1\n.*?)^```", text, re.MULTILINE | re.DOTALL)
+        job = yaml.safe_load(block)
+        closed = openjd_schema.closed
+        text_of = {"type": "string", "minLength": 1}
+        count = {"type": "integer", "minimum": 1}
+        rule = closed({"action": {"enum": ["FailJob", "FailIndex", "Ignore", "Count"]}},
+                      onExitCodes=closed({"operator": {"enum": ["In", "NotIn"]},
+                                          "values": {"type": "array", "minItems": 1, "items": {"type": "integer"}}}),
+                      onPodConditions={"type": "array", "items": closed({"type": text_of}, status=text_of)})
+        container = closed({"name": text_of, "image": text_of}, command={"type": "array", "items": text_of},
+                           args={"type": "array", "items": text_of}, volumeMounts={"type": "array", "items": closed(
+                               {"name": text_of, "mountPath": {"type": "string", "pattern": "^/"}})})
+        pod = closed({"restartPolicy": {"const": "Never"},  # needed by podFailurePolicy
+                      "containers": {"type": "array", "minItems": 1, "items": container}},
+                     terminationGracePeriodSeconds={"type": "integer", "minimum": 30},
+                     volumes={"type": "array", "items": closed({"name": text_of}, persistentVolumeClaim=closed(
+                         {"claimName": text_of}))})
+        jsonschema.validate(job, closed(
+            {"apiVersion": {"const": "batch/v1"}, "kind": {"const": "Job"}, "metadata": closed({"name": text_of}),
+             "spec": closed({"template": closed({"spec": pod})}, completions=count, parallelism=count,
+                            completionMode={"const": "Indexed"}, backoffLimitPerIndex=count,
+                            podFailurePolicy=closed({"rules": {"type": "array", "minItems": 1, "items": rule}}))}))
+        [container] = job["spec"]["template"]["spec"]["containers"]
+        self.assertIn(f"/{job['spec']['completions']} ", container["args"][-1] + " ")
+        self.assertEqual(job["spec"]["podFailurePolicy"]["rules"][0]["onExitCodes"]["values"], [2, 3, 5])
+
+
+if __name__ == "__main__":
+    if "--programs" in sys.argv:
+        at = sys.argv.index("--programs")
+        programs = pathlib.Path(sys.argv[at + 1])
+        del sys.argv[at:at + 2]
+    unittest.main()

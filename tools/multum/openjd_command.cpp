@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum openjd: writes another command's words as a job bundle for render farms.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "host/asset/inferred/field_files.h"
+#include "host/bake/bake_batch.h"
+#include "host/base/error.h"
+#include "host/base/files/output_paths.h"
+#include "host/base/shown_text.h"
+#include "host/farm/openjd_bundle.h"
+#include "host/manifest/bake_manifest.h"
+#include "host/scene/scene_file.h"
+#include "host/texture_inference/job/animation_job_reading.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What is started on a farm: it runs by itself, reads files and writes files.
+const std::set<std::string> kCommands = {"bake", "infer", "pack", "mip", "reflectance", "tradeoff"};
+const std::set<std::string> kResumable = {"bake", "pack"};
+const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report", "--junit",
+                                              "--summary", "--page",   "--player", "--debug-picture"};
+constexpr char kUdim[] = "<UDIM>";
+
+struct OpenJdOptions {
+  CommonOptions common;
+  std::string output, name;
+  int shards = 0;  // 0: one a map
+  std::vector<std::string> words;
+};
+
+// "--option=value" as two words, so that each path is a word's.
+std::vector<std::string> split_words(const std::vector<std::string>& given) {
+  std::vector<std::string> words;
+  for (const std::string& word : given) {
+    const std::size_t equals = word.find('=');
+    if (!word.starts_with("--") || equals == std::string::npos) {
+      words.push_back(word);
+      continue;
+    }
+    words.push_back(word.substr(0, equals));
+    words.push_back(word.substr(equals + 1));
+  }
+  return words;
+}
+
+bool exists(const std::string& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+bool is_folder(const std::string& path) {
+  std::error_code ignored;
+  return path.ends_with('/') || fs::is_directory(path, ignored);
+}
+std::string folder_of(const std::string& path) {
+  const fs::path parent = fs::path(path).parent_path();
+  return parent.empty() ? "." : parent.string();
+}
+
+// The path that a word stands for: a set is its folder, of FILE:CHANNEL it is the file.
+std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std::size_t at) {
+  const std::string& word = words[at];
+  FarmWord found{at, word, false, at > 0 && kOutputOptions.contains(words[at - 1])};
+  if (found.is_output && word != "-") {
+    // A name without an ending is a folder that the command makes.
+    found.is_folder = is_folder(word) || fs::path(word).extension().empty();
+    if (word.find(kUdim) == std::string::npos) return found;
+  }
+  if (word.find(kUdim) != std::string::npos && word.find('/') != std::string::npos) {
+    found.path = folder_of(word);
+    found.is_folder = true;
+    return found;
+  }
+  if (at == 0 || word.starts_with('-')) return std::nullopt;
+  if (!exists(found.path)) found.path = word.substr(0, word.rfind(':'));
+  if (found.path.empty() || !exists(found.path)) return std::nullopt;
+  found.is_folder = is_folder(found.path);
+  return found;
+}
+
+std::vector<BakeJob> jobs_of_bake(const std::vector<std::string>& words, const std::vector<FarmWord>& paths) {
+  BakeJob pattern;
+  std::vector<std::string> maps;
+  std::string manifest;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (words[i - 1] == "--manifest") manifest = words[i];
+    if (words[i - 1] == "-o" || words[i - 1] == "--output") pattern.output = words[i];
+  }
+  if (!manifest.empty()) {
+    std::vector<BakeJob> jobs;
+    for (ManifestMap& map : read_bake_manifest(manifest, pattern)) jobs.push_back(std::move(map.job));
+    return jobs;
+  }
+  for (const FarmWord& path : paths)
+    if (!path.is_output && !words[path.word - 1].starts_with("--")) maps.push_back(words[path.word]);
+  if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no map that is there, expected one, or --manifest");
+  if (maps.size() == 1 && maps.front().ends_with(".toml")) return {};  // a scene
+  return make_bake_jobs(pattern, maps);
+}
+
+// All that a command reads beyond its words, and the folders that it writes to.
+void collect_files(FarmCommand& command, const std::vector<BakeJob>& bakes) {
+  std::vector<std::string>& files = command.inputs;
+  for (const FarmWord& path : command.paths) {
+    if (path.is_output) command.output_folders.push_back(path.is_folder ? path.path : folder_of(path.path));
+    else if (path.is_folder) command.input_folders.push_back(path.path);
+    else files.push_back(path.path);
+  }
+  for (const BakeJob& job : bakes) {
+    for (const std::string& file : input_files(job)) files.push_back(file);
+    if (!job.output.empty()) command.output_folders.push_back(folder_of(job.output));
+  }
+  const auto add = [&](const std::vector<std::string>& more) { files.insert(files.end(), more.begin(), more.end()); };
+  for (std::size_t i = 0; i < files.size() && files[i].ends_with(".toml"); ++i) {
+    if (command.words[0] == "bake" && bakes.empty()) add(scene_files(files[i]));
+    if (command.words[0] != "infer") continue;
+    const AnimationJob job = read_animation_job(files[i]);
+    files.push_back(job.geometry_file);
+    for (const AnimationSample& sample : job.samples)
+      for (const std::string& file : {sample.radiance, sample.geometry, sample.object_index})
+        if (!file.empty()) files.push_back(file);
+    break;
+  }
+}
+
+FarmCommand farm_command(const OpenJdOptions& o) {
+  FarmCommand command;
+  command.words = split_words(o.words);
+  const std::string kind = command.words.front();
+  if (!kCommands.contains(kind))
+    throw Error(ErrorCode::kUsage,
+                kind + " is no command for a farm, expected bake, infer, pack, mip, reflectance or tradeoff");
+  for (std::size_t i = 1; i < command.words.size(); ++i) {
+    if (command.words[i] == "--shard")
+      throw Error(ErrorCode::kUsage,
+                  "--shard is given, expected --shards N before " + kind + ": each task has its own");
+    if (command.words[i - 1] == "--threads") command.threads = std::stoi(command.words[i]);  // it was checked
+    if (auto path = path_of_word(command.words, i)) command.paths.push_back(std::move(*path));
+  }
+  if (kResumable.contains(kind) &&
+      std::find(command.words.begin(), command.words.end(), "--resume") == command.words.end())
+    command.words.emplace_back("--resume");
+  std::vector<BakeJob> bakes;
+  if (kind == "bake") bakes = jobs_of_bake(command.words, command.paths);
+  collect_files(command, bakes);
+  const int pieces = std::max(1, static_cast<int>(bakes.size()));
+  command.shards = o.shards > 0 ? o.shards : pieces;
+  if (command.shards > pieces)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--shards is {}, expected at most {}, the maps that are baked", command.shards, pieces));
+  command.name = o.name.empty() ? "multum " + kind : o.name;
+  return command;
+}
+
+int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std::string>& words)) {
+  apply(o.common);
+  if (o.words.empty())
+    throw Error(ErrorCode::kUsage, "found no command, expected one: multum openjd -o FOLDER bake ...");
+  check_words(o.words);
+  const FarmCommand command = farm_command(o);
+  check_paths_differ(command.inputs, {o.output});
+  write_openjd_bundle(command, o.output);
+  if (!o.common.quiet)
+    print_shown(stdout, "%s: %d %s, %zu files read\n", o.output.c_str(), command.shards,
+                command.shards == 1 ? "task" : "tasks", command.inputs.size());
+  return 0;
+}
+
+}  // namespace
+
+void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words)) {
+  auto options = std::make_shared<OpenJdOptions>();
+  CLI::App* openjd = app.add_subcommand(
+      "openjd", "write another command as a job bundle of Open Job Description, for render farms (docs/FARMS.md)");
+  openjd->prefix_command();
+  openjd->add_option("-o,--output", options->output, "folder to write the bundle to")->required();
+  openjd->add_option("--shards", options->shards, "tasks, of several maps (default: one a map)")
+      ->check(CLI::Range(1, 999999));
+  openjd->add_option("--name", options->name, "of the job (default: the command's)");
+  add_common_options(*openjd, options->common);
+  openjd->callback([openjd, options, exit_code, check_words] {
+    options->words = openjd->remaining();
+    *exit_code = run_openjd(*options, check_words);
+  });
+}
+
+}  // namespace multum
