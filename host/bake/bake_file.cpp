@@ -130,6 +130,11 @@ void check_job(const BakeJob& job) {
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);
+  const bool has_lobes = job.representation == Representation::kMovmf || job.representation == Representation::kGmm;
+  if ((job.shard || job.merged_shards > 0) && !has_lobes)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} is given, expected lobes: of {} one pass over the map makes averages",
+                            job.shard ? "--shard" : "--merge", representation_info(job.representation).name));
   validate(job.writing);
   check_paths_differ(input_files(job), {job.output, job.report});
   check_output_name(job.output);
@@ -149,7 +154,7 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   const std::uint64_t memory_bytes = window_bytes(asked);  // too little memory is told first
   check_job(asked);
   const std::string asked_settings = all_settings_json(asked);
-  if (!asked.force && find_output_state(asked, asked_settings).finding == OutputFinding::kInPlace)
+  if (!asked.force && !asked.shard && find_output_state(asked, asked_settings).finding == OutputFinding::kInPlace)
     return unchanged_report(asked);
   BakeReport report;
   report.source = std::filesystem::path(asked.input).filename().string();

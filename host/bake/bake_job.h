@@ -14,6 +14,7 @@
 #include "host/image/material_maps.h"
 #include "host/image/normals/normal_map.h"
 #include "host/movmf/bake_settings.h"
+#include "host/movmf/map_shard.h"
 
 namespace multum {
 
@@ -41,6 +42,9 @@ struct BakeJob {
   std::uint64_t memory_bytes = 0;  // resident memory to stay within; 0: a quarter of the machine's
   std::string scratch_folder;      // for what does not fit; empty: the output's folder
   bool resume = false;             // go on from what a killed bake of the same output left
+  // Of lobes: only one process's share is fitted, to a file beside the output (host/movmf/map_shard.h).
+  std::optional<MapShard> shard;
+  int merged_shards = 0;  // the bands of shares that are there, which make the output; 0: none, all is fitted
   // Not empty: only a part of the map is fitted again, onto that file, which was baked before the part was edited; the
   // part that has changed, where none is set.
   std::string onto;

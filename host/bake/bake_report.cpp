@@ -62,6 +62,7 @@ void add_former_names(Json& json) {
 std::string BakeReport::to_json() const {
   Json json;
   json["source"] = source;
+  if (!shard.empty()) json["shard"] = shard;
   json["unchanged"] = unchanged;
   if (unchanged) return json.dump(2) + "\n";
   json["device"] = device;

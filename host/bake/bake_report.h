@@ -37,6 +37,7 @@ struct BakeReport {
   std::string source;
   int first_level = 0;       // the finest that is stored
   bool stored_only = false;  // finer ones are never seen
+  std::string shard;         // the file of the only share that was baked; empty: all of it was
   bool unchanged = false;    // the output was there already: nothing was done, and nothing else here says anything
   std::string device;
   std::uint64_t rows_resumed = 0;  // rows of levels that a killed bake had done

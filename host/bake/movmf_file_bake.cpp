@@ -15,7 +15,9 @@
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/log.h"
+#include "host/movmf/map_shard.h"
 #include "host/movmf/movmf_bake.h"
+#include "host/movmf/shard_merge.h"
 
 namespace multum {
 namespace {
@@ -71,9 +73,39 @@ MovmfBakeInputs fit_inputs(const BakeRun& run) {
   return inputs;
 }
 
+// Rows go to the share.
+class NoSink : public MovmfSink {
+ public:
+  void add_level(int, int, MovmfLevel) override {}
+  void add_finest(int, MovmfFinest) override {}
+};
+
+void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress) {
+  const BakeJob& job = run.job;
+  const MapShard& shard = *job.shard;
+  const std::string key = checkpoint_key(empty_movmf_mipmap(run.header, job.fitting.lobe_count));
+  report.shard = shard_path(job.output, shard);
+  report.unchanged = !job.force && has_shard(job.output, shard, key);
+  if (report.unchanged) return;
+  std::optional<ShardReader> coarse;
+  if (shard.index > 0) coarse.emplace(job.output, MapShard{0, shard.count}, key);
+  ShardWriter writer(report.shard, key);
+  const ShardInputs share{shard, &writer, coarse ? &*coarse : nullptr};
+  MovmfBakeInputs inputs = fit_inputs(run);
+  inputs.shard = &share;
+  NoSink sink;
+  const auto units = movmf_bake_units(run.header.width, run.header.height, job.fitting.first_level);
+  progress_start(progress, shard.index == 0 ? units : units / static_cast<std::uint64_t>(shard.count));
+  bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);
+  run.clock.finish("fit");
+  writer.commit();
+  run.clock.finish("write");
+}
+
 // A region alone, or all of the map.
 void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
+  if (job.shard) return bake_lobe_shard(run, report, progress);
   const int width = run.header.width, height = run.header.height;
   // Measuring and writing count as about a level's work each.
   const std::uint64_t level_units =
@@ -93,9 +125,16 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   std::unique_ptr<BakeCheckpoint> checkpoint;
   if (job.onto.empty()) checkpoint = BakeCheckpoint::open(job.output, checkpoint_key(header), job.resume);
   else region.emplace(job.onto, header, *job.region, inputs.spill, output);
+  if (job.merged_shards > 0) {
+    if (checkpoint == nullptr)
+      throw Error(ErrorCode::kEnvironment, job.output + ": another process is baking it, expected one at a time");
+    progress_stage(progress, "gather the shares");
+    gather_shards(job.output, job.merged_shards, checkpoint_key(header), run.source.map.normals, run.source.features(),
+                  run.fitting, *checkpoint);
+  }
   inputs.region = region ? &*region : nullptr;
   inputs.checkpoint = checkpoint.get();
-  inputs.checkpoint_has_finest = job.resume || std::int64_t{width} * height > kQuickTexels;
+  inputs.checkpoint_has_finest = job.resume || job.merged_shards > 0 || std::int64_t{width} * height > kQuickTexels;
   MovmfSink& sink = region ? static_cast<MovmfSink&>(*region) : output;
   try {
     bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);
@@ -108,6 +147,7 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   run.clock.finish("fit");
   warn_of_sharp_lobes(job, header, report.output);
   measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
+  if (job.merged_shards > 0) remove_shards(job.output, job.merged_shards);
 }
 
 std::unique_ptr<AccuracyMeter> try_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
@@ -127,6 +167,12 @@ void check_lobe_settings(const BakeJob& job) {
   validate(job.fitting);
   if (job.region && job.onto.empty())
     throw Error(ErrorCode::kUsage, "--region needs --onto: the file that was baked before this part was edited");
+  const char* const option = job.shard ? "--shard" : job.merged_shards > 0 ? "--merge" : nullptr;
+  if (option == nullptr) return;
+  if (!job.onto.empty()) throw Error(ErrorCode::kUsage, std::string(option) + " and --onto exclude each other");
+  if (job.fitting.refine)
+    throw Error(ErrorCode::kUsage,
+                std::string(option) + " and --refine exclude each other: shares keep one set of lobes");
 }
 
 VerifiedFile verify_lobe_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {

@@ -40,7 +40,7 @@ void check_word(const std::string& word) {
                 word + ": holds {{, which Open Job Description takes for a reference, expected another name");
 }
 
-std::vector<std::string> template_words(const FarmCommand& command) {
+std::vector<std::string> template_words(const FarmCommand& command, const std::vector<std::string>& more) {
   std::vector<std::string> words = command.words;
   for (const std::string& word : words) check_word(word);
   const std::vector<std::string> names = parameter_names(command);
@@ -51,12 +51,48 @@ std::vector<std::string> template_words(const FarmCommand& command) {
     MULTUM_CHECK(at != std::string::npos);
     word.replace(at, path.path.size(), "{{Param." + names[i] + "}}");
   }
-  if (command.shards > 1) {
-    words.emplace_back("--shard");
-    words.push_back(fmt::format("{{{{Task.Param.Shard}}}}/{}", command.shards));
-  }
+  words.insert(words.end(), more.begin(), more.end());
   words.emplace_back("--openjd");
   return words;
+}
+
+FarmJson step(const FarmCommand& command, const std::string& name, const std::vector<std::string>& more) {
+  FarmJson run = {{"command", "{{Param.Multum}}"},
+                  {"args", template_words(command, more)},
+                  {"cancelation", {{"mode", "NOTIFY_THEN_TERMINATE"}, {"notifyPeriodInSeconds", kNoticeSeconds}}}};
+  FarmJson result = {{"name", name}, {"script", {{"actions", {{"onRun", run}}}}}};
+  if (command.threads > 0)
+    result["hostRequirements"] = {{"amounts", {{{"name", "amount.worker.vcpu"}, {"min", command.threads}}}}};
+  return result;
+}
+
+std::vector<std::string> share_words(const FarmCommand& command) {
+  return {"--shard", fmt::format("{{{{Task.Param.Shard}}}}/{}", command.shards)};
+}
+
+void add_shards(FarmJson& step, FarmJson parameter) {
+  step["parameterSpace"] = {{"taskParameterDefinitions", FarmJson::array({std::move(parameter)})}};
+}
+
+FarmJson steps_of(const FarmCommand& command) {
+  if (command.shards == 1) return FarmJson::array({step(command, "Run", {})});
+  const std::string range = fmt::format("1-{}", command.shards);
+  if (!command.is_one_map) {
+    FarmJson run = step(command, "Run", share_words(command));
+    const FarmJson chunks = {
+        {"defaultTaskCount", 1}, {"targetRuntimeSeconds", kChunkSeconds}, {"rangeConstraint", "CONTIGUOUS"}};
+    add_shards(run, {{"name", "Shard"}, {"type", "CHUNK[INT]"}, {"range", range}, {"chunks", chunks}});
+    return FarmJson::array({run});
+  }
+  FarmJson bands = step(command, "Bands", share_words(command)),
+           merge = step(command, "Merge", {"--merge", std::to_string(command.shards)});
+  add_shards(bands, {{"name", "Shard"}, {"type", "INT"}, {"range", range}});
+  const auto add_dependency = [](FarmJson& on, const char* name) {
+    on["dependencies"] = FarmJson::array({FarmJson{{"dependsOn", name}}});
+  };
+  add_dependency(bands, "Coarse");
+  add_dependency(merge, "Bands");
+  return FarmJson::array({step(command, "Coarse", {"--shard", fmt::format("0/{}", command.shards)}), bands, merge});
 }
 
 void append_yaml(const FarmJson& value, int indent, bool is_in_list, std::string& out) {
@@ -108,28 +144,12 @@ FarmJson openjd_template(const FarmCommand& command) {
                         {"type", "STRING"},
                         {"default", "multum"},
                         {"description", "The program, by its name on PATH or its path on the workers"}});
-  FarmJson run = {{"command", "{{Param.Multum}}"},
-                  {"args", template_words(command)},
-                  {"cancelation", {{"mode", "NOTIFY_THEN_TERMINATE"}, {"notifyPeriodInSeconds", kNoticeSeconds}}}};
-  FarmJson step = {{"name", "Run"}};
-  if (command.shards > 1) {
-    const FarmJson chunks = {
-        {"defaultTaskCount", 1}, {"targetRuntimeSeconds", kChunkSeconds}, {"rangeConstraint", "CONTIGUOUS"}};
-    step["parameterSpace"] = {{"taskParameterDefinitions",
-                               {{{"name", "Shard"},
-                                 {"type", "CHUNK[INT]"},
-                                 {"range", fmt::format("1-{}", command.shards)},
-                                 {"chunks", chunks}}}}};
-  }
-  step["script"] = {{"actions", {{"onRun", run}}}};
-  if (command.threads > 0)
-    step["hostRequirements"] = {{"amounts", {{{"name", "amount.worker.vcpu"}, {"min", command.threads}}}}};
   FarmJson job = {{"specificationVersion", "jobtemplate-2023-09"}};
-  if (command.shards > 1) job["extensions"] = {"TASK_CHUNKING"};
+  if (command.shards > 1 && !command.is_one_map) job["extensions"] = {"TASK_CHUNKING"};
   check_word(command.name);
   job["name"] = command.name;
   job["parameterDefinitions"] = parameters;
-  job["steps"] = {step};
+  job["steps"] = steps_of(command);
   return job;
 }
 

@@ -28,8 +28,9 @@ struct FarmCommand {
   std::vector<FarmWord> paths;                     // in order of the words
   std::vector<std::string> inputs, input_folders;  // all that is read, through those words and beyond them
   std::vector<std::string> output_folders;
-  int shards = 1;   // tasks; more than one: `--shard` is added
-  int threads = 0;  // that a task takes; 0: not said
+  bool is_one_map = false;  // shares are of one map: its coarse levels, bands, and what puts them together
+  int shards = 1;           // tasks; more than one: `--shard` is added
+  int threads = 0;          // that a task takes; 0: not said
 };
 
 using FarmJson = nlohmann::ordered_json;

@@ -168,6 +168,9 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
     throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it knows unit normals alone");
   const FeaturePlanes& features = inputs.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  if (inputs.shard != nullptr && averages_suffice(inputs, settings))
+    throw Error(ErrorCode::kUsage,
+                "--shard is given with one lobe a texel, which is a plain average: it is not divided");
   if (averages_suffice(inputs, settings)) {
     average_movmf(device, inputs, settings, sink, report, progress);
     return;
@@ -178,7 +181,10 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   report.plan = plan.to_text(schedule, settings, features.rgb_plane_count());
   prepare_fit(device, schedule, settings, !features.empty());
   std::vector<MultumVmfLobe> top_start;
-  if (inputs.region == nullptr) {  // a region grows from the lobes that are there
+  const bool is_band = inputs.shard != nullptr && inputs.shard->shard.index > 0;
+  const bool has_top = inputs.checkpoint != nullptr && !schedule.levels.empty() &&
+                       inputs.checkpoint->is_done(schedule.levels.front().level);
+  if (inputs.region == nullptr && !is_band && !has_top) {  // others grow from the lobes that are there
     progress_stage(progress, "choose a start");
     top_start = choose_start(device, normals, settings, schedule, report);
   }

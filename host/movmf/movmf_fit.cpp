@@ -47,7 +47,13 @@ class MovmfFitter {
       report_.levels.push_back({l, mip_level_size(map_width_, l), mip_level_size(map_height_, l), 0.0, 0});
   }
 
+  // Levels of many normals, unless all of them are there.
   void bin() {
+    const auto is_there = [&](const LevelSchedule& level) {
+      return level.method != FitMethod::kBinned ||
+             (inputs_.checkpoint != nullptr && inputs_.checkpoint->is_done(level.level));
+    };
+    if (std::all_of(schedule_.levels.begin(), schedule_.levels.end(), is_there)) return;
     const Stopwatch stopwatch;
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "bin normals");
@@ -67,6 +73,13 @@ class MovmfFitter {
     inputs.on_device = on_device_ ? &*on_device_ : nullptr;
     const auto binned = binned_.find(level.level);
     if (binned != binned_.end()) inputs.binned = &binned->second;
+    LevelStore store = open_store(level);
+    const int rows_done = replay(level, store);
+    if (rows_done == level.fit.height) {
+      handing_over_.wait();
+      keep(level, std::move(store), {});
+      return;
+    }
     const bool has_parent = level.fit.parent_width > 0 && settings_.aligned_start;
     if (has_parent) inputs.parent = &coarser();
     std::optional<RowStore> there;  // lobes before the fit
@@ -78,8 +91,7 @@ class MovmfFitter {
     } else if (!has_parent) {
       inputs.start = &there.emplace(parentless_start(level));
     }
-    LevelStore store = open_store(level);
-    inputs.first_row = replay(level, store);
+    inputs.rows = LevelRows{rows_done, level.fit.height};
     LevelFit(device_, em_step_, level, settings_, inputs, plan_.levels.at(level.level), progress_)
         .run([&](const FittedRows& rows) { hand_over(level, rows, store); });
     handing_over_.wait();
@@ -88,6 +100,21 @@ class MovmfFitter {
     LevelReport& report = report_of(level.level);
     report.seconds = stopwatch.seconds() - (zero_seconds_ - zero_seconds);
     report.launches = device_.launch_total() - launches_before - (zero_launches_ - zero_launches);
+  }
+
+  // The levels of a share, whose rows its writer takes.
+  void fit_shard() {
+    const ShardPlan shard = plan_shard(schedule_, settings_, inputs_.shard->shard);
+    if (inputs_.shard->shard.index == 0) {
+      bin();
+      for (const LevelSchedule& level : schedule_.levels)
+        if (level.level >= shard.coarse_from) fit(level);
+      return;
+    }
+    for (const LevelSchedule& level : schedule_.levels)
+      if (level.level == shard.coarse_from) coarser_ = rows_of_share(level);
+      else if (level.level < shard.coarse_from)
+        fit_band(level, shard.kept.at(level.level), shard.fitted.at(level.level));
   }
 
   // A map of one texel has no level 1.
@@ -143,6 +170,59 @@ class MovmfFitter {
     coarser_kept_ = store.kept;
   }
 
+  // The level as the coarse share has it.
+  RowStore rows_of_share(const LevelSchedule& level) {
+    RowStore store(level.fit.height, row_bytes(level), plan_.spill);
+    int count = 0;
+    inputs_.shard->coarse->read(level.level, [&](const ShardReader::Rows& rows) {
+      MULTUM_CHECK(rows.lobe_row_bytes == row_bytes(level) && rows.first_row == count);
+      store.write(rows.first_row, rows.row_count, rows.lobes);
+      count += rows.row_count;
+    });
+    MULTUM_CHECK(count == level.fit.height);
+    return store;
+  }
+
+  void fit_band(const LevelSchedule& level, const LevelRows& kept, const LevelRows& fitted) {
+    progress_stage(progress_, fmt::format("fit level {}", level.level));
+    const Stopwatch stopwatch;
+    LevelInputs inputs{inputs_};
+    inputs.parent = &*coarser_;
+    inputs.rows = fitted;
+    LevelStore store = open_store(level);
+    // Windows reach beyond what is fitted, and read there what nobody wrote.
+    if (store.own) store.own->write(level.fit.height - 1, 1, std::vector<unsigned char>(row_bytes(level)).data());
+    BandPlan band = plan_.levels.at(level.level);
+    band.band_rows = std::min(band.band_rows, fitted.end - fitted.begin);
+    LevelFit(device_, em_step_, level, settings_, inputs, band, progress_).run([&](const FittedRows& rows) {
+      hand_over_to_share(level, rows, store, kept);
+    });
+    coarser_ = std::move(store.own);
+    report_of(level.level).seconds = stopwatch.seconds();
+  }
+
+  // Of rows that were fitted, those that are kept to the share, and all to the store that the next level grows from.
+  void hand_over_to_share(const LevelSchedule& level, const FittedRows& rows, LevelStore& store,
+                          const LevelRows& kept) {
+    const std::size_t lobe_bytes = row_bytes(level),
+                      feature_bytes = feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
+    const auto count = static_cast<std::size_t>(rows.row_count);
+    std::vector<unsigned char> lobes(lobe_bytes * count), features(feature_bytes * count);
+    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
+    if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
+    if (store.own)
+      for_each_piece(rows.first_row, rows.row_count, level.fit.height, [&](int first, int piece, int at) {
+        store.own->write(first, piece, lobes.data() + lobe_bytes * static_cast<std::size_t>(at));
+      });
+    const LevelRows own = {std::max(rows.first_row, kept.begin), std::min(rows.first_row + rows.row_count, kept.end)};
+    if (own.begin >= own.end) return;
+    const auto at = static_cast<std::size_t>(own.begin - rows.first_row);
+    inputs_.shard->writer->add_rows(level.level, own.begin, own.end - own.begin, lobe_bytes,
+                                    lobes.data() + lobe_bytes * at, feature_bytes,
+                                    features.data() + feature_bytes * at);
+    advance(own.begin, own.end - own.begin, level.fit.height);
+  }
+
   RowStore& coarser() { return coarser_kept_ != nullptr ? coarser_kept_->lobes : *coarser_; }
 
   // Hands rows over that a killed bake had done. Returns how many.
@@ -151,7 +231,9 @@ class MovmfFitter {
     const int done = store.kept->rows_done;
     const bool with_normals = level.level == 1 && settings_.first_level == 0;
     const MultumMovmfFit& fit = level.fit;
-    const int band = std::max(1, std::min(done, plan_.levels.at(level.level).band_rows));
+    const auto ranges = handed_ranges(device_, level, settings_, {inputs_}, plan_.levels.at(level.level));
+    int band = 1;
+    for (const LevelRows& range : ranges) band = std::max(band, std::min(range.end, done) - range.begin);
     RowWindow lobes(device_, settings_.lobe_count, row_bytes(level) / lobe_count(), band, "finished rows");
     RowWindow features;
     if (has_features())
@@ -159,8 +241,9 @@ class MovmfFitter {
                            static_cast<std::size_t>(fit.width) * sizeof(glm::vec3), band, "features of finished rows");
     std::optional<MapWindow> normals;
     if (with_normals) normals.emplace(device_, *inputs_.normals, 2 * band + 1, "normals");
-    for (int row = 0; row < done; row += band) {
-      const int count = std::min(band, done - row);
+    for (const auto& [row, end] : ranges) {
+      if (row >= done) break;
+      const int count = std::min(end, done) - row;
       lobes.move_to(row, count, fill_planes(store.kept->lobes));
       if (has_features()) features.move_to(row, count, fill_planes(*store.kept->features));
       FittedRows rows{row, count, &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr,
@@ -210,6 +293,10 @@ class MovmfFitter {
   }
 
   void hand_over(const LevelSchedule& level, const FittedRows& rows, LevelStore& store, bool is_kept = false) {
+    if (inputs_.shard != nullptr) {
+      hand_over_to_share(level, rows, store, {0, level.fit.height});
+      return;
+    }
     const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
     // Not set to 0: tens of megabytes a band.
     auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
@@ -324,6 +411,10 @@ void fit_movmf(Device& device, const MovmfBakeInputs& inputs, const std::vector<
                const MovmfSettings& settings, const MipSchedule& schedule, const BakePlan& plan, MovmfSink& sink,
                FitReport& report, Progress* progress) {
   MovmfFitter fitter(device, inputs, top_start, settings, schedule, plan, sink, report, progress);
+  if (inputs.shard != nullptr) {
+    fitter.fit_shard();
+    return;
+  }
   fitter.bin();
   for (const LevelSchedule& level : schedule.levels) fitter.fit(level);
   if (schedule.levels.empty() && settings.first_level == 0) fitter.fit_single_texel();

@@ -10,6 +10,7 @@
 #include "host/base/files/spill_policy.h"
 #include "host/image/plane_store.h"
 #include "host/movmf/bake_checkpoint.h"
+#include "host/movmf/map_shard.h"
 #include "host/pyramid/feature_planes.h"
 #include "host/pyramid/row_store.h"
 
@@ -39,12 +40,20 @@ class RegionInputs {
   virtual RowStore kept(int level) const = 0;
 };
 
+/// One process's share of a map (host/movmf/map_shard.h).
+struct ShardInputs {
+  MapShard shard;
+  ShardWriter* writer = nullptr;  // takes the rows; the sink takes none
+  ShardReader* coarse = nullptr;  // of a band: share 0
+};
+
 struct MovmfBakeInputs : MapInputs {
   std::uint64_t writer_bytes = 0;              // of memory_bytes, what the sink holds while levels are fitted
   SpillPolicy spill{.memory_bytes = 4 << 20};  // of what does not fit in memory
   BakeCheckpoint* checkpoint = nullptr;        // null: nothing is kept for another process
   bool checkpoint_has_finest = true;           // false: of the finest level that is fitted it keeps nothing
   const RegionInputs* region = nullptr;        // null: the whole map
+  const ShardInputs* shard = nullptr;          // null: all of it
 };
 
 /// Units of progress that a bake of lobes advances by.

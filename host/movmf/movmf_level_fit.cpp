@@ -86,7 +86,7 @@ LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& le
       steps_(total_steps(level, settings)),
       handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
       wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
-                                      : RowRange{inputs.first_row, level.fit.height}),
+                                      : inputs.rows.value_or(RowRange{0, level.fit.height})),
       progress_(progress) {
   make_windows(device, settings, plan);
 }
@@ -246,6 +246,20 @@ void LevelFit::refine(RowRange rows) {
   for (int step = 0; step < level_.step_count; ++step)
     em_step_.refine(level_.method, fit_, texels_of_step(step, rows), windows_, progress_);
 }
+
+std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
+                                     const LevelInputs& inputs, const BandPlan& plan) {
+  const int height = level.fit.height, more = total_steps(level, settings) - 1;
+  const bool whole = is_whole(level, settings, plan), repeats = level.fit.periodic_y != 0 && level.fit.parent_width > 0;
+  const int band = whole ? height : plan.band_rows, handed = handed_rows(device, level, settings, inputs, band);
+  std::vector<LevelRows> ranges;
+  for (int begin = whole ? 0 : repeats ? -2 * more : -more; begin < height; begin += band)
+    for (int row = std::max(begin, 0); row < std::min(begin + band, height); row += handed)
+      ranges.push_back({row, std::min({row + handed, begin + band, height})});
+  return ranges;
+}
+
+int fit_steps(const LevelSchedule& level, const MovmfSettings& settings) { return total_steps(level, settings); }
 
 std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,
                               const BandPlan& plan) {

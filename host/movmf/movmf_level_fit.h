@@ -16,11 +16,13 @@
 // as well, and not handed over.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "host/movmf/fit_report.h"
+#include "host/movmf/level_rows.h"
 #include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_em_step.h"
 #include "host/movmf/movmf_inputs.h"
@@ -36,7 +38,9 @@ struct LevelInputs {
   const RowStore* parent = nullptr;     // lobes of the next coarser level, by rows [lobe][column]; null: none
   // Where there is no parent: the lobes that each texel starts from, by rows as above.
   const RowStore* start = nullptr;
-  int first_row = 0;  // rows above are done already and are not handed over
+  // Rows that are handed over: the others are done already, or somebody else's. Of a map that repeats they may lie
+  // beyond its borders.
+  std::optional<LevelRows> rows = std::nullopt;  // nothing: all of them
   // Set: only these texels are fitted, from the lobes that the level has in `kept`, beside its other texels as they
   // are.
   const TexelRange* range = nullptr;
@@ -68,9 +72,7 @@ class LevelFit {
   void run(const std::function<void(const FittedRows&)>& finished);
 
  private:
-  struct RowRange {
-    int begin, end;
-  };
+  using RowRange = LevelRows;
   void make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan);
   bool refines() const { return steps_ > em_steps_; }
   bool has_features() const { return !inputs_.map.features.empty(); }
@@ -78,8 +80,8 @@ class LevelFit {
   bool reads_map_rows() const { return level_.method == FitMethod::kTexels || level_.method == FitMethod::kChoice; }
   // Rows beyond a border are there when the map repeats, as many as the steps reach.
   bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
-  int lower_bound() const { return repeats() ? -steps_ : 0; }
-  int upper_bound() const { return repeats() ? fit_.height + steps_ : fit_.height; }
+  int lower_bound() const { return repeats() ? std::min(wanted_.begin, 0) - steps_ : 0; }
+  int upper_bound() const { return repeats() ? std::max(wanted_.end, fit_.height) + steps_ : fit_.height; }
   RowRange rows_of_step(int step) const;
   void move_windows(RowRange rows);
   int last_map_row(int row) const;
@@ -104,6 +106,14 @@ class LevelFit {
   StepWindows windows_;
   std::optional<MapWindows> windows_of_map_;  // where the map is not on the device
 };
+
+/// The rows that LevelFit hands over at a time, of all rows of a level that grows from another: files have their tiles
+/// in that order.
+std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
+                                     const LevelInputs& inputs, const BandPlan& plan);
+
+/// Steps of a level: what a row's fit depends on reaches as many rows to either side.
+int fit_steps(const LevelSchedule& level, const MovmfSettings& settings);
 
 /// Bytes of the windows and buffers of LevelFit, about.
 std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,

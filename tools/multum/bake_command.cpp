@@ -29,7 +29,8 @@ struct BakeOptions {
   ParameterValues values{bake_parameters()};
   ManifestModeOptions manifest;
   std::vector<std::string> inputs;
-  std::string shard;  // empty: all of them
+  std::string shard;  // of several maps, or of one; empty: all of it
+  int merged_shards = 0;
 };
 
 std::optional<MapRegion> parse_region(const std::string& text) {
@@ -111,11 +112,18 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
   return code;
 }
 
+// The shares of one map are put together.
+void check_merge(const BakeOptions& o, bool is_several) {
+  if (is_several) throw Error(ErrorCode::kUsage, "--merge is given, expected one map: shares of several need no merge");
+  if (!o.shard.empty()) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
+  if (has_target(o))
+    throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: shares have their settings");
+}
+
 int run_bake(const CLI::App& bake, BakeOptions& o) {
   BakeJob& job = o.job;
   const bool has_manifest = !o.manifest.manifest.empty();
   const bool has_scene = o.inputs.size() == 1 && o.inputs[0].ends_with(".toml");
-  const WorkShard shard = o.shard.empty() ? WorkShard() : parse_work_shard("--shard", o.shard);
   if (has_manifest) check_no_map_is_given(bake, o.manifest);
   else if (o.inputs.empty() || job.output.empty()) throw CLI::RequiredError(o.inputs.empty() ? "input" : "--output");
   if (has_scene) check_no_map_option_is_given(bake, o.inputs[0]);
@@ -126,7 +134,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   apply(o.values, job);
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
   if (has_manifest) {
-    o.manifest.shard = shard;
+    if (!o.shard.empty()) o.manifest.shard = parse_work_shard("--shard", o.shard);
     return run_manifest(o.manifest, job, device_choice, o.common, printing(o));
   }
   if (has_scene && !o.shard.empty())
@@ -139,9 +147,12 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   job.region = parse_region(o.values.text("region").value_or(""));
   std::vector<BakeJob> jobs = make_bake_jobs(job, o.inputs);
   const bool is_several = jobs.size() > 1;
-  if (!o.shard.empty() && !is_several)
-    throw Error(ErrorCode::kUsage, "--shard divides several maps, a set or a manifest, found one map: " + o.inputs[0]);
-  jobs = pieces_of(shard, std::move(jobs));
+  if (is_several && !o.shard.empty()) jobs = pieces_of(parse_work_shard("--shard", o.shard), std::move(jobs));
+  else if (!o.shard.empty()) jobs[0].shard = parse_map_shard("--shard", o.shard);
+  if (o.merged_shards > 0) {
+    check_merge(o, is_several);
+    jobs[0].merged_shards = o.merged_shards;
+  }
   // One map is looked at first, which may end it; of several, none is read where there is no device to bake on.
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
@@ -165,7 +176,11 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   bake->add_option("-o,--output", options->job.output,
                    "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>");
   bake->add_option("--shard", options->shard,
-                   "bake share I of N of several maps alone, I/N, or shares I to J, I-J/N: for farms (docs/FARMS.md)");
+                   "bake share I of N of several maps alone, I/N, or shares I to J, I-J/N; of one map: 0/N its coarse "
+                   "levels, then 1/N to N/N, bands of the others: for farms (docs/FARMS.md)");
+  bake->add_option("--merge", options->merged_shards, "write the file of one map from its shares 0/N to N/N")
+      ->type_name("N")
+      ->check(CLI::Range(2, 4096));
   add_parameter_options(*bake, options->values);
   add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);

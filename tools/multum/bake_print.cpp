@@ -7,6 +7,10 @@ namespace multum {
 void print_report(const BakeJob& job, const BakePrinting& printing, const BakeReport& report) {
   if (printing.quiet) return;
   std::FILE* const out = printing.out;
+  if (!report.shard.empty()) {
+    print_shown(out, report.unchanged ? "%s: unchanged\n" : "%s: written\n", report.shard.c_str());
+    return;
+  }
   if (report.unchanged) {
     print_shown(out, "%s: unchanged, from the same file with the same settings; --force bakes it again\n",
                 job.output.c_str());

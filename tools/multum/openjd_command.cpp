@@ -141,9 +141,9 @@ FarmCommand farm_command(const OpenJdOptions& o) {
     throw Error(ErrorCode::kUsage,
                 kind + " is no command for a farm, expected bake, infer, pack, mip, reflectance or tradeoff");
   for (std::size_t i = 1; i < command.words.size(); ++i) {
-    if (command.words[i] == "--shard")
+    if (command.words[i] == "--shard" || command.words[i] == "--merge")
       throw Error(ErrorCode::kUsage,
-                  "--shard is given, expected --shards N before " + kind + ": each task has its own");
+                  command.words[i] + " is given, expected --shards N before " + kind + ": each task has its own");
     if (command.words[i - 1] == "--threads") command.threads = std::stoi(command.words[i]);  // it was checked
     if (auto path = path_of_word(command.words, i)) command.paths.push_back(std::move(*path));
   }
@@ -154,8 +154,9 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   if (kind == "bake") bakes = jobs_of_bake(command.words, command.paths);
   collect_files(command, bakes);
   const int pieces = std::max(1, static_cast<int>(bakes.size()));
+  command.is_one_map = bakes.size() == 1;
   command.shards = o.shards > 0 ? o.shards : pieces;
-  if (command.shards > pieces)
+  if (command.shards > pieces && !command.is_one_map)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--shards is {}, expected at most {}, the maps that are baked", command.shards, pieces));
   command.name = o.name.empty() ? "multum " + kind : o.name;
@@ -184,7 +185,10 @@ void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const
       "openjd", "write another command as a job bundle of Open Job Description, for render farms (docs/FARMS.md)");
   openjd->prefix_command();
   openjd->add_option("-o,--output", options->output, "folder to write the bundle to")->required();
-  openjd->add_option("--shards", options->shards, "tasks, of several maps (default: one a map)")
+  openjd
+      ->add_option(
+          "--shards", options->shards,
+          "tasks of several maps (default: one a map); of one map: bands that it is divided into (default: none)")
       ->check(CLI::Range(1, 999999));
   openjd->add_option("--name", options->name, "of the job (default: the command's)");
   add_common_options(*openjd, options->common);

@@ -28,6 +28,8 @@ CHUNKS = closed(  # RFC 0001
 CHUNKED_PARAMETER = closed(
     {"name": IDENTIFIER, "type": {"const": "CHUNK[INT]"},
      "range": {"type": "string", "pattern": r"^\d+(-\d+(:\d+)?)?$"}, "chunks": CHUNKS})
+INT_PARAMETER = closed({"name": IDENTIFIER, "type": {"const": "INT"},  # 3.4.1
+                        "range": {"type": "string", "pattern": r"^\d+(-\d+(:\d+)?)?$"}})
 CANCELATION = closed(  # 5.1.2
     {"mode": {"const": "NOTIFY_THEN_TERMINATE"}},
     notifyPeriodInSeconds={"type": "integer", "minimum": 1, "maximum": 600})
@@ -39,7 +41,7 @@ HOST = closed({"amounts": {"type": "array", "minItems": 1, "items": closed(
 STEP = closed(  # 3
     {"name": STEP_NAME, "script": closed({"actions": closed({"onRun": ACTION})})},
     parameterSpace=closed({"taskParameterDefinitions": {
-        "type": "array", "minItems": 1, "maxItems": 16, "items": CHUNKED_PARAMETER}}),
+        "type": "array", "minItems": 1, "maxItems": 16, "items": {"oneOf": [CHUNKED_PARAMETER, INT_PARAMETER]}}}),
     dependencies={"type": "array", "minItems": 1, "items": closed({"dependsOn": STEP_NAME})}, hostRequirements=HOST)
 TEMPLATE = {"$schema": "http://json-schema.org/draft-07/schema#", **closed(  # 1.1
     {"specificationVersion": {"const": "jobtemplate-2023-09"}, "name": NAME,

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/movmf/map_shard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <regex>
+#include <sstream>
+
+#include "host/base/error.h"
+#include "host/base/files/checksum.h"
+#include "host/movmf/movmf_level_fit.h"
+
+namespace multum {
+namespace {
+
+constexpr char kMagic[] = "multum shard 1\n";
+constexpr std::int64_t kMagicBytes = sizeof(kMagic) - 1, kLengthBytes = 8;
+constexpr int kCountMax = 4096;
+
+// Rows of a level that the parents of rows [begin, end) of the finer one are among, with one more on either side.
+LevelRows parents_of(const LevelRows& rows) {
+  const auto half = [](int row) { return row >= 0 ? row / 2 : (row - 1) / 2; };
+  return {half(rows.begin) - 1, half(rows.end - 1) + 2};
+}
+
+// What LevelFit fits and reads to hand over some rows.
+LevelRows reach(const LevelRows& rows, int steps) { return {rows.begin - steps, rows.end + steps}; }
+
+LevelRows band(int height, const MapShard& shard) {
+  const auto edge = [&](int k) { return static_cast<int>(std::int64_t{height} * k / shard.count); };
+  return {edge(shard.index - 1), edge(shard.index)};
+}
+
+// Where as many rows are fitted for others' sake as for a band's own, level after level, dividing is work done again.
+bool is_worth_dividing(const LevelSchedule& level, const LevelRows& fitted, int steps, int count) {
+  const int height = level.fit.height, rows = fitted.end - fitted.begin + 2 * (steps - 1);
+  return rows + 2 < height && rows * count <= 2 * height + count;
+}
+
+bool can_be_divided(const LevelSchedule& level) {
+  return level.order == FitOrder::kColour && level.fit.parent_width > 0 &&
+         (level.method == FitMethod::kChoice || level.method == FitMethod::kTexels);
+}
+
+}  // namespace
+
+MapShard parse_map_shard(const std::string& option, const std::string& text) {
+  static const std::regex kForm(R"((\d{1,4})/(\d{1,4}))");
+  std::smatch found;
+  if (std::regex_match(text, found, kForm)) {
+    const MapShard shard{std::stoi(found[1]), std::stoi(found[2])};
+    if (2 <= shard.count && shard.count <= kCountMax && shard.index <= shard.count) return shard;
+  }
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("{} is '{}', expected I/N of one map: 0/8 for its coarse levels, then 1/8 to 8/8; N from 2 to "
+                  "{}",
+                  option, text, kCountMax));
+}
+
+ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard) {
+  if (!settings.aligned_start)
+    throw Error(ErrorCode::kUsage, "--shard is given with unaligned lobes, whose levels do not follow one another");
+  ShardPlan plan;
+  // Which levels are divided must not depend on which share asks: the rows of one in the middle decide.
+  LevelRows middle_before{}, own_before{};
+  int steps_before = 0;
+  bool is_first = true;
+  for (auto level = schedule.levels.rbegin(); level != schedule.levels.rend(); ++level) {
+    const int steps = fit_steps(*level, settings), height = level->fit.height;
+    const LevelRows middle_band{0, (height + shard.count - 1) / shard.count};
+    LevelRows middle = middle_band, own = shard.index > 0 ? band(height, shard) : LevelRows{};
+    const LevelRows kept = own;
+    if (!is_first) {
+      const auto extend = [&](LevelRows& rows, const LevelRows& finer) {
+        const LevelRows parents = parents_of(reach(finer, steps_before));
+        rows = {std::min(rows.begin, parents.begin), std::max(rows.end, parents.end)};
+      };
+      extend(middle, middle_before);
+      extend(own, own_before);
+    }
+    plan.coarse_from = level->level;
+    if (!can_be_divided(*level) || !is_worth_dividing(*level, middle, steps, shard.count)) break;
+    plan.coarse_from = level->level + 1;
+    if (level->fit.periodic_y == 0) own = {std::max(own.begin, 0), std::min(own.end, height)};
+    plan.kept[level->level] = kept;
+    plan.fitted[level->level] = own;
+    middle_before = middle;
+    own_before = own;
+    steps_before = steps;
+    is_first = false;
+  }
+  if (is_first)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--shard has {} bands, expected fewer: the finest level that is fitted has {} rows, too few "
+                    "for so many bands, or settings that know of no bands",
+                    shard.count, schedule.levels.empty() ? 0 : schedule.levels.back().fit.height));
+  return plan;
+}
+
+std::string shard_path(const std::string& output, const MapShard& shard) {
+  return fmt::format("{}.shard-{}-of-{}", output, shard.index, shard.count);
+}
+
+ShardWriter::ShardWriter(const std::string& path, std::string key)
+    : file_(path), out_(file_.temporary_path(), path), text_(std::move(key) + "\n") {
+  write(kMagic, static_cast<std::size_t>(kMagicBytes));
+}
+
+void ShardWriter::write(const void* bytes, std::size_t count) {
+  if (!out_.write(bytes, count)) out_.close();  // throws
+}
+
+void ShardWriter::add_rows(int level, int first_row, int row_count, std::size_t lobe_row_bytes, const void* lobes,
+                           std::size_t feature_row_bytes, const void* features) {
+  Checksum checksum;
+  const auto add = [&](const void* rows, std::size_t row_bytes) {
+    const std::size_t count = row_bytes * static_cast<std::size_t>(row_count);
+    if (count == 0) return;
+    checksum.update(rows, count);
+    write(rows, count);
+  };
+  add(lobes, lobe_row_bytes);
+  add(features, feature_row_bytes);
+  text_ += fmt::format("{} {} {} {} {} {}\n", level, first_row, row_count, lobe_row_bytes, feature_row_bytes,
+                       checksum.text());
+}
+
+void ShardWriter::commit() {
+  write(text_.data(), text_.size());
+  unsigned char length[kLengthBytes];
+  for (std::size_t i = 0; i < sizeof(length); ++i)
+    length[i] = static_cast<unsigned char>(std::uint64_t{text_.size()} >> (8 * i));
+  write(length, sizeof(length));
+  out_.close();
+  file_.commit();
+}
+
+ShardReader::ShardReader(const std::string& output, const MapShard& shard, const std::string& key)
+    : path_(shard_path(output, shard)), remedy_(fmt::format("--shard {}/{}", shard.index, shard.count)) {
+  try {
+    file_.emplace(path_);
+    read_table(key);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kEnvironment) throw;
+    refuse("is not there, or is cut");
+  }
+}
+
+void ShardReader::read_table(const std::string& key) {
+  const std::int64_t size = file_->size();
+  if (size < kMagicBytes + kLengthBytes || file_->bytes(0, kMagicBytes, "the beginning") != kMagic)
+    refuse("is no share of a bake");
+  const std::int64_t length = file_->little_endian(size - kLengthBytes, kLengthBytes, "the length of the table");
+  if (length < 1 || length > size - kMagicBytes - kLengthBytes) refuse("has no table of its rows");
+  const std::int64_t rows_end = size - kLengthBytes - length;
+  std::istringstream lines(file_->bytes(rows_end, length, "the table"));
+  std::string line;
+  if (!std::getline(lines, line) || line != key)
+    refuse("is of another map, other settings, or another version of multum");
+  std::int64_t at = kMagicBytes;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    Block block;
+    Rows& rows = block.rows;
+    if (!(words >> rows.level >> rows.first_row >> rows.row_count >> rows.lobe_row_bytes >> rows.feature_row_bytes >>
+          block.checksum) ||
+        rows.row_count < 1 || rows.lobe_row_bytes > std::size_t{1} << 32 ||
+        rows.feature_row_bytes > std::size_t{1} << 32)
+      refuse("has a damaged table");
+    block.begin = at;
+    at += static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count;
+    if (at > rows_end) refuse("has a damaged table");
+    blocks_.push_back(std::move(block));
+  }
+  if (at != rows_end) refuse("has a damaged table");
+}
+
+void ShardReader::read(int level, const std::function<void(const Rows&)>& take) {
+  for (const Block& block : blocks_) {
+    if (block.rows.level != level) continue;
+    Rows rows = block.rows;
+    const auto count = static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count;
+    const std::string bytes = file_->bytes(block.begin, count, "rows");
+    Checksum checksum;
+    checksum.update(bytes.data(), bytes.size());
+    if (checksum.text() != block.checksum)
+      refuse(fmt::format("has damaged rows, {} to {} of level {}", rows.first_row, rows.first_row + rows.row_count - 1,
+                         rows.level));
+    rows.lobes = bytes.data();
+    if (rows.feature_row_bytes > 0)
+      rows.features = bytes.data() + rows.lobe_row_bytes * static_cast<std::size_t>(rows.row_count);
+    take(rows);
+  }
+}
+
+void ShardReader::refuse(const std::string& why) const {
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; {} makes it", path_, why, remedy_));
+}
+
+bool has_shard(const std::string& output, const MapShard& shard, const std::string& key) {
+  try {
+    ShardReader(output, shard, key);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace multum

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""One map baked by several processes: byte for byte the file of one process, whatever the number of shares, their order
+and repetition; shares that are missing, damaged or of another bake are named and made again.
+
+  tests/cli/farms/map_shard_test.py --programs FOLDER
+"""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+programs = pathlib.Path(__file__).resolve().parents[3] / "build/release/bin"
+
+
+class MapShardTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.holder.cleanup)
+        cls.maps = pathlib.Path(cls.holder.name)
+        for size in (256, 250):
+            cls.run_multum("testmap", cls.maps / f"map{size}", "--size", size)
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+        self.output = self.folder / "shared.ndf.exr"
+
+    @staticmethod
+    def run_multum(*words):
+        return subprocess.run([programs / "multum", *map(str, words)], capture_output=True, text=True, check=False)
+
+    def bake(self, *words, size=256, output=None):
+        return self.run_multum("bake", self.maps / f"map{size}_normal.png", "-o", output or self.output, *words)
+
+    def succeed(self, *words, **more):
+        done = self.bake(*words, **more)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done
+
+    def share(self, index, count):
+        return self.folder / f"shared.ndf.exr.shard-{index}-of-{count}"
+
+    def test_any_number_of_shares_makes_the_same_file(self):
+        albedo = self.maps / "map256_albedo.png"
+        for size, count, order, words in ((256, 2, (0, 2, 1), ()), (256, 5, (0, 5, 3, 1, 2, 4, 2), ()),
+                                          (250, 3, (0, 2, 3, 1), ("--wrap", "clamp")),
+                                          (256, 3, (0, 1, 2, 3), ("--wrap", "periodic", "--lobes", 2)),
+                                          (256, 2, (0, 1, 2), ("--albedo", albedo, "--memory", "300M")),
+                                          (256, 2, (0, 1, 2), ("--ndf", "gmm")),
+                                          (256, 2, (0, 2, 1), ("--first-level", 2, "--data-format", "half"))):
+            with self.subTest(size=size, count=count, words=words):
+                whole = self.folder / "whole.ndf.exr"
+                self.succeed(*words, size=size, output=whole)
+                for index in order:
+                    self.succeed(*words, "--shard", f"{index}/{count}", size=size)
+                self.assertFalse(self.output.exists())
+                self.succeed(*words, "--merge", count, size=size)
+                self.assertEqual(self.output.read_bytes(), whole.read_bytes())
+                self.assertEqual(sorted(path.name for path in self.folder.iterdir()), [self.output.name, whole.name])
+                self.output.unlink()
+                whole.unlink()
+
+    def test_shares_that_are_there_are_not_baked_again(self):
+        self.succeed("--shard", "0/2")
+        before = self.share(0, 2).stat()
+        self.assertIn("unchanged", self.succeed("--shard", "0/2").stdout)
+        self.assertEqual(self.share(0, 2).stat().st_mtime_ns, before.st_mtime_ns)
+        self.assertIn("written", self.succeed("--shard", "0/2", "--force").stdout)
+        self.assertIn("written", self.succeed("--shard", "0/2", "--lobes", 3).stdout)  # of another bake
+
+    def test_what_is_missing_or_damaged_is_named_and_made_again(self):
+        self.succeed(output=self.folder / "whole.ndf.exr")
+        done = self.bake("--shard", "1/3")  # before the coarse levels
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("shared.ndf.exr.shard-0-of-3: is not there", done.stderr)
+        self.assertIn("--shard 0/3 makes it", done.stderr)
+        for index in (0, 1, 3):
+            self.succeed("--shard", f"{index}/3")
+        self.share(1, 3).write_bytes(self.share(1, 3).read_bytes()[:-9])
+        done = self.bake("--merge", 3)
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("--shard 1/3 makes it", done.stderr)
+        self.assertIn("shared.ndf.exr.shard-2-of-3: is not there", done.stderr)
+        self.assertFalse(self.output.exists())
+        for index in (1, 2):
+            self.succeed("--shard", f"{index}/3")
+        damaged = bytearray(self.share(3, 3).read_bytes())
+        damaged[len(damaged) // 2] ^= 1
+        self.share(3, 3).write_bytes(damaged)
+        done = self.bake("--merge", 3)
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("shared.ndf.exr.shard-3-of-3: has damaged rows", done.stderr)
+        self.succeed("--shard", "3/3", "--force")
+        self.succeed("--merge", 3)
+        self.assertEqual(self.output.read_bytes(), (self.folder / "whole.ndf.exr").read_bytes())
+        self.assertIn("unchanged", self.succeed("--merge", 3).stdout)  # all is done, the shares are gone
+
+    def test_shares_of_another_bake_are_refused(self):
+        for index in range(3):
+            self.succeed("--shard", f"{index}/2")
+        for words, size in ((("--lobes", 3), 256), ((), 250)):
+            done = self.bake(*words, "--merge", 2, size=size)
+            self.assertEqual(done.returncode, 4, done.stdout + done.stderr)
+            self.assertIn("is of another map, other settings, or another version", done.stderr)
+
+    def test_a_share_is_whole_or_not_there(self):
+        self.succeed("--shard", "0/2")
+        hostile = self.share(0, 2).read_bytes()
+        for change in (lambda b: b[:20], lambda b: b[:-8] + b"\xff" * 8, lambda b: b"x" + b[1:], lambda b: b[:-200],
+                       lambda b: b[:-8] + (1).to_bytes(8, "little"), lambda b: b""):
+            self.share(0, 2).write_bytes(change(hostile))
+            done = self.bake("--shard", "1/2")
+            self.assertEqual(done.returncode, 4, done.stderr)
+            self.assertFalse(self.share(1, 2).exists())
+        self.assertFalse([path for path in self.folder.iterdir() if "tmp" in path.name])
+
+    def test_refusals(self):
+        for words, expected in ((("--shard", "1/1"), "expected I/N of one map"),
+                                (("--shard", "3/2"), "expected I/N of one map"),
+                                (("--shard", "1-2/2"), "expected I/N of one map"),
+                                (("--shard", "0/64"), "--shard has 64 bands, expected fewer"),
+                                (("--shard", "0/2", "--lobes", 1), "plain average"),
+                                (("--shard", "1/2", "--refine"), "--refine"),
+                                (("--merge", 2, "--refine"), "--refine"),
+                                (("--shard", "1/2", "--ndf", "sh"), "expected lobes"),
+                                (("--shard", "1/2", "--merge", 2), "exclude each other"),
+                                (("--merge", 2, "--target-error", "0.1"), "exclude each other")):
+            with self.subTest(words=words):
+                done = self.bake(*words)
+                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                self.assertIn(expected, done.stderr)
+                self.assertFalse(list(self.folder.iterdir()))
+
+    def test_a_share_that_is_killed_leaves_nothing_in_the_way(self):
+        shutil.copy(self.maps / "map256_normal.png", self.folder / "a.png")
+        self.succeed("--shard", "0/2")
+        words = ["bake", self.maps / "map256_normal.png", "-o", self.output, "--shard", "1/2"]
+        child = subprocess.Popen([programs / "multum", *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        child.kill()
+        child.wait()
+        self.assertFalse(self.share(1, 2).exists())
+        for index in (1, 2):
+            self.succeed("--shard", f"{index}/2")
+        self.succeed("--merge", 2)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["a.png", self.output.name])
+
+
+if __name__ == "__main__":
+    if "--programs" in sys.argv:
+        at = sys.argv.index("--programs")
+        programs = pathlib.Path(sys.argv[at + 1])
+        del sys.argv[at:at + 2]
+    unittest.main()
