@@ -4,6 +4,7 @@
 //
 //   node modules_test.mjs [STEP [SEED]]
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { FieldError, UrlSource } from "../../runtime_gl/web/byte_source.js";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";
 import { chunkHead } from "../../runtime_gl/web/chunk_head.js";
@@ -234,6 +235,11 @@ const steps = {
     assert.deepEqual(path.positions, [[0, 1], [1, 2], [3, 0]], "not every frame");
     near([0, 0.5, 1, 2, 2.999, 3, 3.5].map((t) => path.at(t)[0]), [1, 1.5, 2, 1, 0.001, 1, 1.5], 1e-9, "places");
     assert.deepEqual(RecordedPath.parse(path.text(), ["a"]).positions, path.positions);
+    const file = readFileSync(new URL("recorded_path.json", import.meta.url), "utf8"); // as recorded_path_test.cpp
+    const kept = RecordedPath.parse(file, ["view", "light"]);
+    for (const [t, at] of [[0, [0, 1]], [0.25, [0.5, 1]], [0.5, [2, 0]], [1.5, [1, 0.25]], [2.5, [0, 1]],
+      [2.75, [0.5, 1]]])
+      near(kept.at(t), at, 1e-12, `${t} s`);
     const tour = RecordedPath.tour(["a", "b"], [5, 1]);
     for (let t = 0; t < 30; t += 0.37) {
       const [a, b] = tour.at(t);

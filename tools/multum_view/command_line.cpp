@@ -69,7 +69,9 @@ const ViewCommand kCommands[] = {
      "t,\n"
      "the seconds since the first frame (--rate); a..b goes from a in the first frame to b in the last. Between "
      "samples\n"
-     "the camera and objects move smoothly; textures are the nearest sample's, or mixed with --linear.",
+     "the camera and objects move smoothly; textures are the nearest sample's, or mixed with --linear.\n"
+     "A path that a player's page saved, FILE.json, goes where it was recorded, from its end once more if --frames "
+     "asks.",
      [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
      [](const CommandOptions& o) { return play_field(o.play); }},
     {"pyramid", "Draw a surface coloured straight from a pyramid, looked up in several ways",

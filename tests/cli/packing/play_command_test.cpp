@@ -110,6 +110,28 @@ TEST_F(PlayCommandTest, CamerasMoveBetweenSamplesAndTexturesAreMixedWhenAsked) {
   EXPECT_LE(difference(frame("beyond", 0), sample("0,1")), 1) << "beyond the samples the outermost counts";
 }
 
+TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
+  // At 2 frames a second: positions after 0, 0.5 (the second of two), 1, 1.5 and 2 s of 2.5.
+  const ProgramResult played = play("recorded", {"--path", MULTUM_RECORDED_PATH, "--rate", "2"});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  const json frames = statistics("recorded")["frames"];
+  const std::vector<std::vector<double>> points = {{0, 1}, {2, 0}, {1.5, 0.125}, {1, 0.25}, {0.5, 0.375}};
+  ASSERT_EQ(frames.size(), points.size());
+  for (std::size_t f = 0; f < points.size(); ++f) EXPECT_EQ(frames[f]["point"], json(points[f])) << f;
+  EXPECT_LE(difference(frame("recorded", 1), sample("2,0")), 1);
+  ASSERT_EQ(play("again", {"--path", MULTUM_RECORDED_PATH, "--rate", "2", "--frames", "6"}).exit_code, 0);
+  EXPECT_EQ(statistics("again")["frames"][5]["point"], json(points[0])) << "from its end it begins again";
+  const auto refused = [&](const std::string& text, const std::string& rate, const std::vector<std::string>& parts) {
+    write_bytes(path("p.json"), text);
+    const ProgramResult result = play("none", {"--path", path("p.json"), "--rate", rate});
+    EXPECT_NE(result.exit_code, 0);
+    expect_says(result.err, parts);
+  };
+  refused("view=1", "30", {"p.json", "no JSON"});
+  refused(R"({"multumPath":1,"parameters":["sun"],"positions":[[0,0],[1,0]]})", "30", {"p.json", "sun", "light"});
+  refused(read_bytes(MULTUM_RECORDED_PATH), "4000", {"10000 frames", "--frames", "--rate"});
+}
+
 TEST_F(PlayCommandTest, WithoutWaitingWhatIsThereIsDrawn) {
   const ProgramResult played = play(
       "frames", {"--path", "view=0..2,light=0..1", "--frames", "30", "--no-wait", "--upload", "64K", "--threads", "1"});

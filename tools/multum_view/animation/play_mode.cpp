@@ -16,6 +16,7 @@
 #include "host/base/stopwatch.h"
 #include "host/parameters/parameter.h"
 #include "host/playback/parameter_path.h"
+#include "host/playback/recorded_path.h"
 #include "runtime_gl/animation/field_player.h"
 #include "runtime_gl/animation/textured_renderer.h"
 #include "tools/multum_view/animation/animation_geometry.h"
@@ -28,6 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr int kFrames = 24, kFramesMax = 9999;  // as many as their names have digits for
 
 std::string played_frame_path(const PlayOptions& options, int frame) {
   return (fs::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
@@ -55,22 +58,43 @@ gl::PlayerSettings player_settings(const PlayOptions& options) {
   return settings;
 }
 
-/// Points of all frames, first those of `frame`.
-std::vector<std::vector<double>> path_points(const PlayOptions& options, const ParameterPath& path) {
+/// Points of all frames.
+std::vector<std::vector<double>> points_of(const PlayOptions& options, const ParameterPath& path) {
+  const int count = options.frame_count > 0 ? options.frame_count : kFrames;
   std::vector<std::vector<double>> points;
-  for (int frame = 0; frame < options.frame_count; ++frame) {
-    const double share = options.frame_count > 1 ? static_cast<double>(frame) / (options.frame_count - 1) : 0.0;
+  for (int frame = 0; frame < count; ++frame) {
+    const double share = count > 1 ? static_cast<double>(frame) / (count - 1) : 0.0;
     points.push_back(path.at({static_cast<double>(frame) / static_cast<double>(options.rate), share}));
   }
   return points;
 }
 
-void check_play_outputs(const PlayOptions& options, const std::string& geometry) {
+std::vector<std::vector<double>> points_of(const PlayOptions& options, const RecordedPath& path) {
+  const double rate = static_cast<double>(options.rate);
+  const double all = std::max(1.0, std::ceil(path.seconds() * rate));
+  if (options.frame_count == 0 && all > kFramesMax)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: {:g} s are {:.0f} frames, expected up to {}: give --frames, or a lower --rate",
+                            options.path, path.seconds(), all, kFramesMax));
+  const int count = options.frame_count > 0 ? options.frame_count : static_cast<int>(all);
+  std::vector<std::vector<double>> points;
+  for (int frame = 0; frame < count; ++frame) points.push_back(path.at(frame / rate));
+  return points;
+}
+
+std::vector<std::vector<double>> path_points(const PlayOptions& options, const std::vector<std::string>& names) {
+  if (is_recorded_path(options.path)) return points_of(options, read_recorded_path(options.path, names));
+  return points_of(options, ParameterPath(options.path, names));
+}
+
+void check_play_outputs(const PlayOptions& options, const std::string& geometry, std::size_t frame_count) {
   make_folder(options.folder);
-  std::vector<std::string> outputs = {statistics_path(options)};
-  for (int frame = 0; frame < options.frame_count; ++frame) outputs.push_back(played_frame_path(options, frame));
+  std::vector<std::string> inputs = {options.file, geometry}, outputs = {statistics_path(options)};
+  if (is_recorded_path(options.path)) inputs.push_back(options.path);
+  for (std::size_t frame = 0; frame < frame_count; ++frame)
+    outputs.push_back(played_frame_path(options, static_cast<int>(frame)));
   if (!options.debug_picture.empty()) outputs.push_back(options.debug_picture);
-  check_paths_differ({options.file, geometry}, outputs);
+  check_paths_differ(inputs, outputs);
   for (const std::string& output : outputs) check_writable(output);
 }
 
@@ -193,12 +217,14 @@ class PathPlayer {
 
 void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("file", options.file, "a file of multum pack, *.mpt")->required();
-  app.add_option("--path", options.path, "a value of each parameter: e.g. 'view=0..7,light=3.5+3.5*sin(t)'; see below")
+  app.add_option("--path", options.path,
+                 "a value of each parameter: e.g. 'view=0..7,light=3.5+3.5*sin(t)'; see below; or FILE.json of a path "
+                 "that a player's page saved")
       ->required();
   app.add_option("-o,--output", options.folder, "folder for frame_0000.png and so on, and statistics.json")->required();
-  app.add_option("--frames", options.frame_count, "number of frames")
-      ->check(CLI::Range(1, 9999))
-      ->capture_default_str();
+  app.add_option("--frames", options.frame_count,
+                 fmt::format("number of frames; default: {}, or all of FILE.json", kFrames))
+      ->check(CLI::Range(1, kFramesMax));
   app.add_option("--rate", options.rate, "frames a second of the path's time t")
       ->check(number_in(0.001f, 1e6f))
       ->capture_default_str();
@@ -233,8 +259,8 @@ int play_field(const PlayOptions& options) {
   if (!options.debug_picture.empty()) check_picture_path(options.debug_picture);
   const gl::PlayerSettings settings = player_settings(options);
   const InferredManifest field = PackedFieldFile(options.file).description().field;
-  const std::vector<std::vector<double>> points = path_points(options, ParameterPath(options.path, field.parameters));
-  check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string());
+  const std::vector<std::vector<double>> points = path_points(options, field.parameters);
+  check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string(), points.size());
   keep_freed_memory();  // of each image that is decoded
   const auto context = gl::make_headless_context(options.context);
   log_info(context->description());
