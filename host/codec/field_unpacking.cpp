@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/processes/parallel.h"
+#include "host/base/vector_clones.h"
 #include "host/codec/decoder/mip_levels.h"
 
 namespace multum {
@@ -27,6 +28,10 @@ std::map<std::size_t, std::vector<std::size_t>> drawn_samples(const FieldDescrip
   for (const std::size_t s : description.grid.samples_in(block))
     if (layer.is_seen(s)) samples[block.chunk_sample(description.field.samples[s].at)].push_back(s);
   return samples;
+}
+
+MULTUM_VECTOR_CLONES void to_radiance(float* values, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) values[i] = radiance_of(values[i]);
 }
 
 std::string coder_text(const TextureChunkFormat& format) {
@@ -144,12 +149,16 @@ std::unique_ptr<TextureChunk> PackedFieldFile::chunk(std::size_t layer, std::siz
   return number ? decode_chunk(*number, section(*number), {}) : nullptr;
 }
 
-InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, const std::string& provenance) {
+std::vector<float> radiance_levels(const TextureChunk& chunk, std::size_t sample) {
   std::vector<float> finest = chunk.texture(sample);
-  for (float& value : finest) value = radiance_of(value);
+  to_radiance(finest.data(), finest.size());
+  return mip_levels(chunk.format().width, chunk.format().height, finest);
+}
+
+InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, const std::string& provenance) {
   const TextureChunkFormat& format = chunk.format();
   InferredTexture texture{static_cast<int>(format.width), static_cast<int>(format.height),
-                          mip_levels(format.width, format.height, finest), provenance};
+                          radiance_levels(chunk, sample), provenance};
   for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half
   round_to_half(texture.texels);
   return texture;

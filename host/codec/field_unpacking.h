@@ -54,6 +54,9 @@ class PackedFieldFile {
   FieldDescription description_;
 };
 
+/// Radiance of a chunk's sample with all mip levels, the finest first, [texel][3]: to be rounded to halves.
+std::vector<float> radiance_levels(const TextureChunk& chunk, std::size_t sample);
+
 /// The texture of a chunk's sample with all mip levels, values as the file of an unpacked texture gives them back.
 InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, const std::string& provenance);
 

@@ -10,6 +10,7 @@
 #include "host/base/half_bits.h"
 #include "host/base/stopwatch.h"
 #include "host/base/vector_clones.h"
+#include "host/codec/decoder/mip_levels.h"
 
 namespace multum {
 namespace {
@@ -20,6 +21,7 @@ constexpr std::size_t kMemoryLeast = std::size_t{1} << 20;
 constexpr std::size_t kChunkShare = 4;
 constexpr std::size_t kHalfBytes = 8;   // of an image, a texel: RGBA halves
 constexpr std::size_t kWorkBytes = 20;  // a texel while an image is decoded: three colours, a plane, lines of wavelets
+constexpr std::size_t kTextureWorkBytes = 32;  // of a texture: three colours, and three of all mip levels
 
 std::size_t texels_of(const TextureChunkFormat& format) { return format.width * format.height; }
 
@@ -60,11 +62,13 @@ void write_halves(std::span<const float> colours, std::span<std::uint16_t> halve
   }
 }
 
-DecodedImage halves_of(const TextureChunk& chunk, std::size_t number) {
+DecodedImage halves_of(const TextureChunk& chunk, std::size_t number, DecodedKind kind) {
   const TextureChunkFormat& format = chunk.format();
   const std::size_t images = chunk.plan().image_count();
-  DecodedImage result{format.width, format.height, std::vector<std::uint16_t>(4 * texels_of(format))};
-  const std::vector<float> colours = number < images ? chunk.image(number) : chunk.image_sum(number - images);
+  const std::vector<float> colours = number < images                  ? chunk.image(number)
+                                     : kind == DecodedKind::kTextures ? radiance_levels(chunk, number - images)
+                                                                      : chunk.image_sum(number - images);
+  DecodedImage result{format.width, format.height, std::vector<std::uint16_t>(colours.size() / 3 * 4)};
   write_halves(colours, result.halves);
   return result;
 }
@@ -92,6 +96,15 @@ void check_settings(const PlaybackSettings& settings) {
     refuse(fmt::format("a factor of lifetimes of {}, expected 1 to 64", settings.lifetime_factor));
 }
 
+/// The mapping is one for all of a block.
+FieldPlayback::ImageObject object_of_block(const FieldDescription& description, const PackedLayer& layer,
+                                           std::size_t block) {
+  const std::vector<int>& mappings = description.field.objects[layer.object].mapping_of_sample;
+  for (const std::size_t sample : description.grid.samples_in(layer.blocks[block]))
+    if (layer.is_seen(sample)) return {layer.object, static_cast<std::size_t>(mappings[sample])};
+  return {layer.object, 0};  // nobody asks for it
+}
+
 }  // namespace
 
 FieldPlayback::FieldPlayback(const std::string& path, const PlaybackSettings& settings,
@@ -112,6 +125,7 @@ FieldPlayback::FieldPlayback(const std::string& path, const PlaybackSettings& se
       }
       chunk_of_.back().back() = chunks_.size();
       chunks_.push_back(std::move(chunk));
+      objects_.push_back(object_of_block(description(), description().layers[l], b));
     }
   }
   const int threads = settings.threads > 0 ? settings.threads : static_cast<int>(std::thread::hardware_concurrency());
@@ -181,6 +195,10 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
     const Chunk& chunk = *chunks_[place.chunk];
     need.is_decoded = need.is_decoded && !chunk.zeros.empty();
     if (!chunk.plan) continue;
+    if (is_textures()) {
+      need.images.push_back({sum_of(place), 1.0f});
+      return need;
+    }
     for (std::size_t c = 0; c < 3; ++c) need.offset[c] += share.share * chunk.offset[c];
     const auto& terms = chunk.plan->of_samples[place.sample];
     const bool is_whole = std::all_of(terms.begin(), terms.end(), [&](const auto& term) {
@@ -492,19 +510,7 @@ bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& sh
       Chunk& chunk = *chunks_[place.chunk];
       has_room = has_room && chunk.plan;
       if (!chunk.plan) continue;
-      bool is_missing = chunk.zeros.empty();
-      std::size_t order = 2, late = 0;
-      for (const auto& term : chunk.plan->of_samples[place.sample]) {
-        const ImageKey key{place.chunk, term.image};
-        if (!chunk.is_zero(term.image) && images_.count(key) == 0) {
-          wanted.push_back({order, key});
-          is_missing = true;
-        }
-        late += chunk.is_zero(term.image) || has(key) ? 0 : 1;
-        ++order;
-      }
-      const bool is_summed = settings_.decodes_sums && distance == 0 && late > 1;
-      if (is_summed && images_.count(sum_of(place)) == 0) wanted.push_back({1, sum_of(place)});
+      const bool is_missing = ask_terms(place, distance, wanted) > 0 || chunk.zeros.empty();
       if (is_missing) chunks.push_back(place.chunk);
       chunk.is_pending = chunk.is_pending || (is_missing && distance == 0);
     }
@@ -514,6 +520,29 @@ bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& sh
   for (const std::size_t chunk : chunks) has_room = may_ask() && ask_chunk(chunk, distance) && has_room;
   for (const Wanted& one : wanted) has_room = may_ask() && ask_image(one, distance) && has_room;
   return has_room;
+}
+
+/// Of a sample: what there is not even a request for. Returns how many images that are not there it is made of.
+std::size_t FieldPlayback::ask_terms(const Place& place, std::size_t distance, std::vector<Wanted>& wanted) const {
+  const Chunk& chunk = *chunks_[place.chunk];
+  const bool has_sum = images_.count(sum_of(place)) > 0;
+  if (is_textures()) {
+    if (!has_sum) wanted.push_back({1, sum_of(place)});
+    return has_sum ? 0 : 1;
+  }
+  std::size_t order = 2, late = 0, missing = 0;
+  for (const auto& term : chunk.plan->of_samples[place.sample]) {
+    const ImageKey key{place.chunk, term.image};
+    if (!chunk.is_zero(term.image) && images_.count(key) == 0) {
+      wanted.push_back({order, key});
+      ++missing;
+    }
+    late += chunk.is_zero(term.image) || has(key) ? 0 : 1;
+    ++order;
+  }
+  const bool is_summed = settings_.kind == DecodedKind::kImagesAndSums && distance == 0 && late > 1;
+  if (is_summed && !has_sum) wanted.push_back({1, sum_of(place)});
+  return missing;
 }
 
 bool FieldPlayback::ask_chunk(std::size_t number, std::size_t distance) {
@@ -534,8 +563,10 @@ bool FieldPlayback::ask_image(const Wanted& wanted, std::size_t distance) {
   Chunk& chunk = *chunks_[key.chunk];
   if (chunk.decoded == nullptr || images_.count(key) > 0) return true;
   const std::size_t texels = texels_of(*chunk.format);
-  const std::size_t kept = 2 * kHalfBytes * texels, work = kWorkBytes * texels;  // twice: the uploaded copy
-  ++chunk.images_at_work;                                                        // its coefficients stay
+  const std::size_t kept_texels = is_textures() ? mip_texel_count(chunk.format->width, chunk.format->height) : texels;
+  const std::size_t kept = 2 * kHalfBytes * kept_texels;  // twice: the uploaded copy
+  const std::size_t work = (is_textures() ? kTextureWorkBytes : kWorkBytes) * texels;
+  ++chunk.images_at_work;  // its coefficients stay
   const bool has_room = make_room(kept + work, distance);
   if (!has_room) {
     --chunk.images_at_work;
@@ -630,7 +661,7 @@ void FieldPlayback::decode_image(Lock& lock, ImageKey key) {
   const ThreadStopwatch stopwatch;
   try {
     if (coefficients == nullptr) throw Error(ErrorCode::kEnvironment, "its coefficients are gone");
-    decoded = halves_of(*coefficients, key.image);
+    decoded = halves_of(*coefficients, key.image, settings_.kind);
   } catch (const std::exception& error) {  // no memory
     problem = error.what();
   }

@@ -34,19 +34,28 @@
 
 namespace multum {
 
+/// What is decoded of a chunk and kept.
+enum class DecodedKind {
+  kImages,  // of which samples are the sum, shared by neighbouring samples
+  /// The same, and the sum of a sample's images at once, for the price of one, where two or more are missing now: after
+  /// a jump textures are whole sooner. Which images a frame is made of then depends on time, and so does their
+  /// rounding.
+  kImagesAndSums,
+  kTextures,  // of single samples, whole: radiance with all mip levels. For points without shares of several samples
+};
+
 struct PlaybackSettings {
   std::size_t memory_max = std::size_t{256} << 20;  // bytes, at least 2^20
   int threads = 0;                                  // that decode; 0: all cores
   double lifetime = 20.0;        // a: frames that an image of a single sample is kept unused; 0 to 1e6
   double lifetime_factor = 4.0;  // b, 1 to 64
-  /// Decodes the sum of a sample's images at once, for the price of one, where two or more are missing now: after a
-  /// jump textures are whole sooner. Which images a frame is made of then depends on time, and so does their rounding.
-  bool decodes_sums = false;
+  DecodedKind kind = DecodedKind::kImages;
 };
 
-/// RGBA halves, [height][width][4], in the units of TextureChunk::image; alpha 0.
+/// RGBA halves, [height][width][4], in the units of TextureChunk::image; or radiance, [texel][4] of all mip levels, the
+/// finest first. Alpha 0.
 struct DecodedImage {
-  std::size_t width = 0, height = 0;
+  std::size_t width = 0, height = 0;  // of the finest level
   std::vector<std::uint16_t> halves;
 };
 
@@ -55,7 +64,7 @@ struct NeededImage {
   float weight;
 };
 
-/// What the texture of a layer is the sum of, at a point.
+/// What the texture of a layer is the sum of, at a point; one texture of DecodedKind::kTextures.
 struct LayerNeed {
   bool is_drawn = false;            // the object has a texture of the layer there, and its chunk is undamaged
   std::size_t mapping = 0;          // of the object: the texture's size
@@ -94,6 +103,12 @@ class FieldPlayback {
   void request();
   /// Until a worker has finished something; false at once when none works.
   bool wait();
+
+  /// What an image of a chunk is a texture of.
+  struct ImageObject {
+    std::size_t object, mapping;
+  };
+  ImageObject object_of(ImageKey key) const { return objects_[key.chunk]; }
 
   /// Of the frame's point. Mixed are the samples whose textures have the size of the nearest one's.
   LayerNeed need(std::size_t layer) const;
@@ -144,7 +159,7 @@ class FieldPlayback {
     std::size_t order = 0;             // among those for the same frame, as in Wanted
   };
   struct Wanted {
-    std::size_t order;  // 1: a sum; then terms from 2 on, the coarsest first. 0 are coefficients
+    std::size_t order;  // 1: a sum or a texture; then terms from 2 on, the coarsest first. 0 are coefficients
     ImageKey key;
     auto operator<=>(const Wanted&) const = default;
   };
@@ -154,7 +169,9 @@ class FieldPlayback {
   };
   using Lock = std::unique_lock<std::mutex>;
 
+  bool is_textures() const { return settings_.kind == DecodedKind::kTextures; }
   bool has(ImageKey key) const;
+  /// Of the sum of a sample's images, or its texture.
   ImageKey sum_of(const Place& place) const {
     return {place.chunk, chunks_[place.chunk]->served.size() + place.sample};
   }
@@ -165,6 +182,7 @@ class FieldPlayback {
   void damage(Chunk& chunk, const std::string& what);
   void leave_out(Chunk& chunk, const std::string& part);
   std::size_t chunk_work_bytes(const Chunk& chunk) const;
+  std::size_t ask_terms(const Place& place, std::size_t distance, std::vector<Wanted>& wanted) const;
 
   void want(std::size_t distance, const std::vector<SampleShare>& shares);
   bool ask(std::size_t distance, const std::vector<SampleShare>& shares);
@@ -187,6 +205,7 @@ class FieldPlayback {
   std::mutex file_mutex_;
   PackedFieldFile file_;
   std::vector<std::vector<std::optional<std::size_t>>> chunk_of_;  // [layer][block]; none: nothing is seen in it
+  std::vector<ImageObject> objects_;                               // of each chunk
   std::vector<SampleShare> now_;
   std::vector<std::vector<SampleShare>> ahead_;
 

@@ -13,8 +13,11 @@ namespace {
 constexpr std::size_t kTexelBytes = 8;  // RGBA halves
 constexpr std::size_t kUploadLeast = std::size_t{1} << 16;
 
-PlayerSettings with_sums(PlayerSettings settings) {
-  settings.playback.decodes_sums = !settings.waits;  // else no frame may depend on time
+PlayerSettings with_kind(PlayerSettings settings) {
+  // Where it waits, no frame may depend on time.
+  settings.playback.kind = !settings.waits      ? DecodedKind::kImagesAndSums
+                           : settings.is_linear ? DecodedKind::kImages
+                                                : DecodedKind::kTextures;
   return settings;
 }
 
@@ -22,13 +25,13 @@ PlayerSettings with_sums(PlayerSettings settings) {
 
 FieldPlayer::FieldPlayer(const GlFunctions& gl, const std::string& path, const PlayerSettings& settings)
     : gl_(gl),
-      settings_(with_sums(settings)),
+      settings_(with_kind(settings)),
       playback_(path, settings_.playback, [this](ImageKey key) { images_.erase(key); }),
       textures_(playback_.description().layers.size()) {
   if (settings.upload_max < kUploadLeast)
     throw Error(ErrorCode::kUsage, "playback: uploads of " + std::to_string(settings.upload_max) +
                                        " bytes a frame, expected at least " + std::to_string(kUploadLeast));
-  reserve_memory();
+  if (!has_whole_textures()) reserve_memory();
 }
 
 /// For the largest texture of every layer, and for sums.
@@ -51,26 +54,48 @@ void FieldPlayer::reserve_memory() {
 
 bool FieldPlayer::is_there(ImageKey key) const { return playback_.state(key) == ImageState::kUploaded; }
 
+FieldPlayer::Upload& FieldPlayer::begun_upload(ImageKey key, const DecodedImage& decoded) {
+  auto found = images_.find(key);
+  if (found != images_.end()) return found->second;
+  const int width = static_cast<int>(decoded.width), height = static_cast<int>(decoded.height);
+  if (!has_whole_textures()) {
+    Texture texture(gl_, "decoded image", {width, height, 1, TexelFormat::kRgba16f},
+                    {WrapMode::kClamp, WrapMode::kClamp, false, 1.0f});
+    return images_.emplace(key, Upload{std::move(texture)}).first->second;
+  }
+  const auto [object, mapping] = playback_.object_of(key);
+  const InferredObject& described = description().field.objects[object];
+  Texture texture(gl_, described.name + "'s texture",
+                  {width, height, MipLayout(width, height).level_count(), TexelFormat::kRgba16f},
+                  {described.mappings[mapping].wrap_s, described.mappings[mapping].wrap_t, true, described.anisotropy});
+  return images_.emplace(key, Upload{std::move(texture)}).first->second;
+}
+
 /// As many rows of a decoded image as fit, at least one.
 void FieldPlayer::upload(ImageKey key, std::size_t bytes_max) {
   const ScopedStopwatch stopwatch(report_.upload_seconds);
   const DecodedImage& decoded = playback_.decoded(key);
-  const int width = static_cast<int>(decoded.width), height = static_cast<int>(decoded.height);
-  auto found = images_.find(key);
-  if (found == images_.end()) {
-    Texture texture(gl_, "decoded image", {width, height, 1, TexelFormat::kRgba16f},
-                    {WrapMode::kClamp, WrapMode::kClamp, false, 1.0f});
-    found = images_.emplace(key, Upload{std::move(texture)}).first;
+  Upload& image = begun_upload(key, decoded);
+  const TextureShape& shape = image.texture.shape();
+  const MipLayout layout(shape.width, shape.height);
+  const std::size_t bytes_before = report_.uploaded_bytes;
+  while (image.level < shape.level_count) {
+    const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(image.level)];
+    const std::size_t row = kTexelBytes * static_cast<std::size_t>(level.width);
+    const std::size_t left = bytes_max - std::min(bytes_max, report_.uploaded_bytes - bytes_before);
+    if (left < row && report_.uploaded_bytes > bytes_before) return;
+    const int rows = static_cast<int>(std::clamp<std::size_t>(left / row, 1, static_cast<std::size_t>(level.height)));
+    const int count = std::min(rows, level.height - image.row);
+    const std::size_t texel = static_cast<std::size_t>(level.offset) +
+                              static_cast<std::size_t>(image.row) * static_cast<std::size_t>(level.width);
+    image.texture.upload_rows(image.level, image.row, count, decoded.halves.data() + 4 * texel);
+    report_.uploaded_bytes += row * static_cast<std::size_t>(count);
+    image.row += count;
+    if (image.row < level.height) return;
+    image.row = 0;
+    ++image.level;
   }
-  Upload& image = found->second;
-  const std::size_t row = kTexelBytes * decoded.width;
-  const int rows = static_cast<int>(std::clamp<std::size_t>(bytes_max / row, 1, decoded.height));
-  const int count = std::min(rows, height - image.rows);
-  image.texture.upload_rows(0, image.rows, count,
-                            decoded.halves.data() + 4 * decoded.width * static_cast<std::size_t>(image.rows));
-  image.rows += count;
-  report_.uploaded_bytes += row * static_cast<std::size_t>(count);
-  if (image.rows == height) playback_.uploaded(key);
+  playback_.uploaded(key);
 }
 
 /// Coarse images first. `all`: whatever it takes; else the first of each layer wholly, others as far as the frame's
@@ -114,8 +139,8 @@ void FieldPlayer::wait_for(std::vector<LayerNeed>& needs) {
   report_.wait_seconds = stopwatch.seconds() - (report_.upload_seconds - uploading_before);
 }
 
-void FieldPlayer::make_texture(std::size_t layer, const LayerNeed& need) {
-  LayerTexture& made = textures_[layer];
+void FieldPlayer::show(std::size_t layer, const LayerNeed& need) {
+  LayerTexture& shown = textures_[layer];
   LayerReport& report = report_.layers[layer];
   report.is_drawn = true;
   report.needed = need.images.size();
@@ -125,6 +150,14 @@ void FieldPlayer::make_texture(std::size_t layer, const LayerNeed& need) {
   report.missing = need.images.size() - images.size();
   report.is_old = !need.is_decoded || (!need.images.empty() && !is_there(need.images.front().key));
   if (report.is_old) return;  // is_drawable() saw that there is one
+  if (!has_whole_textures()) return make_texture(layer, need, std::move(images));
+  if (shown.whole != images.front().first) ++report_.textures_made;
+  shown.whole = images.front().first;
+}
+
+void FieldPlayer::make_texture(std::size_t layer, const LayerNeed& need,
+                               std::vector<std::pair<ImageKey, float>> images) {
+  LayerTexture& made = textures_[layer];
   if (made.is_made && made.mapping == need.mapping && made.images == images && made.offset == need.offset) return;
   const InferredObject& object = description().field.objects[description().layers[layer].object];
   const TextureMapping& mapping = object.mappings[need.mapping];
@@ -165,7 +198,7 @@ const FrameReport& FieldPlayer::prepare(const std::vector<double>& point,
   }
   const ScopedStopwatch stopwatch(report_.sum_seconds);
   for (std::size_t l = 0; l < needs.size(); ++l)
-    if (needs[l].is_drawn) make_texture(l, needs[l]);
+    if (needs[l].is_drawn) show(l, needs[l]);
   return report_;
 }
 
@@ -173,7 +206,7 @@ std::vector<const Texture*> FieldPlayer::layers(std::size_t object) const {
   std::vector<const Texture*> found;
   for (std::size_t l = 0; l < textures_.size(); ++l)
     if (description().layers[l].object == object && report_.layers[l].is_drawn)
-      found.push_back(textures_[l].texture.get());
+      found.push_back(textures_[l].whole ? &images_.at(*textures_[l].whole).texture : textures_[l].texture.get());
   return found;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plays a packed field: a program asks for a point of the parameter space each frame, and gets the textures of every
 // object there, from what is decoded by then. Hakura et al. 2000, section 5: images are decoded as they are needed and
-// cached (host/playback), and added up by the GPU. Textures lie on exact geometry, so a camera may be anywhere near its
+// cached (host/playback), and added up by the GPU. Where all of a single sample's are waited for, workers add up its
+// coefficients instead, and whole textures are cached: one transform for all images, and nothing is left for the GPU to
+// do. Textures lie on exact geometry, so a camera may be anywhere near its
 // samples; how near, docs/ANIMATION.md says.
 //
 //      player.prepare(point, ahead);                         // each frame
@@ -20,7 +22,7 @@
 namespace multum::gl {
 
 struct PlayerSettings {
-  PlaybackSettings playback;                       // decodes_sums: where it does not wait
+  PlaybackSettings playback;                       // kind is chosen here
   std::size_t upload_max = std::size_t{16} << 20;  // bytes to the GPU a frame, at least 2^16
   bool is_linear = false;  // between samples: mixed, gamma-coded, linearly along each parameter; else the nearest
   bool waits = false;      // for all that a frame needs; else for the coarsest image of each texture alone
@@ -66,7 +68,7 @@ class FieldPlayer {
  private:
   struct Upload {
     Texture texture;
-    int rows = 0;  // that are there
+    int level = 0, row = 0;  // the next that is to come
   };
   struct LayerTexture {
     std::unique_ptr<Texture> texture;
@@ -74,21 +76,25 @@ class FieldPlayer {
     std::vector<std::pair<ImageKey, float>> images;  // that it is the sum of
     std::array<float, 3> offset{};
     bool is_made = false;
+    std::optional<ImageKey> whole;  // in their place: a whole texture, as it was decoded
   };
 
   void reserve_memory();
+  bool has_whole_textures() const { return settings_.playback.kind == DecodedKind::kTextures; }
   bool is_there(ImageKey key) const;
+  Upload& begun_upload(ImageKey key, const DecodedImage& decoded);
   void upload(ImageKey key, std::size_t bytes_max);
   void upload_for(const std::vector<LayerNeed>& needs, bool all);
   bool is_drawable(std::size_t layer, const LayerNeed& need) const;
   void wait_for(std::vector<LayerNeed>& needs);
-  void make_texture(std::size_t layer, const LayerNeed& need);
+  void show(std::size_t layer, const LayerNeed& need);
+  void make_texture(std::size_t layer, const LayerNeed& need, std::vector<std::pair<ImageKey, float>> images);
 
   const GlFunctions& gl_;
   PlayerSettings settings_;
   std::map<ImageKey, Upload> images_;
   FieldPlayback playback_;
-  std::unique_ptr<LayerSum> sum_;
+  std::unique_ptr<LayerSum> sum_;       // null: has_whole_textures()
   std::vector<LayerTexture> textures_;  // of each layer
   std::size_t nearest_ = 0;             // sample
   FrameReport report_;

@@ -23,16 +23,24 @@ class TexturedRenderer {
  public:
   /// Throws Error(kEnvironment).
   TexturedRenderer(const GlFunctions& gl, int width, int height, int supersampling);
+  ~TexturedRenderer();
+  TexturedRenderer(const TexturedRenderer&) = delete;
+  TexturedRenderer& operator=(const TexturedRenderer&) = delete;
 
   /// Linear radiance times coverage; alpha = coverage, 0..1.
   FloatImage draw(const std::vector<TexturedObject>& objects);
 
  private:
   const ShaderProgram& program(std::size_t layer_count);
+  void draw_rows(const std::vector<TexturedObject>& objects, int bottom);
+  void average_rows(int bottom);
 
   const GlFunctions& gl_;
   int width_, height_, supersampling_;
-  Framebuffer framebuffer_;
+  Framebuffer framebuffer_;  // sub-pixels, of some rows at a time
+  Framebuffer picture_;
+  ShaderProgram mean_;
+  GLuint vertex_array_ = 0;
   std::map<std::size_t, std::unique_ptr<ShaderProgram>> programs_;  // by number of layers
 };
 

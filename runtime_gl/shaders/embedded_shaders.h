@@ -39,5 +39,6 @@ extern const char* const shader_textured_vert;
 extern const char* const shader_textured_frag;
 extern const char* const shader_filter_probe_frag;
 extern const char* const shader_layer_sum_frag;
+extern const char* const shader_sub_pixel_mean_frag;
 
 }  // namespace multum::gl

@@ -9,7 +9,7 @@
 import { loadDecoder } from "./packed_field.js";
 import { chunkHead } from "./chunk_head.js";
 
-const CHUNKS_MAX = 6;
+const CHUNKS_MAX = 64; // more than a picture has, or each picture would decode them all again
 const MEMORY_BYTES_MAX = 128 * 2 ** 20;
 
 let wasm = null;

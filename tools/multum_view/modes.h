@@ -41,8 +41,9 @@ struct PlayOptions {
   std::string file;  // of multum pack
   std::string path;  // host/playback/parameter_path.h, or a file, host/playback/recorded_path.h
   std::string folder;
-  int frame_count = 0;  // 0: 24, or all of a recorded path
-  float rate = 30.0f;   // frames a second
+  int frame_count = 0;    // 0: 24, or all of a recorded path
+  float rate = 30.0f;     // frames a second
+  int supersampling = 0;  // sub-pixels along each side of a pixel; 0: the field's
   bool is_linear = false;
   bool draws_what_is_there = false;  // else waits for all that a frame needs
   int ahead = 8;                     // frames

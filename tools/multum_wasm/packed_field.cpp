@@ -115,7 +115,7 @@ std::size_t multum_level_texels(const MultumTextureChunk* chunk) {
 
 void multum_radiance_levels(const MultumTextureChunk* chunk, std::size_t sample, std::uint16_t* out) {
   std::vector<float> texture = chunk->decoded->texture(sample);
-  std::transform(texture.begin(), texture.end(), texture.begin(), multum::radiance_of);
+  for (float& value : texture) value = multum::radiance_of(value);
   const std::vector<float> levels = multum::mip_levels(multum_width(chunk), multum_height(chunk), texture);
   std::transform(levels.begin(), levels.end(), out, multum::clamped_to_half);
 }

@@ -37,15 +37,30 @@ std::vector<Level> levels_of(std::size_t width, std::size_t height) {
 /// Calls visit(coarse texel, fine texel, weight) for every pair between two levels.
 template <class Visit>
 void over_covers(const Level& fine, const Level& coarse, Visit visit) {
+  std::vector<Cover> all_columns;
+  for (std::size_t x = 0; x < coarse.width; ++x) all_columns.push_back(cover_of(fine.width, x));
   for (std::size_t y = 0; y < coarse.height; ++y) {
     const Cover rows = cover_of(fine.height, y);
     for (std::size_t x = 0; x < coarse.width; ++x) {
-      const Cover columns = cover_of(fine.width, x);
+      const Cover& columns = all_columns[x];
       for (std::size_t j = 0; j < rows.count; ++j)
         for (std::size_t i = 0; i < columns.count; ++i)
           visit(coarse.offset + y * coarse.width + x, fine.offset + (rows.first + j) * fine.width + columns.first + i,
                 rows.weights[j] * columns.weights[i]);
     }
+  }
+}
+
+/// A level whose texels are each the mean of four: what over_covers() gives, to the bit.
+void halve(const Level& fine, const Level& coarse, std::span<float> texels) {
+  for (std::size_t y = 0; y < coarse.height; ++y) {
+    const float* above = texels.data() + 3 * (fine.offset + 2 * y * fine.width);
+    const float* below = above + 3 * fine.width;
+    float* mean = texels.data() + 3 * (coarse.offset + y * coarse.width);
+    for (std::size_t x = 0; x < coarse.width; ++x)
+      for (std::size_t c = 0; c < 3; ++c)
+        mean[3 * x + c] = 0.25f * above[6 * x + c] + 0.25f * above[6 * x + 3 + c] + 0.25f * below[6 * x + c] +
+                          0.25f * below[6 * x + 3 + c];
   }
 }
 
@@ -57,13 +72,15 @@ std::size_t mip_texel_count(std::size_t width, std::size_t height) {
 }
 
 std::vector<float> mip_levels(std::size_t width, std::size_t height, std::span<const float> finest) {
-  std::vector<float> texels(finest.begin(), finest.end());
-  texels.resize(3 * mip_texel_count(width, height));
+  std::vector<float> texels(3 * mip_texel_count(width, height));
+  std::copy(finest.begin(), finest.end(), texels.begin());
   const auto levels = levels_of(width, height);
   for (std::size_t l = 0; l + 1 < levels.size(); ++l)
-    over_covers(levels[l], levels[l + 1], [&](std::size_t coarse, std::size_t fine, float weight) {
-      for (std::size_t c = 0; c < 3; ++c) texels[3 * coarse + c] += weight * texels[3 * fine + c];
-    });
+    if (levels[l].width % 2 == 0 && levels[l].height % 2 == 0) halve(levels[l], levels[l + 1], texels);
+    else
+      over_covers(levels[l], levels[l + 1], [&](std::size_t coarse, std::size_t fine, float weight) {
+        for (std::size_t c = 0; c < 3; ++c) texels[3 * coarse + c] += weight * texels[3 * fine + c];
+      });
   return texels;
 }
 

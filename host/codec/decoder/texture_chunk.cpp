@@ -14,8 +14,6 @@ BlockGrid grid_of(const TextureChunkFormat& format) { return {format.width, form
 
 }  // namespace
 
-float radiance_of(float value) { return std::pow(std::max(value, 0.0f) / 255.0f, kGamma); }
-
 float gamma_coded(float radiance) { return 255.0f * std::pow(std::max(radiance, 0.0f), 1.0f / kGamma); }
 
 bool TextureChunk::decode_cosines(std::span<const std::uint8_t> coded, DecodingAccount& account) {
@@ -115,7 +113,8 @@ void TextureChunk::add_colours(std::span<const ParameterPyramid::Term> terms, st
 std::vector<float> TextureChunk::texture(std::size_t sample) const {
   const auto offset = format_.offset_colour();
   std::vector<float> colours(3 * format_.width * format_.height);
-  for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = offset[i % 3];
+  for (std::size_t i = 0; i < colours.size(); i += 3)
+    std::copy(offset.begin(), offset.end(), colours.begin() + static_cast<std::ptrdiff_t>(i));
   add_colours(plan_.of_samples[sample], colours);
   return colours;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "host/codec/decoder/dct_stream_decoder.h"
+#include "host/codec/decoder/radiance.h"
 #include "host/codec/decoder/texture_chunk_format.h"
 #include "host/codec/decoder/wavelet_stream_decoder.h"
 
@@ -65,9 +66,7 @@ class TextureChunk {
   bool was_cut_short_ = false;
 };
 
-/// Radiance of a gamma-coded value: (value / 255)^2.2, 0 below 0.
-float radiance_of(float value);
-/// The reverse; 0 below 0.
+/// The reverse of radiance_of(); 0 below 0.
 float gamma_coded(float radiance);
 
 }  // namespace multum

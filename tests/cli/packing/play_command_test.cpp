@@ -65,8 +65,15 @@ TEST_F(PlayCommandTest, FramesAtSamplesAreThoseOfSample) {
   const ProgramResult played = play("frames", {"--path", "view=0..2,light=1", "--frames", "3"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
   expect_says(played.out, {"written: 3 frames", "chunks decoded"});
-  for (int v = 0; v < 3; ++v)  // textures differ by 2e-3 of them at most: less than a step of 8 bits
-    EXPECT_LE(difference(frame("frames", v), sample(fmt::format("{},1", v))), 1) << v;
+  ASSERT_EQ(play("mixed", {"--path", "view=0..2,light=1", "--frames", "3", "--linear"}).exit_code, 0);
+  ASSERT_EQ(play("coarse", {"--path", "view=0..2,light=1", "--frames", "3", "--supersampling", "1"}).exit_code, 0);
+  for (int v = 0; v < 3; ++v) {
+    const Png8Image exact = sample(fmt::format("{},1", v));
+    EXPECT_EQ(difference(frame("frames", v), exact), 0) << v;
+    // Sums of images that are halves differ by 2e-3 of textures at most: less than a step of 8 bits.
+    EXPECT_LE(difference(frame("mixed", v), exact), 1) << v;
+    EXPECT_GT(difference(frame("coarse", v), exact), 2) << "edges are not averaged";
+  }
   EXPECT_GT(difference(frame("frames", 0), frame("frames", 2)), 20);
   const json found = statistics("frames");
   EXPECT_EQ(found["damaged"], json::array());

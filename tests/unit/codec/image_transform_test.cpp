@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the transforms of images: cosines, wavelets, mip levels.
+// Tests the transforms of images: cosines, wavelets, radiance, mip levels.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
+#include "host/base/half_bits.h"
 #include "host/codec/decoder/block_dct.h"
 #include "host/codec/decoder/mip_levels.h"
+#include "host/codec/decoder/radiance.h"
 #include "host/codec/decoder/wavelet_transform.h"
 #include "tests/unit/codec/codec_test_data.h"
 
@@ -88,6 +93,21 @@ TEST(Wavelet, SmoothImagesHaveEmptyHighBands) {
   forward_wavelet(64, 64, values);
   for (std::size_t y = 36; y < 60; ++y)  // away from the mirrored borders, of which a ramp is no smooth continuation
     for (std::size_t x = 36; x < 60; ++x) EXPECT_NEAR(values[y * 64 + x], 0.0f, 1e-4f);
+}
+
+TEST(Radiance, IsThePowerOfGammaCodedValues) {
+  EXPECT_EQ(radiance_of(255.0f), 1.0f);
+  EXPECT_EQ(clamped_to_half(radiance_of(0.0f)), 0u);
+  EXPECT_EQ(clamped_to_half(radiance_of(-100.0f)), 0u);
+  EXPECT_EQ(clamped_to_half(radiance_of(-std::numeric_limits<float>::infinity())), 0u);
+  EXPECT_EQ(clamped_to_half(radiance_of(std::numeric_limits<float>::infinity())), 0x7bffu);
+  float last = 0.0f;
+  for (float value = 1e-6f; value < 1e5f; value *= 1.0001f) {
+    const float found = radiance_of(value);
+    ASSERT_NEAR(static_cast<double>(found) / std::pow(static_cast<double>(value) / 255.0, 2.2), 1.0, 1e-6) << value;
+    ASSERT_GE(found, last) << value;
+    last = found;
+  }
 }
 
 TEST(MipLevels, KeepTheMeanAndAreAdjoint) {

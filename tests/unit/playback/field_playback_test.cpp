@@ -128,7 +128,7 @@ TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
 TEST_F(PlaybackTest, AfterAJumpSumsComeFirstAndThenTheirImages) {
   PackedFieldFile file(path());
   PlaybackSettings settings;
-  settings.decodes_sums = true;
+  settings.kind = DecodedKind::kImagesAndSums;
   settings.threads = 1;
   const auto playback = open(settings);
   for (const std::size_t sample : {5u, 22u}) {

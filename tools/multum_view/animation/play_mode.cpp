@@ -120,7 +120,8 @@ class PathPlayer {
         settings_(settings),
         player_(gl, options.file, settings_),
         field_(player_.description().field),
-        renderer_(gl, field_.width, field_.height, field_.supersampling),
+        supersampling_(options.supersampling > 0 ? options.supersampling : field_.supersampling),
+        renderer_(gl, field_.width, field_.height, supersampling_),
         geometry_(gl, field_, fs::path(options.file).parent_path().string()) {}
 
   gl::FloatImage draw(const std::vector<std::vector<double>>& points, std::size_t frame) {
@@ -142,6 +143,7 @@ class PathPlayer {
     return {{"file", options_.file},
             {"path", options_.path},
             {"parameters", field_.parameters},
+            {"supersampling", supersampling_},
             {"memory_max", settings_.playback.memory_max},
             {"bytes_most", counts.bytes_most},
             {"chunks_decoded", counts.chunks_decoded},
@@ -205,6 +207,7 @@ class PathPlayer {
   gl::PlayerSettings settings_;
   gl::FieldPlayer player_;
   const InferredManifest& field_;
+  int supersampling_;
   gl::TexturedRenderer renderer_;
   AnimationGeometry geometry_;
   PlaybackCounts before_;
@@ -228,6 +231,9 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("--rate", options.rate, "frames a second of the path's time t")
       ->check(number_in(0.001f, 1e6f))
       ->capture_default_str();
+  app.add_option("--supersampling", options.supersampling,
+                 "sub-pixels along each side of a pixel; default: as many as the field says")
+      ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear, "mix the samples around a point, along each parameter, not the nearest");
   app.add_flag("--no-wait", options.draws_what_is_there,
                "draw what is decoded by then, coarsest images first; the pictures depend on the machine's speed");
