@@ -13,23 +13,16 @@ namespace {
 class BlockCutter {
  public:
   BlockCutter(const InferredManifest& field, const SampleGrid& grid, const std::vector<int>& mapping_of_sample,
-              const std::vector<std::string>& textures, int side, std::size_t samples_max)
-      : field_(field), grid_(grid), mappings_(mapping_of_sample), textures_(textures), side_(side), max_(samples_max) {}
+              const std::vector<std::string>& textures, const BlockLimits& limits)
+      : field_(field), grid_(grid), mappings_(mapping_of_sample), textures_(textures), limits_(limits) {}
 
-  void cut(FieldBlock block) {
-    if (const auto place = mapping_change(block)) return cut_at(block, place->first, place->second);
-    find_varying(block);
-    std::size_t samples = 1;
-    for (const std::size_t d : block.varying) {
-      if (block.size[d] > side_) return cut_at(block, d, side_);
-      samples *= static_cast<std::size_t>(block.size[d]);
-    }
-    if (samples > max_) {
-      const std::size_t longest = *std::max_element(block.varying.begin(), block.varying.end(),
-                                                    [&](auto a, auto b) { return block.size[a] < block.size[b]; });
-      return cut_at(block, longest, block.size[longest] / 2);
-    }
-    blocks_.push_back(std::move(block));
+  /// To boxes of one mapping, and these to blocks.
+  void cut(const FieldBlock& box) {
+    const auto place = mapping_change(box);
+    if (!place) return cut_mapped(box, box);
+    const auto [first, second] = parted(box, place->first, place->second);
+    cut(first);
+    cut(second);
   }
 
   std::vector<FieldBlock> blocks() && { return std::move(blocks_); }
@@ -40,13 +33,37 @@ class BlockCutter {
     for (const std::size_t sample : grid_.samples_in(block)) visit(sample, field_.samples[sample].at);
   }
 
-  void cut_at(const FieldBlock& block, std::size_t dimension, int length) {
+  static std::pair<FieldBlock, FieldBlock> parted(const FieldBlock& block, std::size_t dimension, int length) {
     FieldBlock first = block, second = block;
     first.size[dimension] = length;
     second.begin[dimension] += length;
     second.size[dimension] -= length;
-    cut(first);
-    cut(second);
+    return {first, second};
+  }
+
+  /// `block` lies in a box of one mapping.
+  void cut_mapped(FieldBlock block, const FieldBlock& box) {
+    find_varying(block);
+    const auto place = cut_of(block, box);
+    if (!place) return blocks_.push_back(std::move(block));
+    const auto [first, second] = parted(block, place->first, place->second);
+    cut_mapped(first, box);
+    cut_mapped(second, box);
+  }
+
+  /// The dimension and the length of the first part, where a block is too large.
+  std::optional<std::pair<std::size_t, int>> cut_of(const FieldBlock& block, const FieldBlock& box) const {
+    std::size_t samples = 1;
+    for (const std::size_t d : block.varying) {
+      const bool is_first = limits_.first > 0 && box.size[d] > limits_.side && block.begin[d] == box.begin[d];
+      const int length = is_first ? limits_.first : limits_.side;
+      if (block.size[d] > length) return std::pair(d, length);
+      samples *= static_cast<std::size_t>(block.size[d]);
+    }
+    if (samples <= limits_.samples_max) return {};
+    const std::size_t longest = *std::max_element(block.varying.begin(), block.varying.end(),
+                                                  [&](auto a, auto b) { return block.size[a] < block.size[b]; });
+    return std::pair(longest, block.size[longest] / 2);
   }
 
   /// The dimension and distance from the begin at which the mapping first changes.
@@ -91,8 +108,7 @@ class BlockCutter {
   const SampleGrid& grid_;
   const std::vector<int>& mappings_;
   const std::vector<std::string>& textures_;
-  int side_;
-  std::size_t max_;
+  BlockLimits limits_;
   std::vector<FieldBlock> blocks_;
 };
 
@@ -157,8 +173,8 @@ std::size_t FieldBlock::chunk_sample(const std::vector<int>& at) const {
 
 std::vector<FieldBlock> field_blocks(const InferredManifest& field, const SampleGrid& grid,
                                      const std::vector<int>& mapping_of_sample,
-                                     const std::vector<std::string>& textures, int side, std::size_t samples_max) {
-  BlockCutter cutter(field, grid, mapping_of_sample, textures, side, samples_max);
+                                     const std::vector<std::string>& textures, const BlockLimits& limits) {
+  BlockCutter cutter(field, grid, mapping_of_sample, textures, limits);
   FieldBlock whole;
   for (const std::size_t size : grid.sizes) {
     whole.begin.push_back(0);

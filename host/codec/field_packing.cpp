@@ -79,9 +79,9 @@ void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& pat
 /// What the journal's chunks depend on, but for the field and its checksum: a line.
 std::string journal_key(const FieldPackSettings& settings, const FieldSource& source) {
   const std::string coder = settings.coder ? fmt::format("{}", static_cast<int>(*settings.coder)) : "any";
-  return fmt::format("{}: pack, field {}, pyramid {}, coder {}, open loop {}, block {}, device {}", software_version(),
-                     source.checksum, static_cast<int>(settings.pyramid), coder, settings.open_loop, settings.block,
-                     settings.transforms != nullptr);
+  return fmt::format("{}: pack, field {}, pyramid {}, coder {}, open loop {}, block {}, stagger {}, device {}",
+                     software_version(), source.checksum, static_cast<int>(settings.pyramid), coder, settings.open_loop,
+                     settings.block, settings.stagger, settings.transforms != nullptr);
 }
 
 std::uint64_t weight_bytes(const FieldSource& source) {
@@ -142,9 +142,10 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   check_writable(settings.output);
   progress_start(progress, 0);
   progress_stage(progress, "read");
-  const FieldSource source = read_field_source({settings.folder, settings.output, settings.has_absolute_geometry,
-                                                settings.block, image_coders(settings.coder), settings.threads},
-                                               progress);
+  const FieldSource source =
+      read_field_source({settings.folder, settings.output, settings.has_absolute_geometry, settings.block,
+                         settings.stagger, image_coders(settings.coder), settings.threads},
+                        progress);
   const std::vector<std::uint8_t> description = encode_description(source.description);
   const std::uint64_t memory = settings.memory_bytes > 0 ? settings.memory_bytes : machine_memory_bytes() / 4;
   const std::uint64_t beside = kProgramBytes + weight_bytes(source);

@@ -32,6 +32,7 @@ struct FieldPackSettings {
   std::optional<ImageCoder> coder;  // the best of all when not given
   bool open_loop = false;
   int block = 8;                          // samples of a chunk along a parameter, at most
+  bool stagger = false;                   // objects' blocks begin at different samples: field_blocks.h
   bool has_absolute_geometry = false;     // the scene file's path is noted whole, not relative to the output's folder
   int threads = 0;                        // <= 0: all; the bytes are the same
   std::uint64_t memory_bytes = 0;         // resident memory to stay within; 0: a quarter of the machine's

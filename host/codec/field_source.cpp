@@ -261,12 +261,17 @@ void read_object(const FieldSourceSettings& settings, const InferredManifest& fi
   for (const TextureMapping& mapping : object.mappings)
     texels = std::max(texels, static_cast<std::size_t>(mapping.width) * static_cast<std::size_t>(mapping.height));
   const std::size_t samples_max = std::max<std::size_t>(1, TextureChunkFormat::kTexelsMax / 2 / texels);
+  // Spread evenly over a block's side.
+  const int first = settings.stagger ? static_cast<int>(number * static_cast<std::size_t>(settings.block) /
+                                                        std::max<std::size_t>(1, field.objects.size()))
+                                     : 0;
   for (std::size_t l = 0; l < object.layers.size(); ++l) {
     const InferredLayer& layer = object.layers[l];
-    PackedLayer packed{number,
-                       layer.name,
-                       field_blocks(field, grid, object.mapping_of_sample, layer.textures, settings.block, samples_max),
-                       {}};
+    PackedLayer packed{
+        number,
+        layer.name,
+        field_blocks(field, grid, object.mapping_of_sample, layer.textures, {settings.block, first, samples_max}),
+        {}};
     for (std::size_t s = 0; s < layer.textures.size(); ++s)
       if (layer.textures[s].empty()) packed.unseen.push_back(static_cast<int>(s));
     for (std::size_t b = 0; b < packed.blocks.size(); ++b) {

@@ -53,6 +53,7 @@ struct FieldSourceSettings {
   std::string output;                  // file to be written, for the way from there to the scene file
   bool has_absolute_geometry = false;  // the scene file's path is noted whole instead
   int block = 8;                       // samples of a chunk along a parameter, at most
+  bool stagger = false;                // objects' blocks begin at different samples
   std::vector<CoderAndSide> coders;    // whose coefficients are weighed
   int threads = 0;
 };

@@ -57,6 +57,13 @@ const ParameterTable& pack_parameters() {
                     .high = 64,
                     .default_text = "8",
                     .surfaces = kPackJob});
+    rows.push_back({.name = "stagger",
+                    .kind = ParameterKind::kChoice,
+                    .help = "begin the chunks of different objects at different samples, where there are more than "
+                            "`block` along a parameter: a path meets fewer new chunks at once",
+                    .default_text = "no",
+                    .choices = {"no", "yes"},
+                    .surfaces = kPackJob});
     rows.push_back({.name = "alpha",
                     .kind = ParameterKind::kNumber,
                     .help = "an object's mean error over that of all objects' pixels, at most; above 1, or 0: any",

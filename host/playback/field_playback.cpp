@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/half_bits.h"
@@ -434,6 +435,24 @@ void FieldPlayback::forget_old() {
   for (const auto& chunk : chunks_)
     if (chunk->images_at_work == 0 && chunk->rank.frame != frame_ && is_old(chunk->rank, lifetime(*chunk)))
       drop_coefficients(*chunk);
+}
+
+void FieldPlayback::forget_all() {
+  Lock lock(mutex_);
+  for (const Job& job : std::exchange(jobs_, {})) unqueue(job);
+  for (const auto& chunk : chunks_) chunk->cancelled = true;
+  has_news_.wait(lock, [&] { return at_work_ == 0; });
+  for (auto image = images_.begin(); image != images_.end();) image = forget_image(image);
+  for (const auto& chunk : chunks_) {
+    if (chunk->state == ChunkState::kUnread || chunk->state == ChunkState::kDamaged) continue;
+    drop_coefficients(*chunk);
+    memory_.give_back(chunk->head_bytes);
+    chunk->head_bytes = 0;
+    chunk->plan.reset();
+    chunk->format.reset();
+    chunk->zeros.clear();
+    chunk->state = ChunkState::kUnread;
+  }
 }
 
 /// Forgets until so many bytes fit: first what no frame in sight wants, the nearest to the end of its life first; for

@@ -99,6 +99,8 @@ class FieldPlayback {
   /// The next frame is at `now`; later ones, the next first, will be at `ahead`. Forgets what has outlived its time,
   /// cancels what nobody wants any more, and asks for what is missing.
   void begin_frame(std::vector<SampleShare> now, std::vector<std::vector<SampleShare>> ahead);
+  /// As if nothing had been decoded or asked for yet; waits for workers. Between frames.
+  void forget_all();
   /// Asks for what is still missing of the same frame, as far as memory goes: after wait(), and after uploads.
   void request();
   /// Until a worker has finished something; false at once when none works.

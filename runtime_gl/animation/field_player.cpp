@@ -202,6 +202,14 @@ const FrameReport& FieldPlayer::prepare(const std::vector<double>& point,
   return report_;
 }
 
+void FieldPlayer::forget_all() {
+  playback_.forget_all();
+  for (LayerTexture& shown : textures_) {
+    shown.is_made = false;
+    shown.whole.reset();
+  }
+}
+
 std::vector<const Texture*> FieldPlayer::layers(std::size_t object) const {
   std::vector<const Texture*> found;
   for (std::size_t l = 0; l < textures_.size(); ++l)

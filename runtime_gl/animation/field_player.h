@@ -55,6 +55,9 @@ class FieldPlayer {
   /// what it waits for.
   const FrameReport& prepare(const std::vector<double>& point, const std::vector<std::vector<double>>& ahead);
 
+  /// Nothing is decoded any more: what the next frame takes is what a jump to anywhere takes.
+  void forget_all();
+
   /// Of the point: the textures to be added up, and the mapping whose coordinates they have. Valid until the next
   /// prepare().
   std::vector<const Texture*> layers(std::size_t object) const;

@@ -53,6 +53,7 @@ void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.target.mse = values.number("mse_max");
   settings.target.lambda = values.number("lambda");
   settings.block = values.integer("block").value_or(settings.block);
+  settings.stagger = values.text("stagger") == "yes";
   if (const auto bytes = values.bytes("memory")) settings.memory_bytes = static_cast<std::uint64_t>(*bytes);
   settings.resume = values.flag("resume");
   settings.has_absolute_geometry = values.flag("absolute_geometry");

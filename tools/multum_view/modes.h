@@ -45,6 +45,7 @@ struct PlayOptions {
   float rate = 30.0f;     // frames a second
   int supersampling = 0;  // sub-pixels along each side of a pixel; 0: the field's
   bool is_linear = false;
+  bool is_cold = false;              // forgets all before each frame
   bool draws_what_is_there = false;  // else waits for all that a frame needs
   int ahead = 8;                     // frames
   std::string memory = "256M", upload = "16M";

@@ -143,6 +143,29 @@ TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {
   EXPECT_LT(drawn_mse("blocks"), 2.0);
 }
 
+// Objects' blocks begin at different samples where there are several along a parameter, and only there.
+TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
+  for (const char* folder : {"renders", "out"}) fs::remove_all(path(folder));
+  TracedScene scene;
+  scene.views = scene.lights = 3;  // textures of both objects vary with the light
+  infer_scene(scene);
+  ASSERT_EQ(pack("no.mpt", {"--lambda", "50"}).exit_code, 0);
+  ASSERT_EQ(pack("whole.mpt", {"--lambda", "50", "--stagger", "yes"}).exit_code, 0);
+  EXPECT_EQ(read_bytes(path("no.mpt")), read_bytes(path("whole.mpt")));
+  ASSERT_EQ(pack("one.mpt", {"--lambda", "1", "--block", "2", "--stagger", "yes", "--threads", "1"}).exit_code, 0);
+  ASSERT_EQ(pack("two.mpt", {"--lambda", "1", "--block", "2", "--stagger", "yes", "--threads", "2"}).exit_code, 0);
+  EXPECT_EQ(read_bytes(path("one.mpt")), read_bytes(path("two.mpt")));
+  const PackedFieldFile packed(path("one.mpt"));
+  std::map<std::size_t, std::set<int>> borders;  // of objects, along the light
+  for (const PackedLayer& layer : packed.description().layers)
+    for (const FieldBlock& block : layer.blocks)
+      if (block.begin[1] > 0) borders[layer.object].insert(block.begin[1]);
+  EXPECT_EQ(borders[0], (std::set<int>{2}));
+  EXPECT_EQ(borders[1], (std::set<int>{1}));
+  ASSERT_EQ(unpack("one.mpt", "one").exit_code, 0);
+  EXPECT_LT(drawn_mse("one"), 2.0);
+}
+
 // Each object's mean error within --alpha times the mean of all; without it some object is above that.
 TEST_F(PackCommandTest, AlphaHoldsWhatAnObjectMayBeOff) {
   FieldPackSettings settings;

@@ -48,7 +48,7 @@ class PackResumeTest : public TracedSceneTest {
 
 TEST_F(PackResumeTest, LittleMemoryGivesTheSameBytes) {
   const FieldSource source =
-      read_field_source({path("out"), path("field.mpt"), false, 8, image_coders({}), 2}, nullptr);
+      read_field_source({path("out"), path("field.mpt"), false, 8, false, image_coders({}), 2}, nullptr);
   const std::vector<std::uint8_t> description = encode_description(source.description);
   FieldCoderSettings coding;
   coding.threads = 2;

@@ -107,6 +107,22 @@ TEST_F(PlayCommandTest, ThreadsAndMemoryChangeNoFrame) {
   EXPECT_EQ(read_small_picture(path("d.png"), 1000).width, 8 * 4);
 }
 
+TEST_F(PlayCommandTest, WithAColdCacheEachFrameDecodesAll) {
+  const std::vector<std::string> still = {"--path", "view=1,light=1", "--frames", "3", "--ahead", "0"};
+  ASSERT_EQ(play("warm", still).exit_code, 0);
+  std::vector<std::string> cold = still;
+  cold.emplace_back("--cold");
+  ASSERT_EQ(play("cold", cold).exit_code, 0);
+  const json warm_frames = statistics("warm")["frames"], cold_frames = statistics("cold")["frames"];
+  for (int f = 0; f < 3; ++f) {
+    EXPECT_EQ(cold_frames[f]["chunks_decoded"], warm_frames[0]["chunks_decoded"]);
+    EXPECT_EQ(cold_frames[f]["images_decoded"], warm_frames[0]["images_decoded"]);
+    EXPECT_GT(cold_frames[f]["decoding_processor_ms"], 0.0);
+    EXPECT_EQ(read_bytes(frame_path("cold", f)), read_bytes(frame_path("warm", f)));
+  }
+  EXPECT_EQ(warm_frames[1]["chunks_decoded"], 0);
+}
+
 TEST_F(PlayCommandTest, CamerasMoveBetweenSamplesAndTexturesAreMixedWhenAsked) {
   ASSERT_EQ(play("half", {"--path", "view=0.4,light=0.4", "--frames", "1"}).exit_code, 0);
   ASSERT_EQ(play("mixed", {"--path", "view=0.4,light=0.4", "--frames", "1", "--linear"}).exit_code, 0);

@@ -40,9 +40,11 @@ InferredManifest field_of_15() {
   return field;
 }
 
-std::vector<FieldBlock> blocks_of(const std::vector<std::string>& textures, int side = 8, std::size_t most = 1000) {
+std::vector<FieldBlock> blocks_of(const std::vector<std::string>& textures, int side = 8, std::size_t most = 1000,
+                                  int first = 0) {
   const InferredManifest field = field_of_15();
-  return field_blocks(field, sample_grid(field.samples), field.objects[0].mapping_of_sample, textures, side, most);
+  return field_blocks(field, sample_grid(field.samples), field.objects[0].mapping_of_sample, textures,
+                      {side, first, most});
 }
 
 // A name a sample, of its view and its light.
@@ -92,6 +94,23 @@ TEST(FieldBlocks, AreAsSmallAsIsAskedForAlongVaryingParametersAlone) {
   EXPECT_EQ(blocks_of(names([](int, int light) { return std::to_string(light); }), 2).size(), 4u);
 }
 
+TEST(FieldBlocks, MayBeginWithAShorterOneWhereOneDoesNotHoldAll) {
+  const auto all = names([](int view, int light) { return std::to_string(10 * view + light); });
+  std::set<std::vector<int>> found;
+  for (const FieldBlock& block : blocks_of(all, 2, 1000, 1))
+    found.insert({block.begin[0], block.size[0], block.begin[1], block.size[1]});
+  // Views 0, 1..2 of the one mapping; 3..4 of the other fit. Lights 0, 1..2.
+  EXPECT_EQ(found, (std::set<std::vector<int>>{
+                       {0, 1, 0, 1}, {0, 1, 1, 2}, {1, 2, 0, 1}, {1, 2, 1, 2}, {3, 2, 0, 1}, {3, 2, 1, 2}}));
+  EXPECT_EQ(blocks_of(all, 8, 1000, 3).size(), 2u) << "all fits in one block of each mapping";
+  for (int first = 0; first <= 2; ++first) {
+    std::size_t samples = 0;
+    for (const FieldBlock& block : blocks_of(all, 2, 2, first))
+      samples += block.chunk_sizes()[0] > 2 ? 0u : static_cast<std::size_t>(block.size[0] * block.size[1]);
+    EXPECT_EQ(samples, 15u) << first;
+  }
+}
+
 TEST(FieldDescription, ComesBackInSinglePrecision) {
   FieldDescription description;
   description.field = field_of_15();
@@ -99,7 +118,7 @@ TEST(FieldDescription, ComesBackInSinglePrecision) {
   const SampleGrid grid = sample_grid(field.samples);
   const auto textures = names([](int view, int light) { return std::to_string(10 * view + light); });
   description.layers = {
-      {0, "gloss", field_blocks(field, grid, field.objects[0].mapping_of_sample, textures, 2, 9), {3, 7}}};
+      {0, "gloss", field_blocks(field, grid, field.objects[0].mapping_of_sample, textures, {2, 0, 9}), {3, 7}}};
   const FieldDescription read = decode_description(encode_description(description));
   ASSERT_EQ(read.field.samples.size(), 15u);
   for (std::size_t s = 0; s < 15; ++s) {

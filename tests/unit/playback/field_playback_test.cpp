@@ -156,6 +156,60 @@ TEST_F(PlaybackTest, AfterAJumpSumsComeFirstAndThenTheirImages) {
   }
 }
 
+TEST_F(PlaybackTest, WholeTexturesAreThoseOfUnpacking) {
+  PackedFieldFile file(path());
+  PlaybackSettings settings;
+  settings.kind = DecodedKind::kTextures;
+  const auto playback = open(settings);
+  for (const std::size_t sample : {5u, 22u, 6u}) {
+    playback->begin_frame(one(sample), {one(23)});
+    do {
+      playback->request();
+    } while (playback->wait());
+    for (std::size_t l = 0; l < 3; ++l) {
+      const std::vector<int>& at = description_.field.samples[sample].at;
+      const std::size_t block = description_.layers[l].block_at(at);
+      const auto expected =
+          unpacked_texture(*file.chunk(l, block), description_.layers[l].blocks[block].chunk_sample(at), "").texels;
+      const LayerNeed need = playback->need(l);
+      ASSERT_EQ(need.images.size(), 1u);
+      ASSERT_TRUE(need.is_decoded);
+      if (playback->state(need.images[0].key) == ImageState::kUploaded) continue;  // as diffuse ones of sample 6
+      const DecodedImage& found = playback->decoded(need.images[0].key);
+      EXPECT_EQ(playback->object_of(need.images[0].key).mapping, need.mapping);
+      ASSERT_EQ(found.halves.size() / 4, expected.size() / 3);
+      for (std::size_t i = 0; i < expected.size(); ++i)
+        ASSERT_EQ(found.halves[i / 3 * 4 + i % 3], clamped_to_half(expected[i])) << l;
+      playback->uploaded(need.images[0].key);
+    }
+  }
+}
+
+TEST_F(PlaybackTest, ForgettingAllBeginsAnew) {
+  for (const DecodedKind kind : {DecodedKind::kImages, DecodedKind::kTextures}) {
+    PlaybackSettings settings;
+    settings.kind = kind;
+    const auto playback = open(settings);
+    std::size_t decoded = 0;
+    for (int round = 1; round <= 3; ++round) {
+      playback->begin_frame(one(7), {one(8), one(20)});
+      playback->request();
+      if (round == 2) playback->forget_all();  // while workers are at it
+      playback->begin_frame(one(7), {});
+      do {
+        playback->request();
+      } while (playback->wait());
+      EXPECT_EQ(playback->need(1).is_decoded, true);
+      if (round == 1) decoded = playback->counts().images_decoded;
+      playback->forget_all();
+      EXPECT_EQ(playback->counts().bytes, 0u);
+      EXPECT_EQ(playback->state({0, 0}), ImageState::kAbsent);
+    }
+    EXPECT_GE(playback->counts().images_decoded, 3 * decoded / 2);
+    EXPECT_GT(decoded, 0u);
+  }
+}
+
 TEST_F(PlaybackTest, MemoryIsNeverExceededHoweverOneWanders) {
   PlaybackSettings settings;
   settings.memory_max = std::size_t{4} << 20;

@@ -20,6 +20,7 @@ struct PlayedFrame {
   std::vector<gl::LayerReport> layers;
   std::size_t images_decoded = 0, chunks_decoded = 0;  // since the frame before
   std::size_t bytes = 0, bytes_most = 0;
+  double decoding_seconds = 0.0;  // of processors, since the frame before
 };
 
 /// Linear colours. Frames are four pixels wide, or less where the picture would be wider than 16384.

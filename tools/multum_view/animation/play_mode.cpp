@@ -129,6 +129,7 @@ class PathPlayer {
     std::vector<std::vector<double>> ahead;
     for (std::size_t f = frame + 1; f < points.size() && ahead.size() < static_cast<std::size_t>(options_.ahead); ++f)
       ahead.push_back(points[f]);
+    if (options_.is_cold) player_.forget_all();
     Stopwatch stopwatch;
     const gl::FrameReport report = player_.prepare(point, ahead);
     gl_.Finish();
@@ -176,7 +177,8 @@ class PathPlayer {
   void note(const std::vector<double>& point, const gl::FrameReport& report, double preparing, double drawing) {
     const PlaybackCounts counts = player_.counts();
     frames_.push_back({report.layers, counts.images_decoded - before_.images_decoded,
-                       counts.chunks_decoded - before_.chunks_decoded, counts.bytes, counts.bytes_most});
+                       counts.chunks_decoded - before_.chunks_decoded, counts.bytes, counts.bytes_most,
+                       counts.chunk_seconds + counts.image_seconds - before_.chunk_seconds - before_.image_seconds});
     before_ = counts;
     preparing_.push_back(preparing);
     drawing_.push_back(drawing);
@@ -193,6 +195,7 @@ class PathPlayer {
                             {"textures_made", report.textures_made},
                             {"images_decoded", frames_.back().images_decoded},
                             {"chunks_decoded", frames_.back().chunks_decoded},
+                            {"decoding_processor_ms", 1e3 * frames_.back().decoding_seconds},
                             {"uploaded_bytes", report.uploaded_bytes},
                             {"bytes", counts.bytes},
                             {"wait_ms", 1e3 * report.wait_seconds},
@@ -237,6 +240,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_flag("--linear", options.is_linear, "mix the samples around a point, along each parameter, not the nearest");
   app.add_flag("--no-wait", options.draws_what_is_there,
                "draw what is decoded by then, coarsest images first; the pictures depend on the machine's speed");
+  app.add_flag("--cold", options.is_cold, "forget all before each frame: what a jump to anywhere takes");
   app.add_option("--ahead", options.ahead, "frames ahead on the path that are decoded too")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
