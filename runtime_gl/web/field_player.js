@@ -150,11 +150,12 @@ export class FieldPlayer {
       width, height, layer, block };
   }
 
-  /** Samples beside the nearest one, those ahead first. */
+  /** Samples beside the nearest one: first the one that the movement goes to, along all parameters together. */
   neighbours() {
     const { description, velocity } = this;
     const at = this.position.map((one) => Math.round(one));
-    const found = [];
+    const next = at.map((one, d) => Math.min(description.sizes[d] - 1, Math.max(0, one + Math.sign(velocity[d]))));
+    const found = [{ ahead: Infinity, sample: description.sampleAt(next) }];
     at.forEach((one, d) => {
       for (const step of [1, -1]) {
         const there = one + step;

@@ -5,10 +5,12 @@ the path through the parameters, errors and their places, values between points 
 
   tests/layering/playback_document_test.py --programs FOLDER
 """
+import ctypes.util
 import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,6 +27,7 @@ import curves  # noqa: E402
 import fields  # noqa: E402
 import parameter_grid  # noqa: E402
 import playback_document  # noqa: E402
+import playing  # noqa: E402
 import video_codecs  # noqa: E402
 
 programs = TOOLS.parent / "build/release/bin"
@@ -37,6 +40,15 @@ class PartsTest(unittest.TestCase):
         for one, other in zip(path, path[1:]):
             self.assertEqual(sum(abs(a - b) for a, b in zip(one, other)), 1)
         self.assertEqual(path[:2], [(0, 0, 0), (0, 0, 1)])
+
+    def test_diagonals_meet_every_sample_once(self):
+        for counts in ([8, 8], [2, 3], [3, 2, 4], [5]):
+            places = playing.diagonals(counts)
+            self.assertEqual(sorted(places), sorted(fields.serpentine(counts)))
+            step = [(b - a) % count for a, b, count in zip(places[0], places[1], counts)]
+            self.assertEqual(step, [1 % count for count in counts])
+            for number, place in enumerate(fields.serpentine(counts)):
+                self.assertEqual(playing.serpentine_number(place, counts), number)
 
     def test_values_of_a_screen(self):
         shown = fields.eight_bit(np.array([[[-1.0, 0.0, np.nan], [1.0, 7.0, 0.5 ** 2.2]]], np.float32))
@@ -197,6 +209,39 @@ class DocumentTest(unittest.TestCase):
         done = self.run_tool("--split", "field_small", "light=swing")
         self.assertEqual(done.returncode, 2)
         self.assertIn("'light=swing' is not PARAMETER=NAME:COUNT,NAME:COUNT", done.stderr)
+
+    def test_playing_of_a_small_field(self):
+        if shutil.which("ffmpeg") is None or ctypes.util.find_library("dav1d") is None:
+            self.skipTest("no ffmpeg, or no libdav1d")
+        write_traced_field(self.folder / "field_small")
+        done = self.run_tool("--parts", "curves", "video", "playing", "--ratios", "12", "--coders", "auto", "--videos",
+                             "AV1", environment={**os.environ, "PATH": self.path_without_browsers()})
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        rows = {row["name"]: row for row in json.loads((self.folder / "work/rows.json").read_text())
+                if row["kind"] == "playing"}
+        self.assertEqual(len(rows["seeks"]["rounds"]), 5)
+        for one in rows["seeks"]["rounds"]:
+            for name in ("multum", "multum, drawn", "AV1, a key frame every 64", "AV1, a key frame every 8"):
+                self.assertLess(0, one[name]["p50"])
+                self.assertLessEqual(one[name]["p50"], one[name]["p99"])
+        self.assertEqual(rows["diagonal, 1 x 1"]["frames"], 4)
+        self.assertFalse(any(rows[f"memory, {size}"].get("mse", 0) < 0 for size in playing.MEMORIES))
+        self.assertNotIn("browser", rows)
+        page = (self.folder / "PLAYBACK.md").read_text()
+        for said in ("#### To any sample from a cold cache", "#### Frames a second", "#### Memory and quality",
+                     "`--block 4 --stagger yes`"):
+            self.assertIn(said, page)
+        self.assertNotIn("#### In the browser", page)
+
+    def path_without_browsers(self):
+        """A folder of links to all programs but those."""
+        folder = self.folder / "programs"
+        folder.mkdir()
+        for place in os.environ["PATH"].split(":"):
+            for file in pathlib.Path(place).glob("*") if pathlib.Path(place).is_dir() else []:
+                if file.name not in playing.BROWSERS and not (folder / file.name).exists():
+                    (folder / file.name).symlink_to(file)
+        return str(folder)
 
     def test_missing_ffmpeg_is_named_before_anything_is_done(self):
         done = self.run_tool(environment={"PATH": str(self.folder)})
