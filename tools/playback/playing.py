@@ -111,7 +111,7 @@ def frame_times(frames):
             "prepare_ms": statistics.fmean(one["prepare_ms"] for one in frames),
             "draw_ms": statistics.fmean(one["draw_ms"] for one in frames),
             "upload_ms": statistics.fmean(one["upload_ms"] for one in frames),
-            "decoding_ms": statistics.fmean(one["decoding_processor_ms"] for one in frames)}
+            "decoding_ms": max(0.0, statistics.fmean(one["decoding_processor_ms"] for one in frames))}
 
 
 def measure_playing(measurement, video_codecs, quality_of):
@@ -235,8 +235,8 @@ def rate_section(found, table):
         ["path", "sub-pixels", "frames a second", "worst frame, ms", "decoding, processor ms a frame", "upload, ms",
          "preparing, ms", "drawing, ms"], lines),
         "`multum-view play` with Mesa's software renderer, on one core with all that it decodes. Cached: the view "
-        "moves within a sample. Diagonal: each frame is one sample further along all parameters, until all samples were met, "
-        "and waits for its textures; the paper's figures for such a path are 2.4 to 8.8 frames a second on average and "
+        "moves within a sample. Diagonal: each frame is one sample further along all parameters, until all samples were "
+        "met, and waits for its textures; the paper's figures for such a path are 2.4 to 8.8 frames a second on average and "
         "1.3 at worst, on hardware of 1999, and 34 cached."] if lines else []
 
 
