@@ -22,12 +22,14 @@ import numpy as np
 from traced_field import write_traced_field
 
 TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
-sys.path[:0] = [str(TOOLS), str(TOOLS / "playback")]
+sys.path[:0] = [str(TOOLS), str(TOOLS / "playback"), str(TOOLS / "papers")]
 import curves  # noqa: E402
 import fields  # noqa: E402
+import hakura2000  # noqa: E402
 import parameter_grid  # noqa: E402
 import playback_document  # noqa: E402
 import playing  # noqa: E402
+import study  # noqa: E402
 import video_codecs  # noqa: E402
 
 programs = TOOLS.parent / "build/release/bin"
@@ -133,6 +135,28 @@ class PartsTest(unittest.TestCase):
             parameter_grid.with_split_parameter(job, "moved", [("turn", 2), ("light", 2)])
         with self.assertRaisesRegex(SystemExit, "no parameter wind"):
             parameter_grid.with_split_parameter(job, "wind", [("turn", 2), ("light", 2)])
+
+
+class DemosTest(unittest.TestCase):
+    def test_demos_are_pages_that_play(self):
+        with tempfile.TemporaryDirectory() as holder:
+            folder = pathlib.Path(holder)
+            write_traced_field(folder / "data/field_demo1")
+            hakura2000.TARGETS = (12, 20)  # a field of 83 kB is no 384th
+            made = study.Study(hakura2000.TITLE, folder / "page", pathlib.Path(programs).resolve(), folder / "data",
+                               64, 2)
+            hakura2000.pages_that_play(made, [])
+            self.assertEqual(made.parts, [])
+            hakura2000.pages_that_play(made, [hakura2000.FieldStudy(made, "field_demo1")])
+            made.write_page()
+            page = (folder / "page/index.html").read_text()
+            self.assertIn("Demo 1: views of the room", page)
+            if "built without the decoder for browsers" in page:
+                self.skipTest("multum has no decoder for browsers")
+            self.assertIn('data="field_demo1_plays.html"', page)
+            player = (folder / "page/field_demo1_plays.html").read_text()
+            self.assertIn('id="data-field"', player)
+            self.assertNotRegex(player, r'src="[^"]|https?://(?!www.w3.org)')
 
 
 class DocumentTest(unittest.TestCase):

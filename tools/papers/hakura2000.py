@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hakura, Lengyel and Snyder 2000, "Parameterized Animation Compression": figures 10 to 12.
+"""Hakura, Lengyel and Snyder 2000, "Parameterized Animation Compression": figures 10 to 12, and their two demos as
+pages that play.
 
 Their scenes are described, not published; the fields of the shared data were made after the description, at half the
 resolution: a vase, a glass, a table in a room under a swinging light (figures 10 and 11), and the same with a turning
@@ -18,6 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "playback")
 import video_codecs  # noqa: E402
 from fields import Field, mse  # noqa: E402
 from programs import Programs  # noqa: E402
+from study import StepFailed, text  # noqa: E402
 
 TITLE = "Hakura et al. 2000: parameterized animation compression"
 TARGETS = (384, 768)
@@ -26,6 +28,8 @@ CODERS = {COSINES: ("--coder", "dct"), WAVELETS: ("--coder", "wavelet")}
 # (ratio, MSE) of figure 10; theirs are MPEG-4, Laplacian DCT, Laplacian SPIHT.
 PUBLISHED = {384: {VIEWS: (355, 13.5), COSINES: (366, 11.8), WAVELETS: (379, 8.66)},
              768: {VIEWS: (570, 29.8), COSINES: (732, 18.1), WAVELETS: (751, 16.5)}}
+DEMOS = {"field_demo1": "Demo 1: views of the room, and a swinging light",
+         "field_demo2": "Demo 2: views of the room, and a knot that turns"}
 COMBINED = '[[layer]]\nname = "radiance"\npasses = [""]\ndepends_on = [{}]\n\n'
 
 
@@ -70,6 +74,14 @@ class FieldStudy:
         """The best quality of AV1 that is no larger than raw frames over the ratio; the smallest where none is."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
+
+    def page_that_plays(self):
+        """NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Its bytes, and those
+        of the field."""
+        packed, page = self.study.path(f"{self.name}_plays.mpt"), self.study.path(f"{self.name}_plays.html")
+        self.study.run("multum", "pack", self.inferred, "-o", packed, "--ratio", TARGETS[0], "--quiet")
+        self.study.run("multum", "player", packed, "-o", page)
+        return page.stat().st_size, packed.stat().st_size
 
     def crop(self):
         """Where things stand on the table: rows and columns."""
@@ -138,16 +150,39 @@ def moving_object(study, field):
                  for label, (reached, error, _) in results.items()])
 
 
+def pages_that_play(study, fields):
+    if not fields:
+        return
+    study.heading("The demos, played")
+    study.paragraph("Each page has all in itself: the packed field, its geometry, the decoder and the player. It opens",
+                    "from disk, in any browser with WebGL 2 and WebAssembly; docs/PLAYBACK.md says how fast.")
+    rows = []
+    for field in fields:
+        try:
+            page, packed = field.page_that_plays()
+        except StepFailed as failure:  # as by a multum without the decoder for browsers
+            study.paragraph(f"{DEMOS[field.name]}: left out. {str(failure).splitlines()[-1]}")
+            continue
+        file, title = f"{field.name}_plays.html", DEMOS[field.name]
+        rows.append([title, f"{field.field.raw_bytes / packed:.0f}:1", f"{packed:,}", f"{page:,}"])
+        study.html(f'<h3><a href="{file}">{text(title)}</a></h3><object type="text/html" data="{file}" '
+                   f'aria-label="{text(title)}" style="width:100%;height:46rem;border:0"></object>')
+    if rows:
+        study.table(["", "ratio", "bytes of the field", "of the page"], rows)
+
+
 def reproduce(study):
-    study.has_made_maps = False
+    study.has_made_maps, fields = False, []
     for name, figures in (("field_demo1", (compression, layers_and_pyramids)), ("field_demo2", (moving_object,))):
         if study.data is None or not (study.data / name / "scene.json").is_file():
             study.paragraph(f"{name} is not among the shared data: what is made of it is left out.")
             continue
         field = FieldStudy(study, name)
+        fields.append(field)
         for figure in figures:
             figure(study, field)
     study.paragraph("docs/ANIMATION.md has the errors of inferred textures over those of forward mapping. Its",
                     "forward mapping is not the paper's: pixels are splatted bilinearly, where the paper resamples",
                     "with a Lanczos-windowed sinc of 16 x 16 taps. Of that one no factor is stated here.",
                     "docs/PLAYBACK.md has curves of error over size, and what each part of the coder brings.")
+    pages_that_play(study, fields)
