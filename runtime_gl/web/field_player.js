@@ -245,7 +245,9 @@ export class FieldPlayer {
     if (this.frame) return;
     this.frame = requestAnimationFrame((now) => {
       this.frame = 0;
-      this.drawNow(now);
+      // Browsers take some pictures ahead of a slow driver: they would be shown late, and seem to be drawn at once.
+      if (this.gl.isBusy()) this.requestDraw();
+      else this.drawNow(now);
     });
   }
 

@@ -78,6 +78,7 @@ export class PlayerGl {
     this.screen = this.program(SCREEN_VERTEX, MEAN_FRAGMENT);
     this.nothing = gl.createVertexArray();
     this.target = null;
+    this.fences = []; // behind pictures that the driver may still be working at
   }
 
   program(vertex, fragment) {
@@ -232,6 +233,17 @@ export class PlayerGl {
     gl.bindVertexArray(this.nothing);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     gl.bindTexture(gl.TEXTURE_2D, null);
+    this.fences.push(gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0));
+    gl.flush();
+  }
+
+  /** Whether more than one picture is not there yet, as far as is known since the browser was last given its turn. */
+  isBusy() {
+    const { gl } = this;
+    while (this.fences.length > 0 &&
+        (gl.isContextLost() || gl.getSyncParameter(this.fences[0], gl.SYNC_STATUS) === gl.SIGNALED))
+      gl.deleteSync(this.fences.shift());
+    return this.fences.length > 1;
   }
 
   /** The picture's 8-bit values as drawn just now, [height][width][4], the top row first. */

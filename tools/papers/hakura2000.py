@@ -76,8 +76,8 @@ class FieldStudy:
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
     def page_that_plays(self):
-        """NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Its bytes, and those
-        of the field."""
+        """NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Its bytes, and
+        those of the field."""
         packed, page = self.study.path(f"{self.name}_plays.mpt"), self.study.path(f"{self.name}_plays.html")
         self.study.run("multum", "pack", self.inferred, "-o", packed, "--ratio", TARGETS[0], "--quiet")
         self.study.run("multum", "player", packed, "-o", page)
