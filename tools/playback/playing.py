@@ -24,7 +24,7 @@ from video_seeks import VideoSeeks
 
 ROUNDS = 5  # of both programs in turns
 SEED = 26
-MEMORIES = ("256M", "64M", "48M", "32M", "24M", "16M")
+MEMORIES = ("256M", "128M", "64M", "48M", "40M", "32M")
 SIDES = (1, 2, 4)  # sub-pixels along a pixel
 BLOCKED = {"blocks of 4": ("--block", "4"), "blocks of 4, staggered": ("--block", "4", "--stagger", "yes")}
 BROWSERS = ("chromium-headless-shell", "chromium")

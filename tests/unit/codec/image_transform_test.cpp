@@ -2,6 +2,7 @@
 // Tests the transforms of images: cosines, wavelets, radiance, mip levels.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -93,6 +94,17 @@ TEST(Wavelet, SmoothImagesHaveEmptyHighBands) {
   forward_wavelet(64, 64, values);
   for (std::size_t y = 36; y < 60; ++y)  // away from the mirrored borders, of which a ramp is no smooth continuation
     for (std::size_t x = 36; x < 60; ++x) EXPECT_NEAR(values[y * 64 + x], 0.0f, 1e-4f);
+}
+
+TEST(HalfBits, ClampedAreTheNearestAsOthers) {
+  SplitMix64 random(9);
+  for (int i = 0; i < 2000000; ++i) {
+    const auto bits = static_cast<std::uint32_t>(random.next() >> 32);
+    const auto value = std::bit_cast<float>(bits);
+    if (!(std::abs(value) <= 65504.0f)) continue;
+    ASSERT_EQ(clamped_to_half(value), float_to_half(value)) << value;
+  }
+  EXPECT_EQ(clamped_to_half(-1e30f), 0xfbffu);
 }
 
 TEST(Radiance, IsThePowerOfGammaCodedValues) {
