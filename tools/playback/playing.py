@@ -258,8 +258,8 @@ def border_section(found, table):
          "most decoding in a frame, processor ms", "most chunks in a frame"], lines),
         "The diagonals again, with 1 x 1 sub-pixels; what is not used for 4 frames is forgotten. Staggered, the blocks "
         "of the objects begin at different samples, so that fewer are decoded in one frame, and those at the ends are "
-        "smaller. What is decoded with nothing ahead is the same in every run; frames' times are not, on a machine with "
-        "other work."] if lines else []
+        "smaller. What is decoded with nothing ahead is the same in every run; frames' times are not, on a machine "
+        "with other work."] if lines else []
 
 
 def memory_section(found, table):
