@@ -292,14 +292,18 @@ def browser_section(row, found, table):
         own = found.get(f"diagonal, {one['side']} x {one['side']}")
         lines.append(["diagonal", f"{one['side']} x {one['side']}", f"{one['perSecond']:.1f}", f"{one['p50Ms']:.1f}",
                       f"{one['p99Ms']:.1f}", f"{own['per_second']:.1f}" if own else ""])
-    diagonal = row["diagonal"][0]
+    diagonal, profile = row["diagonal"][0], row["profile"]
     return ["#### In the browser", table(
         ["path", "sub-pixels", "frames a second", "p50, ms", "p99, ms", "`multum-view play`, frames a second"], lines),
         f"Headless Chromium {row['browser']} with SwiftShader, {row['width']} x {row['height']} pixels, all cores. "
         "Drawing alone waits for each frame's end; shown is what the page does when it is moved, with as many "
         f"sub-pixels as it chooses. Of a frame of the diagonal {diagonal['waitingMs']:.0f} ms are waiting for textures "
         f"from {diagonal['workers']} worker, {diagonal['drawingMs']:.0f} ms uploading and drawing. 60 frames a second "
-        "cached and 30 along the diagonal were asked for."]
+        f"cached and 30 along the diagonal were asked for. What stands in the way is the drawing: of "
+        f"{profile['wholeMs']:.1f} ms for a picture of one sub-pixel a pixel, {profile['withoutObjectsMs']:.1f} are for "
+        f"a picture without objects (its mean and sRGB), {profile['smallMs']:.1f} for one of 16 x 12 pixels (corners "
+        f"of triangles); looked up in one mip level, not two, it takes {profile['oneLevelMs']:.1f} ms. The rest is "
+        "looking textures of halves up, two for each pixel."]
 
 
 def playing_section(rows, name, table):
