@@ -300,8 +300,8 @@ def browser_section(row, found, table):
         f"sub-pixels as it chooses. Of a frame of the diagonal {diagonal['waitingMs']:.0f} ms are waiting for textures "
         f"from {diagonal['workers']} worker, {diagonal['drawingMs']:.0f} ms uploading and drawing. 60 frames a second "
         f"cached and 30 along the diagonal were asked for. What stands in the way is the drawing: of "
-        f"{profile['wholeMs']:.1f} ms for a picture of one sub-pixel a pixel, {profile['withoutObjectsMs']:.1f} are for "
-        f"a picture without objects (its mean and sRGB), {profile['smallMs']:.1f} for one of 16 x 12 pixels (corners "
+        f"{profile['wholeMs']:.1f} ms for a picture of one sub-pixel a pixel, {profile['withoutObjectsMs']:.1f} are "
+        f"for one without objects (its mean and sRGB), {profile['smallMs']:.1f} for one of 16 x 12 pixels (corners "
         f"of triangles); looked up in one mip level, not two, it takes {profile['oneLevelMs']:.1f} ms. The rest is "
         "looking textures of halves up, two for each pixel."]
 
