@@ -322,7 +322,8 @@ export class FieldPlayer {
     const supersampling = isAtRest && this.isFull ? this.finest : this.quality.side;
     const { objects, isAllThere } = this.drawnObjects();
     const { width, height } = this.description;
-    this.gl.draw({ width, height, supersampling, exposure: this.exposure, objects });
+    const hasOneLevel = !isAtRest && supersampling < this.finest; // it is a slow device, and soon drawn finely
+    this.gl.draw({ width, height, supersampling, exposure: this.exposure, objects, hasOneLevel });
     if (!isAllThere) ++this.statistics.misses;
     ++this.statistics.frames;
     this.statistics.supersampling = supersampling;

@@ -199,9 +199,10 @@ export class PlayerGl {
 
   /**
    * `objects`: `{ mesh, objectToClip, textures, weights }`, textures times weights added up; without any, black, which
-   * hides what is behind.
+   * hides what is behind. `hasOneLevel`: textures are looked up in the nearest mip level alone, not in two, which takes
+   * software renderers half the time.
    */
-  draw({ width, height, supersampling, exposure, objects }) {
+  draw({ width, height, supersampling, exposure, objects, hasOneLevel }) {
     const { gl, canvas } = this;
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     this.prepareTarget(width * supersampling, height * supersampling);
@@ -218,6 +219,8 @@ export class PlayerGl {
       textures.forEach((texture, unit) => {
         gl.activeTexture(gl.TEXTURE0 + unit);
         gl.bindTexture(gl.TEXTURE_2D, texture);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER,
+          hasOneLevel ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
       });
       gl.bindVertexArray(mesh.array);
       gl.drawArrays(gl.TRIANGLES, 0, mesh.count);

@@ -495,6 +495,33 @@ const steps = {
     await close(page);
   },
 
+  async oneMipLevelIsLookedUpOnlyWhileASlowDeviceMoves() {
+    const page = await openPlayer(`${server.url}/player/index.html`);
+    await goTo(page, expected[0].at);
+    const found = await page.evaluate(async () => {
+      const player = globalThis.multumPlayer;
+      const draw = player.gl.draw.bind(player.gl);
+      const told = [];
+      player.gl.draw = (all) => {
+        told.push([all.supersampling, all.hasOneLevel]);
+        draw(all);
+      };
+      for (const side of [player.finest, 1]) {
+        player.quality = { side, frame() {}, framesPerSecond: 0 };
+        player.moveTo(player.position.map((one, d) => (d === 0 ? one + 0.01 : one)));
+        player.drawNow();
+      }
+      await player.settled();
+      return { first: told[0], moving: told.find(([side]) => side === 1), rest: told.at(-1), finest: player.finest };
+    });
+    assert.ok(found.finest > 1);
+    assert.deepEqual(found.first, [found.finest, false]);
+    assert.deepEqual(found.moving, [1, true]);
+    assert.deepEqual(found.rest, [found.finest, false]);
+    await comparePictures(page, expected.slice(0, 1));
+    await close(page);
+  },
+
   async wanderingStaysWithinTheBudget() {
     const page = await openPlayer(`${server.url}/player/index.html`);
     for (const { at } of expected) await goTo(page, at);
