@@ -304,8 +304,8 @@ def browser_section(row, found, table):
         f"for one without objects (its mean and sRGB), {profile['smallMs']:.1f} for one of 16 x 12 pixels (corners "
         "of triangles); the rest is looking two textures of halves up for each pixel. While it moves on a slow device "
         f"that is in one mip level; in two, as at rest, a picture takes {profile['twoLevelsMs']:.1f} ms. The page "
-        "draws more sub-pixels as long as frames take less than 45 ms: it shows fewer and finer pictures a second than it "
-        "could draw. The slowest frame of the diagonal is its first, for which all chunks are decoded."]
+        "draws more sub-pixels as long as frames take less than 45 ms: it shows fewer and finer pictures a second than "
+        "it could draw. The slowest frame of the diagonal is its first, for which all chunks are decoded."]
 
 
 def playing_section(rows, name, table):
