@@ -36,4 +36,13 @@ inline std::uint16_t clamped_to_half(float value) {
   return static_cast<std::uint16_t>((bits >> 16 & 0x8000u) | (subnormal & is_subnormal) | (normal & ~is_subnormal));
 }
 
+/// The number that a finite half stands for.
+inline float half_to_float(std::uint16_t bits) {
+  const std::uint32_t magnitude = bits & 0x7fffu;
+  // Subnormals count steps of 2^-24; the others move to float's exponent.
+  const float value = magnitude < 0x400u ? static_cast<float>(magnitude) * 0x1p-24f
+                                         : std::bit_cast<float>((magnitude << 13) + 0x38000000u);
+  return (bits & 0x8000u) != 0 ? -value : value;
+}
+
 }  // namespace multum

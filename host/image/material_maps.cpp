@@ -76,9 +76,11 @@ ImageReadSettings settings_of(const SpillPolicy& spill, int threads) {
   return settings;
 }
 
-// By name; R, G, B and A also by place, whatever a file calls them.
-std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>& names) {
-  if (file.channel.empty()) return names.size() == 1 ? 0 : 1;
+// By name; R, G, B and A also by place, whatever a file calls them. Without a name the only one, or of several the one
+// at `default_place`, the last if there are fewer.
+std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>& names,
+                         std::size_t default_place = 1) {
+  if (file.channel.empty()) return std::min(default_place, names.size() - 1);
   const auto named = std::find(names.begin(), names.end(), file.channel);
   if (named != names.end()) return static_cast<std::size_t>(named - names.begin());
   const std::size_t place = std::string("RGBA").find(file.channel);
@@ -236,6 +238,34 @@ RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSu
   return report;
 }
 
+// Reads a roughness or gloss map: `use(first_row, row_count, roughness)` gets it by bands, from several threads.
+template <typename Use>
+RoughnessReport read_roughness(const ChannelFile& file, int map_width, int map_height, const SpillPolicy& spill,
+                               int threads, const Use& use) {
+  const Wanted wanted{file.path, file.is_gloss ? "a gloss map" : "a roughness map", map_width, map_height, 1};
+  ImageReader reader(file.path, settings_of(spill, threads));
+  check_size(wanted, reader.info());
+  const std::size_t channel = find_channel(file, reader.info().channel_names);
+  std::vector<RoughnessSums> sums(static_cast<std::size_t>(map_height));  // by rows: no band or thread is seen in them
+  std::vector<std::size_t> read = {channel};
+  const bool looks_for_colours = file.channel.empty() && reader.info().channel_count >= 3;
+  if (looks_for_colours) read.insert(read.end(), {0, 1, 2});
+  read_channels(reader, wanted, read, threads, [&](int first_row, int row_count, const auto& channels) {
+    std::vector<float> roughness = channels[0];
+    if (file.is_gloss)
+      for (float& value : roughness) value = 1.0f - value;
+    const auto width = static_cast<std::size_t>(map_width);
+    for (std::size_t i = 0; i < roughness.size(); ++i) {
+      RoughnessSums& row = sums[static_cast<std::size_t>(first_row) + i / width];
+      const auto c = static_cast<float>(mean_cosine_of_roughness(static_cast<double>(roughness[i])));
+      row.add(static_cast<double>(roughness[i]), static_cast<double>(c));
+      if (looks_for_colours) row.add_colour({channels[1][i], channels[2][i], channels[3][i]});
+    }
+    use(first_row, row_count, roughness);
+  });
+  return report_of(file, sums, static_cast<double>(map_width) * map_height);
+}
+
 }  // namespace
 
 double mean_cosine_of_roughness(double roughness) {
@@ -269,36 +299,55 @@ std::string RoughnessReport::to_text() const {
 
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads) {
-  const Wanted wanted{file.path, file.is_gloss ? "a gloss map" : "a roughness map", normals.width(), normals.height(),
-                      1};
-  ImageReader reader(file.path, settings_of(spill, threads));
-  check_size(wanted, reader.info());
-  const std::size_t channel = find_channel(file, reader.info().channel_names);
-  std::vector<RoughnessSums> sums(
-      static_cast<std::size_t>(normals.height()));  // by rows: no band or thread can be seen in them
-  std::vector<std::size_t> read = {channel};
-  const bool looks_for_colours = file.channel.empty() && reader.info().channel_count >= 3;
-  if (looks_for_colours) read.insert(read.end(), {0, 1, 2});
-  read_channels(reader, wanted, read, threads, [&](int first_row, int row_count, const auto& channels) {
-    std::vector<float> roughness = channels[0];
-    if (file.is_gloss)
-      for (float& value : roughness) value = 1.0f - value;
-    const auto width = static_cast<std::size_t>(normals.width());
+  const auto shorten = [&](int first_row, int row_count, const std::vector<float>& roughness) {
     std::vector<float> x(roughness.size()), y(roughness.size()), z(roughness.size());
     normals.read_rows(first_row, row_count, {x.data(), y.data(), z.data()});
     for (std::size_t i = 0; i < roughness.size(); ++i) {
       const auto c = static_cast<float>(mean_cosine_of_roughness(static_cast<double>(roughness[i])));
-      RoughnessSums& row = sums[static_cast<std::size_t>(first_row) + i / width];
-      row.add(static_cast<double>(roughness[i]), static_cast<double>(c));
-      if (looks_for_colours) row.add_colour({channels[1][i], channels[2][i], channels[3][i]});
       x[i] *= c;
       y[i] *= c;
       z[i] *= c;
     }
     normals.write_rows(first_row, row_count, {x.data(), y.data(), z.data()});
-  });
+  };
+  RoughnessReport report = read_roughness(file, normals.width(), normals.height(), spill, threads, shorten);
   normals.set_shortened(true);
-  return report_of(file, sums, static_cast<double>(normals.width()) * normals.height());
+  return report;
+}
+
+LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int height, const SpillPolicy& spill,
+                                int threads) {
+  LobeMaterial material{make_plane_store(width, height, spill)};
+  // Planes are written by threes: each map puts its own into what the ones before left.
+  const auto put = [&](std::size_t plane, int first_row, int row_count, const std::vector<float>& values) {
+    std::array<std::vector<float>, 3> planes;
+    for (std::vector<float>& all : planes) all.resize(values.size());
+    material.planes.read_rows(first_row, row_count, {planes[0].data(), planes[1].data(), planes[2].data()});
+    planes[plane] = values;
+    material.planes.write_rows(first_row, row_count, {planes[0].data(), planes[1].data(), planes[2].data()});
+  };
+  const std::vector<float> ones(static_cast<std::size_t>(width), 1.0f);
+  for (int row = 0; row < height; ++row) material.planes.write_rows(row, 1, {ones.data(), ones.data(), ones.data()});
+  if (!files.roughness.path.empty())
+    material.roughness = read_roughness(files.roughness, width, height, spill, threads,
+                                        [&](int first_row, int row_count, std::vector<float> values) {
+                                          for (float& r : values) r = r * r * (r * r);
+                                          put(0, first_row, row_count, values);
+                                        });
+  // glTF packs occlusion, roughness and metalness into red, green and blue.
+  const auto read_plane = [&](std::size_t plane, std::size_t default_place, const ChannelFile& file, const char* what) {
+    if (file.path.empty()) return;
+    const Wanted wanted{file.path, what, width, height, 1};
+    ImageReader reader(file.path, settings_of(spill, threads));
+    check_size(wanted, reader.info());
+    const std::vector<std::size_t> channel = {find_channel(file, reader.info().channel_names, default_place)};
+    read_channels(reader, wanted, channel, threads, [&](int first_row, int row_count, const auto& channels) {
+      put(plane, first_row, row_count, channels[0]);
+    });
+  };
+  read_plane(1, 0, files.occlusion, "an occlusion map");
+  read_plane(2, 2, files.metalness, "a metalness map");
+  return material;
 }
 
 WeightMap read_weight_map(const std::string& path, int width, int height, const SpillPolicy& spill, int threads) {

@@ -16,6 +16,7 @@
 // peak (alpha 0.1: c = 0.971, kappa 34, where the peak's is 200). At alpha 1 both are 1/2, the uniform hemisphere.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,21 @@ constexpr double kColourDifferenceMin = 0.01;
 /// file, what was found and what was expected.
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
+
+/// The maps of a material of one lobe; an empty path: no such map. Channels that are not named are those of glTF: red
+/// of an occlusion map, green of a roughness map, blue of a metalness map.
+struct LobeMaterialFiles {
+  ChannelFile roughness, occlusion, metalness;
+};
+
+struct LobeMaterial {
+  PlaneStore planes;  // alpha^2 = roughness^4, occlusion, metalness; 1 where there is no map
+  std::optional<RoughnessReport> roughness = std::nullopt;
+};
+
+/// Reads the maps, which must be of this size. Throws as above.
+LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int height, const SpillPolicy& spill,
+                                int threads);
 
 /// Weights of 1 to 4 basis BRDFs.
 struct WeightMap {

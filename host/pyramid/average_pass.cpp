@@ -46,6 +46,7 @@ class AveragePass {
       make_finest(band);
       pyramid_.average(band);
       pyramid_.hand_over(band, [&](const BoxRows& rows) { planes_.add_level(rows); });
+      planes_.end_band();
       progress_advance(progress, static_cast<std::uint64_t>(band.row_count) * static_cast<std::uint64_t>(width_));
     }
   }

@@ -65,6 +65,8 @@ class AveragedPlanes {
   virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
   /// Takes rows as they are done: of each level in order from the top, levels in any order.
   virtual void add_level(const BoxRows& rows) = 0;
+  /// Hears that all rows of a band were handed over; kernels may be launched again.
+  virtual void end_band() {}
 };
 
 /// Averages the map into all levels, and fills AverageReport::plan. Throws Error(kUsage) for too little memory,

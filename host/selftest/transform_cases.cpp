@@ -45,10 +45,10 @@ std::vector<float> room_for(std::size_t count) { return std::vector<float>(count
 
 // Two textures of 37 texels; greys, whose second and third plane are differences near 0.
 void colours_near_grey(Device& device, WorstError& worst) {
-  constexpr std::size_t kTexels = 37, kTextures = 2;
+  constexpr std::size_t kTexelCount = 37, kTextures = 2;
   SplitMix64 random(61);
   std::vector<float> textures;
-  for (std::size_t i = 0; i < kTexels * kTextures; ++i) {
+  for (std::size_t i = 0; i < kTexelCount * kTextures; ++i) {
     const double grey = 255.0 * random.uniform();
     for (int c = 0; c < 3; ++c) textures.push_back(static_cast<float>(grey + 1e-3 * random.uniform()));
   }
@@ -58,16 +58,16 @@ void colours_near_grey(Device& device, WorstError& worst) {
   const std::vector<float> axes = {a, a, a, 100.0f, b, -b, 0.0f, 0.25f, c, c, -2.0f * c, -0.5f};
   const DeviceBuffer planes = uploaded(device, room_for(3 * textures.size()), "planes");
   transform_kernel(device, "colour_planes")
-      .launch({kTexels * kTextures, kItemsOfGroup}, uploaded(device, all, "textures"), uploaded(device, axes, "axes"),
-              planes, static_cast<int>(kTextures), static_cast<int>(kTexels));
+      .launch({kTexelCount * kTextures, kItemsOfGroup}, uploaded(device, all, "textures"),
+              uploaded(device, axes, "axes"), planes, static_cast<int>(kTextures), static_cast<int>(kTexelCount));
   std::vector<double> exact(textures.size());
   for (std::size_t t = 0; t < kTextures; ++t)
     for (std::size_t p = 0; p < 3; ++p)
-      for (std::size_t i = 0; i < kTexels; ++i) {
+      for (std::size_t i = 0; i < kTexelCount; ++i) {
         double sum = -static_cast<double>(axes[4 * p + 3]);
         for (std::size_t k = 0; k < 3; ++k)
-          sum += static_cast<double>(axes[4 * p + k]) * static_cast<double>(textures[3 * (t * kTexels + i) + k]);
-        exact[(3 * t + p) * kTexels + i] = sum;
+          sum += static_cast<double>(axes[4 * p + k]) * static_cast<double>(textures[3 * (t * kTexelCount + i) + k]);
+        exact[(3 * t + p) * kTexelCount + i] = sum;
       }
   add_all(downloaded<float>(device, planes), exact, "greys", worst);
 }

@@ -47,6 +47,16 @@ class OclgrindTest : public CliTest {
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
 
+  // The same of an export.
+  void export_material(std::vector<std::string> options) {
+    options.insert(options.begin(), "export");
+    options.insert(options.end(),
+                   {"--bumpformat", "normal", "--no-measure", "--report", path("report.json"), "-o", path("material")});
+    simulate(multum_command(options));
+    const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
+    for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
+  }
+
   // The same of a command that makes a pyramid.
   void make_pyramid(std::vector<std::string> command) {
     command.insert(command.end(), {"--report", path("report.json"), "-o", path("pyramid.exr")});
@@ -117,6 +127,9 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--ndf", "moments", "--no-measure"});
   bake({path("tiny.png"), "--ndf", "moments", "--first-level", "1"});
   bake({path("tiny.png"), "--albedo", path("tiny_albedo.png"), "--ndf", "sh", "--sh-order", "3", "--first-level", "1"});
+
+  export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--anisotropy"});
+  export_material({path("tiny.png"), "--fast"});
 
   make_pyramid({"mip", path("odd_albedo.png")});
   make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});

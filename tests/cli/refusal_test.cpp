@@ -259,11 +259,12 @@ TEST_F(RefusalTest, TomlFilesBeyondTheLimits) {
 }
 
 TEST_F(RefusalTest, WrongCommandLines) {
-  expect_failure(multum({}), kUsage,
-                 {"no command",
-                  "bake plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
-                  "animation infer openjd pack unpack player serve rescue submit",
-                  "--help"});
+  expect_failure(
+      multum({}), kUsage,
+      {"no command",
+       "bake export plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
+       "animation infer openjd pack unpack player serve rescue submit",
+       "--help"});
   expect_failure(multum({"cook"}), kUsage, {"unknown command 'cook'", ": bake"});
   expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});
   expect_failure(multum({"bake", path("map_normal.png")}), kUsage, {"--output", "required", "multum bake --help"});

@@ -6,8 +6,15 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 
+#include <half.h>
+
+#include <exception>
+#include <optional>
+
 #include "host/asset/exr/exr_output.h"
+#include "host/asset/exr/exr_rows.h"
 #include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
 
 namespace multum {
 
@@ -29,6 +36,67 @@ void write_exr_picture(const std::string& path, int width, int height, const std
     output.setFrameBuffer(frame);
     output.writePixels(height);
   });
+}
+
+namespace {
+
+// What OpenEXR throws, as ours, naming the file.
+template <typename Work>
+void writing(const std::string& path, const Work& work) {
+  try {
+    work();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kEnvironment, path + ": cannot be written: " + error.what());
+  }
+}
+
+}  // namespace
+
+struct ExrHalfWriter::State {
+  State(const std::string& path, int width_in, int height_in)
+      : file(path), stream(file.temporary_path(), path), width(width_in), height(height_in) {}
+
+  AtomicFile file;
+  ExrOutputStream stream;
+  int width, height, row = 0;  // the next
+  std::optional<Imf::OutputFile> output;
+  std::vector<half> values;
+};
+
+ExrHalfWriter::ExrHalfWriter(const std::string& path, int width, int height)
+    : state_(std::make_unique<State>(path, width, height)) {
+  Imf::Header header(width, height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const char* channel : {"R", "G", "B"}) header.channels().insert(channel, Imf::Channel(Imf::HALF));
+  writing(path, [&] { state_->output.emplace(state_->stream, header); });
+}
+
+ExrHalfWriter::~ExrHalfWriter() = default;
+
+void ExrHalfWriter::write_rows(int row_count, const float* interleaved) {
+  State& s = *state_;
+  MULTUM_CHECK(s.row + row_count <= s.height);
+  const std::size_t row_values = 3 * static_cast<std::size_t>(s.width);
+  s.values.assign(interleaved, interleaved + row_values * static_cast<std::size_t>(row_count));
+  Imf::FrameBuffer frame;
+  std::size_t channel = 0;
+  for (const char* name : {"R", "G", "B"})
+    frame.insert(name, row_slice(Imf::HALF, s.values.data() + channel++, 3 * sizeof(half), s.width, s.row, row_count));
+  writing(s.file.path(), [&] {
+    s.output->setFrameBuffer(frame);
+    s.output->writePixels(row_count);
+  });
+  s.row += row_count;
+}
+
+void ExrHalfWriter::finish() {
+  State& s = *state_;
+  MULTUM_CHECK(s.row == s.height);
+  writing(s.file.path(), [&] { s.output.reset(); });
+  s.stream.close();
+  s.file.commit();
 }
 
 }  // namespace multum

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes pictures as OpenEXR files of linear 32-bit floats; a file appears whole or not at all.
+// Writes pictures as OpenEXR files: linear 32-bit floats, whole; halfs, row by row. A file appears whole or not at all.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,5 +11,23 @@ namespace multum {
 /// `rgba`: 4 * width * height values, row 0 at the top. Channels R, G, B, A, compressed by zip. Throws
 /// Error(kEnvironment) when the disk refuses.
 void write_exr_picture(const std::string& path, int width, int height, const std::vector<float>& rgba);
+
+/// Channels R, G, B of half floats, compressed by zip. Everything throws Error(kEnvironment) when the disk refuses.
+class ExrHalfWriter {
+ public:
+  ExrHalfWriter(const std::string& path, int width, int height);
+  ~ExrHalfWriter();
+  ExrHalfWriter(const ExrHalfWriter&) = delete;
+  ExrHalfWriter& operator=(const ExrHalfWriter&) = delete;
+
+  /// The next rows; `interleaved` holds 3 values a texel.
+  void write_rows(int row_count, const float* interleaved);
+  /// Gives the file its name, after all rows.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace multum

@@ -131,6 +131,17 @@ void Png16Writer::write_rows(int row_count, const std::uint16_t* interleaved) {
 
 void Png16Writer::finish() { file_->finish(); }
 
+Png8Writer::Png8Writer(const std::string& path, int width, int height)
+    : file_(std::make_unique<PngFile>(path, PngFormat{width, height, 3, 8, 6, ""})) {}
+
+Png8Writer::~Png8Writer() = default;
+
+void Png8Writer::write_rows(int row_count, const std::uint8_t* interleaved) {
+  file_->write_rows(row_count, interleaved);
+}
+
+void Png8Writer::finish() { file_->finish(); }
+
 void write_png16(const std::string& path, int width, int height, const std::vector<std::uint16_t>& interleaved,
                  const std::string& colour_space) {
   MULTUM_CHECK(interleaved.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files of the project's own making: 16-bit RGB, row by row, for maps; 8-bit, whole, for pictures to look at.
+// PNG files of the project's own making: RGB of 16 or 8 bits, row by row, for maps; 8-bit, whole, for pictures to look
+// at.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +21,22 @@ class Png16Writer {
   /// The next rows; `interleaved` holds 3 values a texel.
   void write_rows(int row_count, const std::uint16_t* interleaved);
   /// Gives the file its name, after all rows.
+  void finish();
+
+ private:
+  std::unique_ptr<class PngFile> file_;
+};
+
+/// The same of 8 bits, whose numbers are data: the file names no colour space.
+class Png8Writer {
+ public:
+  Png8Writer(const std::string& path, int width, int height);
+  ~Png8Writer();
+  Png8Writer(const Png8Writer&) = delete;
+  Png8Writer& operator=(const Png8Writer&) = delete;
+
+  /// The next rows; `interleaved` holds 3 values a texel.
+  void write_rows(int row_count, const std::uint8_t* interleaved);
   void finish();
 
  private:

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// An export from file to file: a normal map or height field, with a material's other maps, to a material of one lobe a
+// texel that engines load.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/files/input_hashes.h"
+#include "host/base/progress.h"
+#include "host/export/export_accuracy.h"
+#include "host/export/material_folder.h"
+#include "host/export/one_lobe_fit.h"
+#include "host/image/material_maps.h"
+#include "host/image/normals/normal_map.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+struct ExportJob {
+  std::string input;
+  std::string roughness, occlusion, metalness;  // FILE or FILE:CHANNEL; empty: none
+  bool roughness_is_gloss = false;
+  std::string output;  // a folder
+  std::string report;  // JSON; empty: none
+  NormalMapSettings reading;
+  OneLobeSettings lobe;
+  TextureImageFormat format = TextureImageFormat::kPng;
+  bool measure = true;
+  ExportAccuracySettings accuracy;
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the maps; changes no byte
+  std::string scratch_folder;                             // for what does not fit; empty: the output's
+  int threads = 1;
+};
+
+struct ExportReport {
+  int width = 0, height = 0, level_count = 0;
+  NormalMapReport input;
+  std::optional<RoughnessReport> roughness;
+  std::string device, plan;
+  std::vector<std::string> files;
+  ExportAccuracy accuracy;
+  std::map<std::string, std::uint64_t> launches;        // by kernel
+  std::vector<std::pair<std::string, double>> seconds;  // by stage
+
+  std::string to_json(const ExportJob& job) const;
+};
+
+/// Throws Error, Cancelled; leaves no partial file. Progress: a unit a texel of the map.
+ExportReport export_file(const ExportJob& job, Device& device, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows of a material of one GGX lobe a texel, as engines take it.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace multum {
+
+/// A level, or some of its rows; row-major, row 0 on top.
+struct MaterialRows {
+  int width = 0, height = 0;
+  std::vector<glm::vec3> normals;     // unit; x right, y up, z out
+  std::vector<float> roughness;       // perceptual, sqrt(alpha), 0..1; across the axis where there is one
+  std::vector<glm::vec3> anisotropy;  // x, y: unit direction of the axis; z: strength, 0..1. Empty: isotropic
+  std::vector<float> occlusion;       // 0..1; empty: no such map
+  std::vector<float> metalness;       // 0..1; empty: no such map
+};
+
+/// Takes rows as they are done: of each level in order from the top, levels in any order.
+class MaterialSink {
+ public:
+  virtual ~MaterialSink() = default;
+  virtual void add_level(int level, int first_row, MaterialRows rows) = 0;
+};
+
+}  // namespace multum

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/parameters/export_parameters.h"
+
+#include <utility>
+
+#include "host/parameters/bake_parameters.h"
+#include "host/parameters/shared_parameters.h"
+
+namespace multum {
+namespace {
+
+using Kind = ParameterKind;
+using Rows = std::vector<Parameter>;
+
+constexpr const char kLobeGroup[] = "The lobe";
+constexpr const char kExportRunGroup[] = "Running the export";
+
+Parameter channel_parameter(const char* name, const char* help) {
+  return {.name = name,
+          .kind = Kind::kFile,
+          .help = help,
+          .unit = "FILE[:CHANNEL]",
+          .group = kMaterialGroup,
+          .surfaces = kOnCommandLine};
+}
+
+Rows export_rows() {
+  Parameter roughness =
+      channel_parameter("roughness",
+                        "perceptual roughness of the surface itself, 0 to 1, of this map of the same size; of several "
+                        "channels green");
+  Parameter gloss = channel_parameter("gloss", "the same by a gloss map: roughness = 1 - gloss");
+  roughness.excludes = {"gloss", "base_roughness"};
+  gloss.excludes = {"roughness", "base_roughness"};
+  return {{.name = "base_roughness",
+           .kind = Kind::kNumber,
+           .help = "perceptual roughness of the surface itself, the same everywhere",
+           .low = 0.0,
+           .high = 1.0,
+           .default_text = "0.5",
+           .group = kMaterialGroup,
+           .excludes = {"roughness", "gloss"},
+           .surfaces = kOnCommandLine},
+          std::move(roughness),
+          std::move(gloss),
+          channel_parameter("occlusion", "average this map of the same size along; of several channels red"),
+          channel_parameter("metalness", "average this map of the same size along; of several channels blue"),
+          {.name = "anisotropy",
+           .help = "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
+                   "tangents to the normal map's normal",
+           .group = kLobeGroup,
+           .surfaces = kOnCommandLine},
+          {.name = "fast",
+           .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
+           .group = kLobeGroup,
+           .surfaces = kOnCommandLine},
+          {.name = "format",
+           .kind = Kind::kChoice,
+           .help = "images to write: png, 8 bits a channel, or exr, half floats",
+           .default_text = "png",
+           .choices = {"png", "exr"},
+           .group = kStorageGroup,
+           .surfaces = kOnCommandLine}};
+}
+
+Rows export_run_rows() {
+  Rows rows = {
+      memory_parameter("memory for buffers and maps; larger maps go by way of a scratch file", 1.0, "256M",
+                       kOnCommandLine),
+      device_parameter(kOnCommandLine),
+      {.name = "no_measure", .help = "skip measuring the error", .excludes = {"optimum"}, .surfaces = kOnCommandLine},
+      {.name = "optimum",
+       .help = "search the least error that any one lobe has, too: seconds a map",
+       .excludes = {"no_measure"},
+       .surfaces = kOnCommandLine},
+      {.name = "cells",
+       .kind = Kind::kInteger,
+       .help = "texels of each of levels 2, 4 and 6 whose error is measured",
+       .low = 1,
+       .high = 4096,
+       .default_text = "16",
+       .surfaces = kOnCommandLine},
+      {.name = "report",
+       .kind = Kind::kText,
+       .help = "write times, counts, files and errors as JSON",
+       .unit = "FILE",
+       .surfaces = kOnCommandLine},
+      {.name = "scratch",
+       .kind = Kind::kText,
+       .help = "folder for data that does not fit in memory",
+       .unit = "FOLDER",
+       .default_text = "the output",
+       .surfaces = kOnCommandLine}};
+  for (Parameter& row : rows) row.group = kExportRunGroup;
+  return rows;
+}
+
+}  // namespace
+
+const ParameterTable& export_parameters() {
+  static const ParameterTable table = [] {
+    Rows rows = export_rows();
+    // A map is read as a bake reads it.
+    for (Parameter row : bake_parameters().rows()) {
+      if (row.group != kSourceGroup) continue;
+      row.surfaces = kOnCommandLine;
+      row.hashed_as.clear();
+      rows.push_back(std::move(row));
+    }
+    for (Parameter& row : export_run_rows()) rows.push_back(std::move(row));
+    return ParameterTable("export", std::move(rows));
+  }();
+  return table;
+}
+
+}  // namespace multum

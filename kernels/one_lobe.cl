@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fits one GGX lobe to all that a texel covers: its facets' slopes, over every covered normal with the base's own
+// facets around it, by maximum likelihood.
+//
+// Slopes of GGX's facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter et
+// al. 2007, eq. 33, over the projected facet): a bivariate Student t distribution of two degrees of freedom and scale
+// matrix S = alpha^2 / 2. So its maximum likelihood is found as that of every t distribution (Lange, Little and Taylor
+// 1989, section 3; here nu = 2 and d = 2):
+//
+//     w = 4 / (2 + (x - m)' S^-1 (x - m))      m = sum(w x) / sum(w)      S = sum(w (x - m) (x - m)') / sum(w)
+//
+// Division by the weights' sum instead of their number, which it is equal to in the end, takes half as many steps
+// (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A facet far out counts little, where a
+// covariance, which GGX has none of, lets it decide. The fit begins with the closed form: m = 0 in the frame of the
+// mean normal, alpha_i^2 = alpha_0^2 + 1.75 lambda_i, lambda of E[n n'] in its tangent plane; 1.75 and not the 2 of a
+// Gaussian, which has the least error on real maps.
+
+#include "device/numerics.clh"
+#include "shared/mip_box.h"
+#include "shared/one_lobe.h"
+
+#define SPREAD_FACTOR 1.75f
+// The least cosine between a facet and the mean normal: slopes end at 20. Where weights are alike they may be any that
+// are far out.
+#define FACET_COSINE_MIN 0.05f
+#define SCALE_MIN 1e-8f  // of S: sqrt(2 S) is 1.4e-4
+
+// A frame about the unit normal n whose x axis is the map's, turned into the tangent plane: what renderers make by
+// Gram and Schmidt of a tangent.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
+typedef struct LobeFrame {
+  real_v xx, xy, xz;  // the x axis
+  real_v yy, yz;      // the y axis; its x is 0
+} LobeFrame;
+
+static inline LobeFrame frame_about(real_v x, real_v y, real_v z) {
+  const real_v side = MAX_V(fma(y, y, z * z), (real_v)(1e-12f));
+  const real_v inverse = 1.0f / sqrt(side);
+  LobeFrame frame;
+  frame.xx = side * inverse;
+  frame.xy = -x * y * inverse;
+  frame.xz = -x * z * inverse;
+  frame.yy = z * inverse;
+  frame.yz = -y * inverse;
+  return frame;
+}
+
+#if MULTUM_VECTOR_WIDTH == 1
+// What is no direction, or none that is finite, counts as flat.
+static inline float3 usable_normal(float x, float y, float z) {
+  const float square = fma(x, x, fma(y, y, z * z));
+  return square > 1e-12f && square < 1e12f ? (float3)(x, y, z) / sqrt(square) : (float3)(0.0f, 0.0f, 1.0f);
+}
+
+// One work-item = one texel of the band; global size row_count * map_width.
+//   normal_x, normal_y, normal_z [row][map_width]
+//   nodes [plane][row][row_length]   written: the texels of MULTUM_ONE_LOBE_PLANES planes
+// Memory bound.
+__kernel void one_lobe_finest(__global const float* normal_x, __global const float* normal_y,
+                              __global const float* normal_z, __global float* nodes, MultumBoxBand band) {
+  const int item = (int)get_global_id(0);
+  if (item >= band.row_count * band.map_width) return;
+  const size_t plane_size = (size_t)band.row_count * band.row_length;
+  __global float* out = nodes + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
+  const float3 n = usable_normal(normal_x[item], normal_y[item], normal_z[item]);
+  out[MULTUM_ONE_LOBE_NORMAL * plane_size] = n.x;
+  out[(MULTUM_ONE_LOBE_NORMAL + 1) * plane_size] = n.y;
+  out[(MULTUM_ONE_LOBE_NORMAL + 2) * plane_size] = n.z;
+  out[MULTUM_ONE_LOBE_XX * plane_size] = n.x * n.x;
+  out[MULTUM_ONE_LOBE_YY * plane_size] = n.y * n.y;
+  out[MULTUM_ONE_LOBE_XY * plane_size] = n.x * n.y;
+  out[MULTUM_ONE_LOBE_XZ * plane_size] = n.x * n.z;
+  out[MULTUM_ONE_LOBE_YZ * plane_size] = n.y * n.z;
+}
+
+// One work-item = one sample of a texel; global size grid^2 * row_count * width.
+//   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
+//   base       [slot][map_width]         alpha^2 there, where piece.has_base_map
+//   row_slots  [row_count][grid]         the slot of each row of samples
+//   columns    [width][grid]             the column of each column of samples
+//   facets     [grid * grid]             slopes of facets of alpha 1
+//   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes, of which the normals are used
+//   slopes     [sample][2][stride]       written: of each half vector in the frame of the texel's mean normal
+// Memory bound.
+__kernel void one_lobe_samples(__global const float* normal_x, __global const float* normal_y,
+                               __global const float* normal_z, __global const float* base,
+                               __global const int* row_slots, __global const int* columns,
+                               __global const float2* facets, __global const float* averages, __global float* slopes,
+                               MultumOneLobePiece piece) {
+  const int texel_count = piece.row_count * piece.width, sample_count = piece.grid * piece.grid;
+  const int item = (int)get_global_id(0);
+  if (item >= texel_count * sample_count) return;
+  const int sample = item / texel_count, texel = item % texel_count;
+  const int row = texel / piece.width, column = texel % piece.width;
+  const size_t at = (size_t)row_slots[row * piece.grid + sample / piece.grid] * piece.map_width +
+                    columns[column * piece.grid + sample % piece.grid];
+  const float3 n = usable_normal(normal_x[at], normal_y[at], normal_z[at]);
+  const float alpha = sqrt(piece.has_base_map ? base[at] : piece.base_squared);
+  const LobeFrame about = frame_about(n.x, n.y, n.z);
+  const float2 facet = alpha * facets[sample];
+  const float hx = fma(facet.x, about.xx, n.x);
+  const float hy = fma(facet.x, about.xy, fma(facet.y, about.yy, n.y));
+  const float hz = fma(facet.x, about.xz, fma(facet.y, about.yz, n.z));
+  const float3 m = usable_normal(averages[texel], averages[piece.stride + texel], averages[2 * piece.stride + texel]);
+  const LobeFrame frame = frame_about(m.x, m.y, m.z);
+  const float length = length_of(hx, hy, hz);
+  const float cosine = max(fma(hx, m.x, fma(hy, m.y, hz * m.z)), FACET_COSINE_MIN * length);
+  __global float* out = slopes + (size_t)(2 * sample) * piece.stride + texel;
+  out[0] = fma(hx, frame.xx, fma(hy, frame.xy, hz * frame.xz)) / cosine;
+  out[piece.stride] = fma(hy, frame.yy, hz * frame.yz) / cosine;
+}
+#endif
+
+// The mean normals of texels as unit vectors; of none, straight up.
+static inline void mean_normals(__global const float* averages, int stride, real_v* x, real_v* y, real_v* z) {
+  *x = LOAD_V(averages);
+  *y = LOAD_V(averages + stride);
+  *z = LOAD_V(averages + 2 * stride);
+  const real_v length = length_of(*x, *y, *z);
+  const int_v usable = length > 1e-6f;
+  const real_v inverse = 1.0f / MAX_V(length, (real_v)(1e-6f));
+  *x = usable ? *x * inverse : (real_v)(0.0f);
+  *y = usable ? *y * inverse : (real_v)(0.0f);
+  *z = usable ? *z * inverse : (real_v)(1.0f);
+}
+
+// S: symmetric, positive.
+typedef struct LobeScale {
+  real_v xx, xy, yy;
+} LobeScale;
+
+// alpha_i^2 = alpha_0^2 + 1.75 lambda_i, as S.
+static inline LobeScale closed_form(__global const float* averages, int stride, LobeFrame f) {
+  const real_v xx = LOAD_V(averages + MULTUM_ONE_LOBE_XX * stride), yy = LOAD_V(averages + MULTUM_ONE_LOBE_YY * stride);
+  const real_v xy = LOAD_V(averages + MULTUM_ONE_LOBE_XY * stride), xz = LOAD_V(averages + MULTUM_ONE_LOBE_XZ * stride);
+  const real_v yz = LOAD_V(averages + MULTUM_ONE_LOBE_YZ * stride), zz = MAX_V(1.0f - xx - yy, (real_v)(0.0f));
+  // E[n n'] times the frame's axes, and these with the axes again.
+  const real_v ax = fma(xx, f.xx, fma(xy, f.xy, xz * f.xz)), ay = fma(xy, f.xx, fma(yy, f.xy, yz * f.xz));
+  const real_v az = fma(xz, f.xx, fma(yz, f.xy, zz * f.xz));
+  const real_v by = fma(yy, f.yy, yz * f.yz), bz = fma(yz, f.yy, zz * f.yz);
+  const real_v half_base = 0.5f * LOAD_V(averages + MULTUM_ONE_LOBE_BASE * stride);
+  LobeScale s;
+  s.xx = fma((real_v)(0.5f * SPREAD_FACTOR), MAX_V(fma(ax, f.xx, fma(ay, f.xy, az * f.xz)), (real_v)(0.0f)), half_base);
+  s.yy = fma((real_v)(0.5f * SPREAD_FACTOR), MAX_V(fma(by, f.yy, bz * f.yz), (real_v)(0.0f)), half_base);
+  s.xy = 0.5f * SPREAD_FACTOR * fma(ay, f.yy, az * f.yz);
+  return s;
+}
+
+// As it may be inverted: its diagonal bounded below, its correlation below 1. One mean of all directions where it is to
+// be isotropic.
+static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
+  s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));
+  s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));
+  if (!is_anisotropic) {
+    s.xx = s.yy = 0.5f * (s.xx + s.yy);
+    s.xy = (real_v)(0.0f);
+    return s;
+  }
+  // Up to a ratio of some 500 between the variances, 22 between the alphas.
+  const real_v most = 0.996f * sqrt(s.xx * s.yy);
+  s.xy = MIN_V(MAX_V(s.xy, -most), most);
+  return s;
+}
+
+// One step of EM over the texels' samples.
+static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece piece, LobeScale s, real_v* mx,
+                                real_v* my) {
+  const real_v inverse = 1.0f / fma(s.xx, s.yy, -s.xy * s.xy);
+  const real_v pxx = s.yy * inverse, pxy = -2.0f * s.xy * inverse, pyy = s.xx * inverse;
+  real_v sum = (real_v)(0.0f), sum_x = sum, sum_y = sum, sum_xx = sum, sum_xy = sum, sum_yy = sum;
+  const int sample_count = piece.grid * piece.grid;
+  for (int k = 0; k < sample_count; ++k) {
+    const real_v x = LOAD_V(slopes + (size_t)(2 * k) * piece.stride) - *mx;
+    const real_v y = LOAD_V(slopes + (size_t)(2 * k + 1) * piece.stride) - *my;
+    const real_v w = 4.0f / (2.0f + fma(pxx * x, x, fma(pxy * x, y, pyy * y * y)));
+    const real_v wx = w * x, wy = w * y;
+    sum += w;
+    sum_x += wx;
+    sum_y += wy;
+    sum_xx = fma(wx, x, sum_xx);
+    sum_xy = fma(wx, y, sum_xy);
+    sum_yy = fma(wy, y, sum_yy);
+  }
+  // About the new mean, from sums about the old one.
+  const real_v share = 1.0f / sum, dx = sum_x * share, dy = sum_y * share;
+  s.xx = fma(-sum_x, dx, sum_xx) * share;
+  s.xy = fma(-sum_x, dy, sum_xy) * share;
+  s.yy = fma(-sum_y, dy, sum_yy) * share;
+  *mx += dx;
+  *my += dy;
+  return bounded(s, piece.is_anisotropic);
+}
+
+// One work-item = MULTUM_VECTOR_WIDTH texels, a lane each; global size stride / MULTUM_VECTOR_WIDTH.
+//   averages [plane][stride]       MULTUM_ONE_LOBE_AVERAGES planes
+//   slopes   [sample][2][stride]   of one_lobe_samples; not read without samples
+//   fitted   [plane][stride]       written: MULTUM_ONE_LOBE_FITTED planes
+// Compute bound: iteration_count * grid^2 weights a texel.
+__kernel void one_lobe_fit(__global const float* averages, __global const float* slopes, __global float* fitted,
+                           MultumOneLobePiece piece) {
+  const int first = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH, stride = piece.stride;
+  if (first >= stride) return;
+  averages += first;
+  slopes += first;
+  fitted += first;
+  real_v nx, ny, nz;
+  mean_normals(averages, stride, &nx, &ny, &nz);
+  const LobeFrame frame = frame_about(nx, ny, nz);
+  LobeScale s = bounded(closed_form(averages, stride, frame), piece.is_anisotropic);
+  real_v mx = (real_v)(0.0f), my = mx;
+  const int steps = piece.grid > 0 ? piece.iteration_count : 0;
+  for (int i = 0; i < steps; ++i) s = em_step(slopes, piece, s, &mx, &my);
+
+  // The normal, moved.
+  real_v x = fma(mx, frame.xx, nx), y = fma(mx, frame.xy, fma(my, frame.yy, ny));
+  real_v z = fma(mx, frame.xz, fma(my, frame.yz, nz));
+  const real_v inverse = 1.0f / length_of(x, y, z);
+  x *= inverse;
+  y *= inverse;
+  z *= inverse;
+  STORE_V(x, fitted);
+  STORE_V(y, fitted + stride);
+  STORE_V(z, fitted + 2 * stride);
+
+  // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius, and the axis of the larger one is at half
+  // the angle of (half, xy), from whichever of two formulas subtracts nothing.
+  const real_v middle = 0.5f * (s.xx + s.yy), half_difference = 0.5f * (s.xx - s.yy);
+  const real_v radius = sqrt(fma(half_difference, half_difference, s.xy * s.xy));
+  const int_v along_x = half_difference >= 0.0f;
+  const real_v long_side = radius + fabs(half_difference);
+  real_v ax = along_x ? long_side : s.xy, ay = along_x ? s.xy : long_side;
+  const real_v axis_length = sqrt(fma(ax, ax, ay * ay));
+  const int_v has_axis = axis_length > 1e-12f;
+  ax = has_axis ? ax / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(1.0f);
+  ay = has_axis ? ay / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(0.0f);
+  const real_v least = (real_v)(piece.alpha_min);
+  STORE_V(MIN_V(MAX_V(sqrt(2.0f * (middle + radius)), least), (real_v)(1.0f)),
+          fitted + MULTUM_ONE_LOBE_ALPHA_WIDE * stride);
+  STORE_V(MIN_V(MAX_V(sqrt(2.0f * MAX_V(middle - radius, (real_v)(0.0f))), least), (real_v)(1.0f)),
+          fitted + MULTUM_ONE_LOBE_ALPHA_NARROW * stride);
+  // The axis as a direction, in the frame of the normal that was moved.
+  const LobeFrame moved = frame_about(x, y, z);
+  const real_v dx = ax * frame.xx, dy = fma(ax, frame.xy, ay * frame.yy), dz = fma(ax, frame.xz, ay * frame.yz);
+  const real_v tx = fma(dx, moved.xx, fma(dy, moved.xy, dz * moved.xz)), ty = fma(dy, moved.yy, dz * moved.yz);
+  const real_v scale = 1.0f / MAX_V(sqrt(fma(tx, tx, ty * ty)), (real_v)(1e-12f));
+  STORE_V(tx * scale, fitted + MULTUM_ONE_LOBE_AXIS * stride);
+  STORE_V(ty * scale, fitted + (MULTUM_ONE_LOBE_AXIS + 1) * stride);
+}
