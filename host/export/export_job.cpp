@@ -38,9 +38,11 @@ void check_export_job(const ExportJob& job) {
   validate(job.lobe);
   for (const char* extension : {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"})
     if (job.output.ends_with(extension))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: is a name of a file, expected a folder: an export is a file a level and texture",
-                              job.output));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{}: is a name of a file, expected a folder: a material is several textures; --format says "
+                      "of which kind",
+                      job.output));
   check_paths_differ(export_inputs(job), {job.report});
   if (!job.report.empty()) check_writable(job.report);
   std::error_code error;

@@ -30,7 +30,7 @@ struct ExportJob {
   std::string report;  // JSON; empty: none
   NormalMapSettings reading;
   OneLobeSettings lobe;
-  TextureImageFormat format = TextureImageFormat::kPng;
+  MaterialFormat format = MaterialFormat::kPng;
   bool measure = true;
   ExportAccuracySettings accuracy;
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the maps; changes no byte

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
+#include <type_traits>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -14,6 +15,7 @@
 #include "host/asset/exr/picture_file.h"
 #include "host/base/half_bits.h"
 #include "host/base/size_of.h"
+#include "host/export/ktx2_file.h"
 #include "host/image/files/png_writer.h"
 
 namespace multum {
@@ -26,89 +28,145 @@ float rounded_share(float value) { return std::round(std::clamp(value, 0.0f, 1.0
 // Of a component of a unit vector.
 float rounded_component(float value) { return 2.0f * rounded_share(0.5f + 0.5f * value) - 1.0f; }
 
-// One texture of one level: three channels of a texel.
-class TextureImage {
+std::uint8_t code_of(float share) { return static_cast<std::uint8_t>(std::lround(share * kSteps)); }
+
+// The files of one texture.
+class TextureFiles {
  public:
-  TextureImage(const std::string& path, TextureImageFormat format, int width, int height) {
-    if (format == TextureImageFormat::kPng) png_.emplace(path, width, height);
-    else exr_.emplace(path, width, height);
+  virtual ~TextureFiles() = default;
+  /// The next rows of a level, three values a texel; of 8 bits as shares of 255.
+  virtual void write_rows(int level, int row_count, const std::vector<float>& values) = 0;
+  /// Gives them their names.
+  virtual void finish() = 0;
+};
+
+// An image a level.
+template <typename Writer>
+class TextureImages : public TextureFiles {
+ public:
+  TextureImages(const std::vector<std::string>& paths, int width, int height) {
+    for (const std::string& path : paths) {
+      const int level = static_cast<int>(levels_.size());
+      levels_.push_back(std::make_unique<Writer>(path, mip_level_size(width, level), mip_level_size(height, level)));
+    }
   }
 
-  /// `texel(i)`: what is stored, in 8 bits as shares of 255.
-  template <typename Texel>
-  void write_rows(int width, int row_count, const Texel& texel) {
-    const std::size_t texels = size_of(width) * size_of(row_count);
-    std::vector<float> values(3 * texels);
-    for (std::size_t i = 0; i < texels; ++i) {
-      const glm::vec3 v = texel(i);
-      values[3 * i] = v.x, values[3 * i + 1] = v.y, values[3 * i + 2] = v.z;
+  void write_rows(int level, int row_count, const std::vector<float>& values) override {
+    if constexpr (std::is_same_v<Writer, Png8Writer>) {
+      std::vector<std::uint8_t> codes(values.size());
+      std::transform(values.begin(), values.end(), codes.begin(), code_of);
+      levels_[size_of(level)]->write_rows(row_count, codes.data());
+    } else {
+      levels_[size_of(level)]->write_rows(row_count, values.data());
     }
-    if (exr_) {
-      exr_->write_rows(row_count, values.data());
-      return;
-    }
-    std::vector<std::uint8_t> codes;
-    for (const float v : values) codes.push_back(static_cast<std::uint8_t>(std::lround(v * kSteps)));
-    png_->write_rows(row_count, codes.data());
   }
-  void finish() {
-    if (png_) png_->finish();
-    else exr_->finish();
+  // The finest level last: whoever waits for it finds the others.
+  void finish() override {
+    for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) (*level)->finish();
   }
 
  private:
-  std::optional<Png8Writer> png_;
-  std::optional<ExrHalfWriter> exr_;
+  std::vector<std::unique_ptr<Writer>> levels_;
+};
+
+// A KTX2 file of all levels.
+class TextureKtx2 : public TextureFiles {
+ public:
+  TextureKtx2(const std::string& path, const Ktx2Texture& texture)
+      : is_half_(texture.format == Ktx2Format::kRgba16f), file_(path, texture) {}
+
+  void write_rows(int level, int row_count, const std::vector<float>& values) override {
+    if (is_half_) file_.write_rows(level, row_count, with_alpha<std::uint16_t>(values, clamped_to_half).data());
+    else file_.write_rows(level, row_count, with_alpha<std::uint8_t>(values, code_of).data());
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  template <typename Code>
+  static std::vector<Code> with_alpha(const std::vector<float>& values, Code (*code)(float)) {
+    std::vector<Code> codes;
+    codes.reserve(values.size() / 3 * 4);
+    for (std::size_t i = 0; i < values.size(); i += 3) {
+      for (std::size_t c = 0; c < 3; ++c) codes.push_back(code(values[i + c]));
+      codes.push_back(code(1.0f));
+    }
+    return codes;
+  }
+
+  const bool is_half_;
+  Ktx2File file_;
 };
 
 std::vector<const char*> texture_names(bool has_anisotropy) {
   return has_anisotropy ? std::vector{"normal", "orm", "anisotropy"} : std::vector{"normal", "orm"};
 }
 
+std::vector<std::string> texture_files(const MaterialFolderSettings& settings, const char* texture, int level_count) {
+  const std::string stem = settings.folder + "/" + texture;
+  if (settings.format == MaterialFormat::kKtx2 || settings.format == MaterialFormat::kKtx2Half) return {stem + ".ktx2"};
+  std::vector<std::string> files;
+  for (int level = 0; level < level_count; ++level)
+    files.push_back(fmt::format("{}_{:02}.{}", stem, level, settings.format == MaterialFormat::kPng ? "png" : "exr"));
+  return files;
+}
+
+std::unique_ptr<TextureFiles> make_texture(const MaterialFolderSettings& settings, const char* texture, int width,
+                                           int height) {
+  const int level_count = mip_level_count(width, height);
+  const std::vector<std::string> files = texture_files(settings, texture, level_count);
+  switch (settings.format) {
+    case MaterialFormat::kPng: return std::make_unique<TextureImages<Png8Writer>>(files, width, height);
+    case MaterialFormat::kExr: return std::make_unique<TextureImages<ExrHalfWriter>>(files, width, height);
+    case MaterialFormat::kKtx2:
+      return std::make_unique<TextureKtx2>(files[0], Ktx2Texture{Ktx2Format::kRgba8, width, height, level_count});
+    case MaterialFormat::kKtx2Half: break;
+  }
+  return std::make_unique<TextureKtx2>(files[0], Ktx2Texture{Ktx2Format::kRgba16f, width, height, level_count});
+}
+
 class MaterialFolder : public MaterialWriter {
  public:
   MaterialFolder(const MaterialFolderSettings& settings, int width, int height) : settings_(settings) {
-    const std::vector<std::string> files = material_files(settings, width, height);
-    const int levels = mip_level_count(width, height);
-    for (std::size_t i = 0; i < files.size(); ++i) {
-      const int level = static_cast<int>(i % size_of(levels));
-      images_.push_back(std::make_unique<TextureImage>(files[i], settings.format, mip_level_size(width, level),
-                                                       mip_level_size(height, level)));
-    }
-    level_count_ = size_of(levels);
+    for (const char* texture : texture_names(settings.has_anisotropy))
+      textures_.push_back(make_texture(settings, texture, width, height));
   }
 
   void add_level(int level, int, MaterialRows rows) override {
     const bool is_unorm = encoding_of(settings_.format) == MaterialEncoding::kUnorm8;
     const auto component = [&](float v) { return is_unorm ? 0.5f + 0.5f * v : v; };
-    image(0, level).write_rows(rows.width, rows.height, [&](std::size_t i) {
+    write(0, level, rows, [&](std::size_t i) {
       const glm::vec3& n = rows.normals[i];
       return glm::vec3(component(n.x), component(n.y), component(n.z));
     });
-    image(1, level).write_rows(rows.width, rows.height, [&](std::size_t i) {
+    write(1, level, rows, [&](std::size_t i) {
       return glm::vec3(rows.occlusion.empty() ? 1.0f : rows.occlusion[i], rows.roughness[i],
                        rows.metalness.empty() ? 1.0f : rows.metalness[i]);
     });
     if (!settings_.has_anisotropy) return;
-    image(2, level).write_rows(rows.width, rows.height, [&](std::size_t i) {
+    write(2, level, rows, [&](std::size_t i) {
       const glm::vec3& a = rows.anisotropy[i];
       return glm::vec3(component(a.x), component(a.y), a.z);
     });
   }
 
-  // The finest levels last: whoever waits for them finds all others.
   void commit() override {
-    for (std::size_t level = level_count_; level-- > 0;)
-      for (std::size_t texture = 0; texture * level_count_ < images_.size(); ++texture)
-        images_[texture * level_count_ + level]->finish();
+    for (const std::unique_ptr<TextureFiles>& texture : textures_) texture->finish();
   }
 
  private:
-  TextureImage& image(std::size_t texture, int level) { return *images_[texture * level_count_ + size_of(level)]; }
+  template <typename Texel>
+  void write(std::size_t texture, int level, const MaterialRows& rows, const Texel& texel) {
+    std::vector<float> values;
+    values.reserve(3 * rows.normals.size());
+    for (std::size_t i = 0; i < rows.normals.size(); ++i) {
+      const glm::vec3 v = texel(i);
+      values.insert(values.end(), {v.x, v.y, v.z});
+    }
+    textures_[texture]->write_rows(level, rows.height, values);
+  }
 
   const MaterialFolderSettings settings_;
-  std::size_t level_count_;
-  std::vector<std::unique_ptr<TextureImage>> images_;
+  std::vector<std::unique_ptr<TextureFiles>> textures_;
 };
 
 }  // namespace
@@ -123,16 +181,16 @@ void round_material(MaterialRows& rows, MaterialEncoding encoding) {
     for (float& value : *plane) value = share(value);
 }
 
-MaterialEncoding encoding_of(TextureImageFormat format) {
-  return format == TextureImageFormat::kPng ? MaterialEncoding::kUnorm8 : MaterialEncoding::kHalf;
+MaterialEncoding encoding_of(MaterialFormat format) {
+  return format == MaterialFormat::kPng || format == MaterialFormat::kKtx2 ? MaterialEncoding::kUnorm8
+                                                                           : MaterialEncoding::kHalf;
 }
 
 std::vector<std::string> material_files(const MaterialFolderSettings& settings, int width, int height) {
   std::vector<std::string> files;
   for (const char* texture : texture_names(settings.has_anisotropy))
-    for (int level = 0; level < mip_level_count(width, height); ++level)
-      files.push_back(fmt::format("{}/{}_{:02}.{}", settings.folder, texture, level,
-                                  settings.format == TextureImageFormat::kPng ? "png" : "exr"));
+    for (std::string& file : texture_files(settings, texture, mip_level_count(width, height)))
+      files.push_back(std::move(file));
   return files;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes an exported material as images, one a level and texture: FOLDER/normal_00.png, orm_00.png and, where there is
-// anisotropy, anisotropy_00.png. orm is as glTF has it: occlusion in red, roughness in green, metalness in blue, 1
-// where there is no such map. anisotropy is as KHR_materials_anisotropy has it: the direction in red and green, the
-// strength in blue.
+// Writes an exported material: an image a level and texture, FOLDER/normal_00.png, orm_00.png and, where there is
+// anisotropy, anisotropy_00.png; or a KTX2 file a texture with all its levels, FOLDER/normal.ktx2. orm is as glTF has
+// it: occlusion in red, roughness in green, metalness in blue, 1 where there is no such map. anisotropy is as
+// KHR_materials_anisotropy has it: the direction in red and green, the strength in blue. Alpha, where files have it, is
+// 1.
 #pragma once
 
 #include <functional>
@@ -29,16 +30,16 @@ class MaterialWriter : public MaterialSink {
   virtual void commit() = 0;
 };
 
-enum class TextureImageFormat { kPng, kExr };
+enum class MaterialFormat { kPng, kExr, kKtx2, kKtx2Half };
 
 struct MaterialFolderSettings {
   std::string folder;  // which exists
-  TextureImageFormat format = TextureImageFormat::kPng;
+  MaterialFormat format = MaterialFormat::kPng;
   bool has_anisotropy = false;
 };
 
-/// PNG is of 8 bits, EXR of half floats.
-MaterialEncoding encoding_of(TextureImageFormat format);
+/// PNG is of 8 bits, EXR of half floats; KTX2 of either.
+MaterialEncoding encoding_of(MaterialFormat format);
 
 /// Files of a map of this size, in the order of textures and levels.
 std::vector<std::string> material_files(const MaterialFolderSettings& settings, int width, int height);

@@ -56,9 +56,10 @@ Rows export_rows() {
            .surfaces = kOnCommandLine},
           {.name = "format",
            .kind = Kind::kChoice,
-           .help = "images to write: png, 8 bits a channel, or exr, half floats",
+           .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2, all "
+                   "levels in one file of RGBA of 8 bits; ktx2-half, of half floats",
            .default_text = "png",
-           .choices = {"png", "exr"},
+           .choices = {"png", "exr", "ktx2", "ktx2-half"},
            .group = kStorageGroup,
            .surfaces = kOnCommandLine}};
 }

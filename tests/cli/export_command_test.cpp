@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "host/base/base64.h"
+#include "host/base/half_bits.h"
 #include "tests/cli/program.h"
 #include "tests/unit/image/image_test_files.h"
 
@@ -127,10 +129,70 @@ TEST_F(ExportCommandTest, CarriesMapsOfTheMaterial) {
   EXPECT_EQ(level("orm_00.exr").at(0, 0, 0), 1.0f);
 }
 
+// A KTX2 file has the bytes of the images, with alpha, and says what they are to a reader that is not ours.
+TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
+  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/ktx2_reading.mjs";
+  if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
+  if (run_program({"node", script}).exit_code != 0) GTEST_SKIP() << "no ktx-parse: tools/install_dependencies test";
+  write("map.png", normal_image(35, 22));
+  const std::vector<std::string> textures = {"normal", "orm", "anisotropy"};
+  for (const bool is_half : {false, true}) {
+    ASSERT_EQ(run({"--anisotropy", "--no-measure", "--format", is_half ? "exr" : "png"}).exit_code, 0);
+    ASSERT_EQ(run({"--anisotropy", "--no-measure", "--format", is_half ? "ktx2-half" : "ktx2"}).exit_code, 0);
+    std::vector<std::string> command = {"node", script};
+    for (const std::string& texture : textures) command.push_back(path("out/" + texture + ".ktx2"));
+    const ProgramResult result = run_program(command);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto files = nlohmann::json::parse(result.out);
+    ASSERT_EQ(files.size(), textures.size());
+    for (std::size_t t = 0; t < textures.size(); ++t) {
+      const auto& file = files[t];
+      EXPECT_EQ(file["vkFormat"], is_half ? 97 : 37);
+      EXPECT_EQ(file["typeSize"], is_half ? 2 : 1);
+      EXPECT_EQ(file["size"], nlohmann::json::parse("[35, 22, 0]"));
+      EXPECT_EQ(file["counts"], nlohmann::json::parse("[0, 1]"));
+      EXPECT_EQ(file["supercompression"], 0);
+      EXPECT_EQ(file["keys"]["KTXorientation"], "rd");
+      EXPECT_EQ(file["keys"]["KTXwriter"].get<std::string>().rfind("multum ", 0), 0u);
+      ASSERT_EQ(file["descriptors"].size(), 1u);
+      const auto& descriptor = file["descriptors"][0];
+      EXPECT_EQ(descriptor["model"], 1);     // RGBSDA
+      EXPECT_EQ(descriptor["transfer"], 1);  // linear
+      EXPECT_EQ(descriptor["planes"][0], is_half ? 8 : 4);
+      ASSERT_EQ(descriptor["samples"].size(), 4u);
+      for (int c = 0; c < 4; ++c) {
+        const auto& sample = descriptor["samples"][static_cast<std::size_t>(c)];
+        EXPECT_EQ(sample[0], (is_half ? 16 : 8) * c);
+        EXPECT_EQ(sample[1], is_half ? 15 : 7);  // less 1
+        EXPECT_EQ(sample[2], (c == 3 ? 15 : c) | (is_half ? 0xc0 : 0));
+      }
+      ASSERT_EQ(file["levels"].size(), 6u);
+      for (int l = 0; l < 6; ++l) {
+        const Picture image = level(textures[t] + "_0" + std::to_string(l) + (is_half ? ".exr" : ".png"));
+        const auto bytes = decode_base64(file["levels"][static_cast<std::size_t>(l)]["bytes"]);
+        ASSERT_TRUE(bytes);
+        ASSERT_EQ(bytes->size(), static_cast<std::size_t>(image.width * image.height) * (is_half ? 8 : 4));
+        for (int i = 0; i < image.width * image.height; ++i)
+          for (int c = 0; c < 4; ++c) {
+            const std::size_t at = static_cast<std::size_t>(4 * i + c);
+            const auto byte = [&](std::size_t b) { return static_cast<std::uint8_t>((*bytes)[b]); };
+            const float found = is_half
+                                    ? half_to_float(static_cast<std::uint16_t>(byte(2 * at) | byte(2 * at + 1) << 8))
+                                    : static_cast<float>(byte(at)) / 255.0f;
+            const float expected = c == 3 ? 1.0f : image.values[static_cast<std::size_t>(3 * i + c)];
+            ASSERT_NEAR(found, expected, 1e-6f) << textures[t] << ", level " << l << ", texel " << i << ", " << c;
+          }
+      }
+    }
+  }
+}
+
 TEST_F(ExportCommandTest, IsTheSameForAnyMemoryAndThreads) {
   write("map.png", normal_image(150, 90));
   const auto files = [&](std::vector<std::string> more) {
     more.insert(more.end(), {"--anisotropy", "--no-measure"});
+    EXPECT_EQ(run(more).exit_code, 0);
+    more.insert(more.end(), {"--format", "ktx2-half"});
     EXPECT_EQ(run(more).exit_code, 0);
     std::map<std::string, std::string> bytes;
     for (const auto& entry : std::filesystem::directory_iterator(path("out")))
@@ -139,7 +201,7 @@ TEST_F(ExportCommandTest, IsTheSameForAnyMemoryAndThreads) {
     return bytes;
   };
   const auto plain = files({});
-  EXPECT_EQ(plain.size(), 24u);
+  EXPECT_EQ(plain.size(), 24u + 3u);
   EXPECT_EQ(files({"--memory", "200K", "--threads", "1"}), plain);
   EXPECT_NE(files({"--fast"}), plain);
   EXPECT_NE(files({"--base-roughness", "0.4"}), plain);

@@ -22,8 +22,10 @@ struct ExportOptions {
   ParameterValues values{export_parameters()};
 };
 
-const Choices<TextureImageFormat> kImageFormats = {{"png", TextureImageFormat::kPng},
-                                                   {"exr", TextureImageFormat::kExr}};
+const Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
+                                                  {"exr", MaterialFormat::kExr},
+                                                  {"ktx2", MaterialFormat::kKtx2},
+                                                  {"ktx2-half", MaterialFormat::kKtx2Half}};
 
 void apply_to_export(const ParameterValues& values, ExportJob& job) {
   apply_reading(values, job.reading);
@@ -34,7 +36,7 @@ void apply_to_export(const ParameterValues& values, ExportJob& job) {
   if (const auto gloss = values.text("gloss")) job.roughness = *gloss, job.roughness_is_gloss = true;
   job.occlusion = values.text("occlusion").value_or("");
   job.metalness = values.text("metalness").value_or("");
-  job.format = values.choice("format", kImageFormats).value_or(job.format);
+  job.format = values.choice("format", kMaterialFormats).value_or(job.format);
   if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
   job.measure = !values.flag("no_measure");
   job.accuracy.finds_optimum = values.flag("optimum");
@@ -69,7 +71,10 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "export",
       "fit a normal map's mips as materials that engines load: normal, roughness, anisotropy (docs/EXPORT.md)");
   command->add_option("input", o.job.input, bake_parameters().at("input").help)->required();
-  command->add_option("-o,--output", o.job.output, "folder to write to: an image a texture and level")->required();
+  command
+      ->add_option("-o,--output", o.job.output,
+                   "folder to write to: an image a texture and level, or a KTX2 file a texture")
+      ->required();
   add_parameter_options(*command, o.values);
   add_common_options(*command, o.common);
   add_decoding_option(*command);
