@@ -72,7 +72,7 @@ __kernel void one_lobe_finest(__global const float* normal_x, __global const flo
   out[MULTUM_ONE_LOBE_YZ * plane_size] = n.y * n.z;
 }
 
-// One work-item = one sample of a texel; global size grid^2 * row_count * width.
+// One work-item = a row of a texel's samples; global size grid * row_count * width.
 //   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
 //   base       [slot][map_width]         alpha^2 there, where piece.has_base_map
 //   row_slots  [row_count][grid]         the slot of each row of samples
@@ -80,33 +80,43 @@ __kernel void one_lobe_finest(__global const float* normal_x, __global const flo
 //   facets     [grid * grid]             slopes of facets of alpha 1
 //   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes, of which the normals are used
 //   slopes     [sample][2][stride]       written: of each half vector in the frame of the texel's mean normal
-// Memory bound.
+// Bound by roots and divisions: samples that lie in one finest texel share its frame.
 __kernel void one_lobe_samples(__global const float* normal_x, __global const float* normal_y,
                                __global const float* normal_z, __global const float* base,
                                __global const int* row_slots, __global const int* columns,
                                __global const float2* facets, __global const float* averages, __global float* slopes,
                                MultumOneLobePiece piece) {
-  const int texel_count = piece.row_count * piece.width, sample_count = piece.grid * piece.grid;
+  const int texel_count = piece.row_count * piece.width;
   const int item = (int)get_global_id(0);
-  if (item >= texel_count * sample_count) return;
-  const int sample = item / texel_count, texel = item % texel_count;
+  if (item >= texel_count * piece.grid) return;
+  const int sample_row = item / texel_count, texel = item % texel_count;
   const int row = texel / piece.width, column = texel % piece.width;
-  const size_t at = (size_t)row_slots[row * piece.grid + sample / piece.grid] * piece.map_width +
-                    columns[column * piece.grid + sample % piece.grid];
-  const float3 n = usable_normal(normal_x[at], normal_y[at], normal_z[at]);
-  const float alpha = sqrt(piece.has_base_map ? base[at] : piece.base_squared);
-  const LobeFrame about = frame_about(n.x, n.y, n.z);
-  const float2 facet = alpha * facets[sample];
-  const float hx = fma(facet.x, about.xx, n.x);
-  const float hy = fma(facet.x, about.xy, fma(facet.y, about.yy, n.y));
-  const float hz = fma(facet.x, about.xz, fma(facet.y, about.yz, n.z));
+  const size_t first = (size_t)row_slots[row * piece.grid + sample_row] * piece.map_width;
   const float3 m = usable_normal(averages[texel], averages[piece.stride + texel], averages[2 * piece.stride + texel]);
   const LobeFrame frame = frame_about(m.x, m.y, m.z);
-  const float length = length_of(hx, hy, hz);
-  const float cosine = max(fma(hx, m.x, fma(hy, m.y, hz * m.z)), FACET_COSINE_MIN * length);
-  __global float* out = slopes + (size_t)(2 * sample) * piece.stride + texel;
-  out[0] = fma(hx, frame.xx, fma(hy, frame.xy, hz * frame.xz)) / cosine;
-  out[piece.stride] = fma(hy, frame.yy, hz * frame.yz) / cosine;
+  __global float* out = slopes + (size_t)(2 * sample_row * piece.grid) * piece.stride + texel;
+  float3 n = (float3)(0.0f, 0.0f, 1.0f);
+  float alpha = 0.0f;
+  LobeFrame about = frame_about(n.x, n.y, n.z);
+  int before = -1;
+  for (int i = 0; i < piece.grid; ++i, out += 2 * (size_t)piece.stride) {
+    const int place = columns[column * piece.grid + i];
+    if (place != before) {
+      const size_t at = first + place;
+      n = usable_normal(normal_x[at], normal_y[at], normal_z[at]);
+      alpha = sqrt(piece.has_base_map ? base[at] : piece.base_squared);
+      about = frame_about(n.x, n.y, n.z);
+      before = place;
+    }
+    const float2 facet = alpha * facets[sample_row * piece.grid + i];
+    const float hx = fma(facet.x, about.xx, n.x);
+    const float hy = fma(facet.x, about.xy, fma(facet.y, about.yy, n.y));
+    const float hz = fma(facet.x, about.xz, fma(facet.y, about.yz, n.z));
+    const float length = length_of(hx, hy, hz);
+    const float inverse = 1.0f / max(fma(hx, m.x, fma(hy, m.y, hz * m.z)), FACET_COSINE_MIN * length);
+    out[0] = fma(hx, frame.xx, fma(hy, frame.xy, hz * frame.xz)) * inverse;
+    out[piece.stride] = fma(hy, frame.yy, hz * frame.yz) * inverse;
+  }
 }
 #endif
 

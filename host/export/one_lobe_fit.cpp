@@ -187,7 +187,7 @@ class LobeFitter {
       upload_rows(sampled_rows(rows, first, row_count, grid));
       // Lanes behind the last texel read slopes too, and what they make of them is not looked at.
       if (stride != texels) device_.fill_zero(slopes);
-      samples_.launch({texels * samples, kBoxLocalSize}, x_.get(), y_.get(), z_.get(), base_.get(), slots_.get(),
+      samples_.launch({texels * size_of(grid), kBoxLocalSize}, x_.get(), y_.get(), z_.get(), base_.get(), slots_.get(),
                       tables_of_level.columns, tables_of_level.facets, averages_.get(), slopes, piece);
     }
     const std::size_t bytes = MULTUM_ONE_LOBE_FITTED * stride * sizeof(float);
