@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // What is started on a farm: it runs by itself, reads files and writes files.
-const std::set<std::string> kCommands = {"bake", "infer", "pack", "mip", "reflectance", "tradeoff"};
+const std::set<std::string> kCommands = {"bake", "export", "infer", "pack", "mip", "reflectance", "tradeoff"};
 const std::set<std::string> kResumable = {"bake", "pack"};
 const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report", "--junit",
                                               "--summary", "--page",   "--player", "--debug-picture"};
@@ -139,7 +139,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   const std::string kind = command.words.front();
   if (!kCommands.contains(kind))
     throw Error(ErrorCode::kUsage,
-                kind + " is no command for a farm, expected bake, infer, pack, mip, reflectance or tradeoff");
+                kind + " is no command for a farm, expected bake, export, infer, pack, mip, reflectance or tradeoff");
   for (std::size_t i = 1; i < command.words.size(); ++i) {
     if (command.words[i] == "--shard" || command.words[i] == "--merge")
       throw Error(ErrorCode::kUsage,
