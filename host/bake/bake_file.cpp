@@ -8,6 +8,7 @@
 
 #include "host/bake/ndf_bake.h"
 #include "host/bake/output_state.h"
+#include "host/bake/shard_source.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
@@ -160,13 +161,22 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   report.source = std::filesystem::path(asked.input).filename().string();
   StageClock clock(report);
   std::optional<BakeSource> read;
-  if (given == nullptr) {
+  if (asked.shard) {
+    const std::string key = rows_key(make_provenance(asked, report.source, asked_settings));
+    report.shard = shard_path(asked.output, *asked.shard);
+    report.unchanged = !asked.force && has_shard(asked.output, *asked.shard, key);
+    if (report.unchanged) return report;
+    if (asked.shard->index > 0) read = read_shard_source(asked, key);
+  }
+  if (read) {
+    clock.finish("read");
+  } else if (given == nullptr) {
     read = read_source(asked, MapReadings::kFew, report, progress);
     clock.finish("read");
   } else {
     note_source(*given, report);
   }
-  const BakeSource& source = given != nullptr ? *given : *read;
+  const BakeSource& source = read ? *read : *given;
   const BakeJob job = with_region(asked, source);
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
   const DeviceCounts before(device);

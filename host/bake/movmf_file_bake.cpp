@@ -12,6 +12,7 @@
 #include "host/bake/bake_output.h"
 #include "host/bake/file_bake_steps.h"
 #include "host/bake/output_state.h"
+#include "host/bake/shard_source.h"
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/log.h"
@@ -46,12 +47,6 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
           : "--data-format float keeps them"));
 }
 
-// What the rows of a bake depend on: what a killed bake left is of use to no other.
-std::string checkpoint_key(const MovmfMipmap& header) {
-  const BakedProvenance& from = header.header.provenance;  // the settings name the albedo's hash
-  return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
-}
-
 // The finest level that is fitted has three quarters of all rows. Of a map of up to so many texels it is fitted in some
 // seconds, of which writing them takes a fifth: they are kept of larger maps, and where the bake is to be resumed.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
@@ -83,13 +78,10 @@ class NoSink : public MovmfSink {
 void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   const MapShard& shard = *job.shard;
-  const std::string key = checkpoint_key(empty_movmf_mipmap(run.header, job.fitting.lobe_count));
-  report.shard = shard_path(job.output, shard);
-  report.unchanged = !job.force && has_shard(job.output, shard, key);
-  if (report.unchanged) return;
+  const std::string key = rows_key(run.header.provenance);
   std::optional<ShardReader> coarse;
   if (shard.index > 0) coarse.emplace(job.output, MapShard{0, shard.count}, key);
-  ShardWriter writer(report.shard, key);
+  ShardWriter writer(report.shard, key, shard.index > 0 ? "" : shard_note(run.source));
   const ShardInputs share{shard, &writer, coarse ? &*coarse : nullptr};
   MovmfBakeInputs inputs = fit_inputs(run);
   inputs.shard = &share;
@@ -98,6 +90,8 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
   progress_start(progress, shard.index == 0 ? units : units / static_cast<std::uint64_t>(shard.count));
   bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);
   run.clock.finish("fit");
+  progress_stage(progress, "write");
+  if (shard.index == 0) write_map_rows(run.source, writer);
   writer.commit();
   run.clock.finish("write");
 }
@@ -123,14 +117,14 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
   std::optional<RegionBake> region;
   std::unique_ptr<BakeCheckpoint> checkpoint;
-  if (job.onto.empty()) checkpoint = BakeCheckpoint::open(job.output, checkpoint_key(header), job.resume);
+  if (job.onto.empty()) checkpoint = BakeCheckpoint::open(job.output, rows_key(header.header.provenance), job.resume);
   else region.emplace(job.onto, header, *job.region, inputs.spill, output);
   if (job.merged_shards > 0) {
     if (checkpoint == nullptr)
       throw Error(ErrorCode::kEnvironment, job.output + ": another process is baking it, expected one at a time");
     progress_stage(progress, "gather the shares");
-    gather_shards(job.output, job.merged_shards, checkpoint_key(header), run.source.map.normals, run.source.features(),
-                  run.fitting, *checkpoint);
+    gather_shards(job.output, job.merged_shards, rows_key(header.header.provenance), run.source.map.normals,
+                  run.source.features(), run.fitting, *checkpoint);
   }
   inputs.region = region ? &*region : nullptr;
   inputs.checkpoint = checkpoint.get();

@@ -86,6 +86,10 @@ MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wra
   return settings;
 }
 
+std::string rows_key(const BakedProvenance& from) {  // the settings name the albedo's hash
+  return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
+}
+
 std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);

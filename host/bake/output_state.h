@@ -20,6 +20,9 @@ MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wra
 /// Error(kInput) when one of them cannot be read.
 std::string all_settings_json(const BakeJob& job);
 
+/// Stands for what the rows of a bake depend on: what a killed bake left, or a share, is of use to no other. A line.
+std::string rows_key(const BakedProvenance& from);
+
 enum class OutputFinding {
   kInPlace,     // as this bake would make it; its header says so, its texels are not looked at
   kMissing,     // no file

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <regex>
 #include <sstream>
 
@@ -102,12 +103,28 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
   return plan;
 }
 
+LevelRows map_rows(const ShardPlan& plan, const MipSchedule& schedule, const MovmfSettings& settings) {
+  LevelRows rows{schedule.levels.front().fit.map_height, 0};
+  bool repeats = false;
+  for (const LevelSchedule& level : schedule.levels) {
+    const auto fitted = plan.fitted.find(level.level);
+    if (fitted == plan.fitted.end()) continue;
+    const LevelRows read = reach(fitted->second, fit_steps(level, settings) + 1);
+    rows.begin = std::min(rows.begin, first_covered_row(level.fit, read.begin));
+    rows.end = std::max(rows.end, last_covered_row(level.fit, read.end));
+    repeats = level.fit.periodic_y != 0;
+  }
+  const int height = schedule.levels.front().fit.map_height;
+  if (rows.end - rows.begin >= height) return {0, height};
+  return repeats ? rows : LevelRows{std::max(rows.begin, 0), std::min(rows.end, height)};
+}
+
 std::string shard_path(const std::string& output, const MapShard& shard) {
   return fmt::format("{}.shard-{}-of-{}", output, shard.index, shard.count);
 }
 
-ShardWriter::ShardWriter(const std::string& path, std::string key)
-    : file_(path), out_(file_.temporary_path(), path), text_(std::move(key) + "\n") {
+ShardWriter::ShardWriter(const std::string& path, const std::string& key, const std::string& note)
+    : file_(path), out_(file_.temporary_path(), path), text_(key + "\n" + note + "\n") {
   write(kMagic, static_cast<std::size_t>(kMagicBytes));
 }
 
@@ -162,6 +179,7 @@ void ShardReader::read_table(const std::string& key) {
   std::string line;
   if (!std::getline(lines, line) || line != key)
     refuse("is of another map, other settings, or another version of multum");
+  std::getline(lines, note_);
   std::int64_t at = kMagicBytes;
   while (std::getline(lines, line)) {
     std::istringstream words(line);
@@ -181,8 +199,14 @@ void ShardReader::read_table(const std::string& key) {
 }
 
 void ShardReader::read(int level, const std::function<void(const Rows&)>& take) {
+  read(level, {0, std::numeric_limits<int>::max()}, take);
+}
+
+void ShardReader::read(int level, const LevelRows& wanted, const std::function<void(const Rows&)>& take) {
   for (const Block& block : blocks_) {
-    if (block.rows.level != level) continue;
+    if (block.rows.level != level || block.rows.first_row >= wanted.end ||
+        block.rows.first_row + block.rows.row_count <= wanted.begin)
+      continue;
     Rows rows = block.rows;
     const auto count = static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count;
     const std::string bytes = file_->bytes(block.begin, count, "rows");

@@ -45,20 +45,25 @@ struct ShardPlan {
 /// Throws Error(kUsage) where the map is too small for so many bands, or its levels do not follow one another.
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard);
 
+/// Rows of the map that a band's levels cover, and those beside them that windows may hold. Of a map that repeats they
+/// may lie beyond its borders.
+LevelRows map_rows(const ShardPlan& plan, const MipSchedule& schedule, const MovmfSettings& settings);
+
 /// The file of a share, beside the output: OUTPUT.shard-3-of-8.
 std::string shard_path(const std::string& output, const MapShard& shard);
 
 /// Rows of levels of a share, some at a time as they are fitted, in a file that appears when all are there:
 ///
-///   "multum shard 1\n"; rows; then text: the key, and a line for each block of rows, in order: level, first row, rows,
-///   bytes of a row of lobes, bytes of a row of features, CRC-64 of the block; and the bytes of that text, 8 of them,
-///   little-endian
+///   "multum shard 1\n"; rows; then text: the key; a note; and a line for each block of rows, in order: level, first
+///   row, rows, bytes of a row of lobes, bytes of a row of features, CRC-64 of the block; and the bytes of that text, 8
+///   of them, little-endian
 ///
 /// A block is rows [lobe][column] of lobes, then rows [triple][lobe][column] of features.
 class ShardWriter {
  public:
-  /// `key`: what the rows depend on, one line. Throws Error(kEnvironment), as the rest does.
-  ShardWriter(const std::string& path, std::string key);
+  /// `key`: what the rows depend on; `note`: what a reader shall know; a line each. Throws Error(kEnvironment), as the
+  /// rest does.
+  ShardWriter(const std::string& path, const std::string& key, const std::string& note);
   /// `features`: null where rows of them have 0 bytes.
   void add_rows(int level, int first_row, int row_count, std::size_t lobe_row_bytes, const void* lobes,
                 std::size_t feature_row_bytes, const void* features);
@@ -85,8 +90,11 @@ class ShardReader {
     const void* lobes = nullptr;
     const void* features = nullptr;  // null: none
   };
-  /// Calls `take` with all rows of a level, in order. Throws as the constructor does where they are damaged.
+  const std::string& note() const { return note_; }
+  /// Calls `take` with all rows of a level, in order, or with the blocks that some of `rows` are in. Throws as the
+  /// constructor does where they are damaged.
   void read(int level, const std::function<void(const Rows&)>& take);
+  void read(int level, const LevelRows& rows, const std::function<void(const Rows&)>& take);
 
  private:
   struct Block {
@@ -100,6 +108,7 @@ class ShardReader {
   const std::string path_, remedy_;
   std::optional<ByteFile> file_;
   std::vector<Block> blocks_;
+  std::string note_;
 };
 
 /// Is the share there, whole but for its rows, and of this bake?
