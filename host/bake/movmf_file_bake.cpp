@@ -16,9 +16,9 @@
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/log.h"
+#include "host/movmf/gathered_shards.h"
 #include "host/movmf/map_shard.h"
 #include "host/movmf/movmf_bake.h"
-#include "host/movmf/shard_merge.h"
 
 namespace multum {
 namespace {
@@ -117,18 +117,16 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
   std::optional<RegionBake> region;
   std::unique_ptr<BakeCheckpoint> checkpoint;
-  if (job.onto.empty()) checkpoint = BakeCheckpoint::open(job.output, rows_key(header.header.provenance), job.resume);
+  std::optional<GatheredShards> gathered;
+  const std::string key = rows_key(header.header.provenance);
+  if (job.merged_shards > 0)
+    gathered.emplace(job.output, job.merged_shards, key, run.source.map.normals, run.source.features(), run.fitting);
+  else if (job.onto.empty()) checkpoint = BakeCheckpoint::open(job.output, key, job.resume);
   else region.emplace(job.onto, header, *job.region, inputs.spill, output);
-  if (job.merged_shards > 0) {
-    if (checkpoint == nullptr)
-      throw Error(ErrorCode::kEnvironment, job.output + ": another process is baking it, expected one at a time");
-    progress_stage(progress, "gather the shares");
-    gather_shards(job.output, job.merged_shards, rows_key(header.header.provenance), run.source.map.normals,
-                  run.source.features(), run.fitting, *checkpoint);
-  }
+  inputs.gathered = gathered ? &*gathered : nullptr;
   inputs.region = region ? &*region : nullptr;
   inputs.checkpoint = checkpoint.get();
-  inputs.checkpoint_has_finest = job.resume || job.merged_shards > 0 || std::int64_t{width} * height > kQuickTexels;
+  inputs.checkpoint_has_finest = job.resume || std::int64_t{width} * height > kQuickTexels;
   MovmfSink& sink = region ? static_cast<MovmfSink&>(*region) : output;
   try {
     bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);

@@ -208,18 +208,25 @@ void ShardReader::read(int level, const LevelRows& wanted, const std::function<v
         block.rows.first_row + block.rows.row_count <= wanted.begin)
       continue;
     Rows rows = block.rows;
-    const auto count = static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count;
-    const std::string bytes = file_->bytes(block.begin, count, "rows");
-    Checksum checksum;
-    checksum.update(bytes.data(), bytes.size());
-    if (checksum.text() != block.checksum)
-      refuse(fmt::format("has damaged rows, {} to {} of level {}", rows.first_row, rows.first_row + rows.row_count - 1,
-                         rows.level));
+    const std::string bytes = read_block(static_cast<std::size_t>(&block - blocks_.data()));
     rows.lobes = bytes.data();
     if (rows.feature_row_bytes > 0)
       rows.features = bytes.data() + rows.lobe_row_bytes * static_cast<std::size_t>(rows.row_count);
     take(rows);
   }
+}
+
+std::string ShardReader::read_block(std::size_t number) {
+  const Block& block = blocks_.at(number);
+  const Rows& rows = block.rows;
+  std::string bytes = file_->bytes(
+      block.begin, static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count, "rows");
+  Checksum checksum;
+  checksum.update(bytes.data(), bytes.size());
+  if (checksum.text() != block.checksum)
+    refuse(fmt::format("has damaged rows, {} to {} of level {}", rows.first_row, rows.first_row + rows.row_count - 1,
+                       rows.level));
+  return bytes;
 }
 
 void ShardReader::refuse(const std::string& why) const {

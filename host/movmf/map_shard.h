@@ -91,6 +91,10 @@ class ShardReader {
     const void* features = nullptr;  // null: none
   };
   const std::string& note() const { return note_; }
+  std::size_t block_count() const { return blocks_.size(); }
+  /// What a block is of, without its rows; and them, lobes first.
+  const Rows& block(std::size_t number) const { return blocks_.at(number).rows; }
+  std::string read_block(std::size_t number);
   /// Calls `take` with all rows of a level, in order, or with the blocks that some of `rows` are in. Throws as the
   /// constructor does where they are damaged.
   void read(int level, const std::function<void(const Rows&)>& take);

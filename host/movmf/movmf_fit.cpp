@@ -12,6 +12,7 @@
 #include "host/base/processes/background_task.h"
 #include "host/base/processes/parallel.h"
 #include "host/base/stopwatch.h"
+#include "host/movmf/gathered_shards.h"
 #include "host/movmf/lobe_rows.h"
 #include "host/movmf/movmf_binning.h"
 #include "host/movmf/movmf_level_fit.h"
@@ -50,7 +51,7 @@ class MovmfFitter {
   // Levels of many normals, unless all of them are there.
   void bin() {
     const auto is_there = [&](const LevelSchedule& level) {
-      return level.method != FitMethod::kBinned ||
+      return inputs_.gathered != nullptr || level.method != FitMethod::kBinned ||
              (inputs_.checkpoint != nullptr && inputs_.checkpoint->is_done(level.level));
     };
     if (std::all_of(schedule_.levels.begin(), schedule_.levels.end(), is_there)) return;
@@ -65,6 +66,10 @@ class MovmfFitter {
   }
 
   void fit(const LevelSchedule& level) {
+    if (inputs_.gathered != nullptr) {
+      hand_over_gathered(level);
+      return;
+    }
     progress_stage(progress_, fmt::format("fit level {}", level.level));
     const Stopwatch stopwatch;
     const double zero_seconds = zero_seconds_;
@@ -140,9 +145,13 @@ class MovmfFitter {
     return lobe_count() * static_cast<std::size_t>(level.fit.width) * sizeof(MultumVmfLobe);
   }
 
+  std::size_t feature_row_bytes(const LevelSchedule& level) const {
+    return feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
+  }
+
   LevelStore open_store(const LevelSchedule& level) {
     LevelStore store;
-    const std::size_t feature_bytes = feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
+    const std::size_t feature_bytes = feature_row_bytes(level);
     const bool is_parent = level.level > std::max(1, settings_.first_level);
     // A checkpoint keeps one set of lobes: what a refined file stores, or what finer levels grow from.
     const bool has_checkpoint = inputs_.checkpoint != nullptr && !settings_.refine;
@@ -204,8 +213,7 @@ class MovmfFitter {
   // Of rows that were fitted, those that are kept to the share, and all to the store that the next level grows from.
   void hand_over_to_share(const LevelSchedule& level, const FittedRows& rows, LevelStore& store,
                           const LevelRows& kept) {
-    const std::size_t lobe_bytes = row_bytes(level),
-                      feature_bytes = feature_planes() * static_cast<std::size_t>(level.fit.width) * sizeof(glm::vec3);
+    const std::size_t lobe_bytes = row_bytes(level), feature_bytes = feature_row_bytes(level);
     const auto count = static_cast<std::size_t>(rows.row_count);
     std::vector<unsigned char> lobes(lobe_bytes * count), features(feature_bytes * count);
     rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
@@ -229,6 +237,31 @@ class MovmfFitter {
   int replay(const LevelSchedule& level, LevelStore& store) {
     if (store.kept == nullptr || store.kept->rows_done == 0) return 0;
     const int done = store.kept->rows_done;
+    hand_over_done(level, done, store, fill_planes(store.kept->lobes),
+                   store.kept->features ? fill_planes(*store.kept->features) : nullptr);
+    return done;
+  }
+
+  // Rows that others have fitted.
+  void hand_over_gathered(const LevelSchedule& level) {
+    progress_stage(progress_, fmt::format("gather level {}", level.level));
+    const int height = level.fit.height;
+    LevelStore store;
+    const auto features = [&](int first, int count, void* rows) {
+      inputs_.gathered->read_features(level.level, first, count, rows);
+    };
+    hand_over_done(level, height, store,
+                   fill_planes(height, row_bytes(level),
+                               [&](int first, int count, void* rows) {
+                                 inputs_.gathered->read_lobes(level.level, first, count, rows);
+                               }),
+                   has_features() ? fill_planes(height, feature_row_bytes(level), features) : nullptr);
+    handing_over_.wait();
+  }
+
+  // The first `done` rows of a level, a band at a time.
+  void hand_over_done(const LevelSchedule& level, int done, LevelStore& store, const RowWindow::Fill& fill_lobes,
+                      const RowWindow::Fill& fill_features) {
     const bool with_normals = level.level == 1 && settings_.first_level == 0;
     const MultumMovmfFit& fit = level.fit;
     const auto ranges = handed_ranges(device_, level, settings_, {inputs_}, plan_.levels.at(level.level));
@@ -244,8 +277,8 @@ class MovmfFitter {
     for (const auto& [row, end] : ranges) {
       if (row >= done) break;
       const int count = std::min(end, done) - row;
-      lobes.move_to(row, count, fill_planes(store.kept->lobes));
-      if (has_features()) features.move_to(row, count, fill_planes(*store.kept->features));
+      lobes.move_to(row, count, fill_lobes);
+      if (has_features()) features.move_to(row, count, fill_features);
       FittedRows rows{row, count, &lobes, has_features() ? &features : nullptr, normals ? &*normals : nullptr,
                       fit, &lobes};
       rows.fit.first_row = row;
@@ -253,7 +286,6 @@ class MovmfFitter {
       if (normals) normals->move_to(2 * row, finest_end(fit, row + count) - 2 * row);
       hand_over(level, rows, store, true);
     }
-    return done;
   }
 
   // One past the last row of level 0 whose parents are the rows of level 1 above `row`.

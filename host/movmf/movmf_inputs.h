@@ -40,6 +40,8 @@ class RegionInputs {
   virtual RowStore kept(int level) const = 0;
 };
 
+class GatheredShards;
+
 /// One process's share of a map (host/movmf/map_shard.h).
 struct ShardInputs {
   MapShard shard;
@@ -54,6 +56,7 @@ struct MovmfBakeInputs : MapInputs {
   bool checkpoint_has_finest = true;           // false: of the finest level that is fitted it keeps nothing
   const RegionInputs* region = nullptr;        // null: the whole map
   const ShardInputs* shard = nullptr;          // null: all of it
+  GatheredShards* gathered = nullptr;          // null: levels are fitted
 };
 
 /// Units of progress that a bake of lobes advances by.

@@ -100,24 +100,30 @@ void RowWindow::copy_rows(int first_row, int count, void* rows) const {
   });
 }
 
+RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read) {
+  return
+      [store_rows, row_bytes, read = std::move(read)](int row, int count, const std::vector<unsigned char*>& planes) {
+        const std::size_t plane_bytes = row_bytes / planes.size();
+        std::vector<unsigned char> rows;
+        for_each_piece(row, count, store_rows, [&](int first, int piece, int at) {
+          const std::size_t to = static_cast<std::size_t>(at) * plane_bytes;
+          if (planes.size() == 1) {
+            read(first, piece, planes[0] + to);
+            return;
+          }
+          rows.resize(static_cast<std::size_t>(piece) * row_bytes);
+          read(first, piece, rows.data());
+          for (std::size_t r = 0; r < static_cast<std::size_t>(piece); ++r)
+            for (std::size_t p = 0; p < planes.size(); ++p)
+              std::memcpy(planes[p] + to + r * plane_bytes, rows.data() + (r * planes.size() + p) * plane_bytes,
+                          plane_bytes);
+        });
+      };
+}
+
 RowWindow::Fill fill_planes(const RowStore& store) {
-  return [&store](int row, int count, const std::vector<unsigned char*>& planes) {
-    const std::size_t plane_bytes = store.row_bytes() / planes.size();
-    std::vector<unsigned char> rows;
-    for_each_piece(row, count, store.row_count(), [&](int first, int piece, int at) {
-      const std::size_t to = static_cast<std::size_t>(at) * plane_bytes;
-      if (planes.size() == 1) {
-        store.read(first, piece, planes[0] + to);
-        return;
-      }
-      rows.resize(static_cast<std::size_t>(piece) * store.row_bytes());
-      store.read(first, piece, rows.data());
-      for (std::size_t r = 0; r < static_cast<std::size_t>(piece); ++r)
-        for (std::size_t p = 0; p < planes.size(); ++p)
-          std::memcpy(planes[p] + to + r * plane_bytes, rows.data() + (r * planes.size() + p) * plane_bytes,
-                      plane_bytes);
-    });
-  };
+  return fill_planes(store.row_count(), store.row_bytes(),
+                     [&store](int first, int count, void* rows) { store.read(first, count, rows); });
 }
 
 MapWindow::MapWindow(Device& device, const PlaneStore& store, int capacity_rows, const std::string& what)

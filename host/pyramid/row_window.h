@@ -58,6 +58,9 @@ class RowWindow {
   DeviceBuffer buffer_;
 };
 
+/// Fills windows with rows that `read` gives, of `store_rows` rows of `row_bytes`, which wrap, [plane][column] each.
+using ReadRows = std::function<void(int first_row, int row_count, void* rows)>;
+RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read);
 /// Fills windows from rows of `store`, which wrap, [plane][column] each. The store must outlive it.
 RowWindow::Fill fill_planes(const RowStore& store);
 
