@@ -20,6 +20,7 @@ namespace {
 constexpr char kMagic[] = "multum shard 1\n";
 constexpr std::int64_t kMagicBytes = sizeof(kMagic) - 1, kLengthBytes = 8;
 constexpr int kCountMax = 4096;
+constexpr std::size_t kBlockBytes = std::size_t{4} << 20;
 
 // Rows of a level that the parents of rows [begin, end) of the finer one are among, with one more on either side.
 LevelRows parents_of(const LevelRows& rows) {
@@ -134,17 +135,24 @@ void ShardWriter::write(const void* bytes, std::size_t count) {
 
 void ShardWriter::add_rows(int level, int first_row, int row_count, std::size_t lobe_row_bytes, const void* lobes,
                            std::size_t feature_row_bytes, const void* features) {
-  Checksum checksum;
-  const auto add = [&](const void* rows, std::size_t row_bytes) {
-    const std::size_t count = row_bytes * static_cast<std::size_t>(row_count);
-    if (count == 0) return;
-    checksum.update(rows, count);
-    write(rows, count);
-  };
-  add(lobes, lobe_row_bytes);
-  add(features, feature_row_bytes);
-  text_ += fmt::format("{} {} {} {} {} {}\n", level, first_row, row_count, lobe_row_bytes, feature_row_bytes,
-                       checksum.text());
+  // Whoever reads a row holds its block.
+  const auto rows_a_block =
+      static_cast<int>(std::max<std::size_t>(1, kBlockBytes / (lobe_row_bytes + feature_row_bytes)));
+  for (int row = 0; row < row_count; row += rows_a_block) {
+    const int count = std::min(rows_a_block, row_count - row);
+    Checksum checksum;
+    const auto add = [&](const void* rows, std::size_t row_bytes) {
+      const std::size_t bytes = row_bytes * static_cast<std::size_t>(count);
+      if (bytes == 0) return;
+      const auto* begin = static_cast<const unsigned char*>(rows) + row_bytes * static_cast<std::size_t>(row);
+      checksum.update(begin, bytes);
+      write(begin, bytes);
+    };
+    add(lobes, lobe_row_bytes);
+    add(features, feature_row_bytes);
+    text_ += fmt::format("{} {} {} {} {} {}\n", level, first_row + row, count, lobe_row_bytes, feature_row_bytes,
+                         checksum.text());
+  }
 }
 
 void ShardWriter::commit() {
