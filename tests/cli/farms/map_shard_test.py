@@ -8,11 +8,10 @@ and repetition; shares that are missing, damaged or of another bake are named an
 import pathlib
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
-programs = pathlib.Path(__file__).resolve().parents[3] / "build/release/bin"
+import farm_programs
 
 
 class MapShardTest(unittest.TestCase):
@@ -22,7 +21,7 @@ class MapShardTest(unittest.TestCase):
         cls.addClassCleanup(cls.holder.cleanup)
         cls.maps = pathlib.Path(cls.holder.name)
         for size in (256, 250):
-            cls.run_multum("testmap", cls.maps / f"map{size}", "--size", size)
+            farm_programs.run("testmap", cls.maps / f"map{size}", "--size", size)
 
     def setUp(self):
         holder = tempfile.TemporaryDirectory()
@@ -30,12 +29,8 @@ class MapShardTest(unittest.TestCase):
         self.folder = pathlib.Path(holder.name)
         self.output = self.folder / "shared.ndf.exr"
 
-    @staticmethod
-    def run_multum(*words):
-        return subprocess.run([programs / "multum", *map(str, words)], capture_output=True, text=True, check=False)
-
     def bake(self, *words, size=256, output=None):
-        return self.run_multum("bake", self.maps / f"map{size}_normal.png", "-o", output or self.output, *words)
+        return farm_programs.run("bake", self.maps / f"map{size}_normal.png", "-o", output or self.output, *words)
 
     def succeed(self, *words, **more):
         done = self.bake(*words, **more)
@@ -140,7 +135,7 @@ class MapShardTest(unittest.TestCase):
         shutil.copy(self.maps / "map256_normal.png", self.folder / "a.png")
         self.succeed("--shard", "0/2")
         words = ["bake", self.maps / "map256_normal.png", "-o", self.output, "--shard", "1/2"]
-        child = subprocess.Popen([programs / "multum", *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        child = subprocess.Popen([farm_programs.multum(), *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         child.kill()
         child.wait()
         self.assertFalse(self.share(1, 2).exists())
@@ -151,8 +146,4 @@ class MapShardTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if "--programs" in sys.argv:
-        at = sys.argv.index("--programs")
-        programs = pathlib.Path(sys.argv[at + 1])
-        del sys.argv[at:at + 2]
-    unittest.main()
+    farm_programs.main()

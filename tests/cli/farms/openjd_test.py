@@ -9,22 +9,17 @@ import hashlib
 import pathlib
 import re
 import shutil
-import subprocess
-import sys
 import tempfile
 import unittest
 
+import farm_programs
 import jsonschema
 import openjd_schema
 import yaml
+from farm_programs import run
 from openjd_runner import Bundle, loaded
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-programs = ROOT / "build/release/bin"
-
-
-def run(*words, cwd=None):
-    return subprocess.run([programs / "multum", *map(str, words)], capture_output=True, text=True, cwd=cwd, check=False)
 
 
 def contents(folder):
@@ -68,7 +63,7 @@ class FarmTest(unittest.TestCase):
                              ("asset_references", openjd_schema.ASSETS)):
             jsonschema.validate(loaded(folder / f"{name}.yaml"), schema)
         bundle = Bundle(folder)
-        bundle.set("Multum", str(programs / "multum"))
+        bundle.set("Multum", str(farm_programs.multum()))
         return bundle, done.stdout
 
 
@@ -236,8 +231,4 @@ class DocumentTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if "--programs" in sys.argv:
-        at = sys.argv.index("--programs")
-        programs = pathlib.Path(sys.argv[at + 1])
-        del sys.argv[at:at + 2]
-    unittest.main()
+    farm_programs.main()
