@@ -69,7 +69,6 @@ std::string BakeCheckpoint::block_checksum(const Level& level, int first_row, in
 
 BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std::size_t lobe_row_bytes,
                                                   std::size_t feature_row_bytes) {
-  if (const auto found = levels_.find(level); found != levels_.end()) return found->second;
   const std::string name = "level-" + std::to_string(level);
   Level& opened =
       levels_.try_emplace(level, Level{RowStore(row_count, lobe_row_bytes, folder_->path(), name + ".lobes"), {}, 0})

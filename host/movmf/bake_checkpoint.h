@@ -30,8 +30,7 @@ class BakeCheckpoint {
   BakeCheckpoint(const BakeCheckpoint&) = delete;
   BakeCheckpoint& operator=(const BakeCheckpoint&) = delete;
 
-  /// Stores of a level's rows; made on the first call, sizes must be those of the bake that was killed, and of that
-  /// call.
+  /// Stores of a level's rows; made on the first call, sizes must be those of the bake that was killed.
   struct Level {
     RowStore lobes;
     std::optional<RowStore> features;
@@ -39,11 +38,6 @@ class BakeCheckpoint {
   };
   /// `feature_row_bytes` 0: no features.
   Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t feature_row_bytes);
-  /// Are all rows of a level that was opened there?
-  bool is_done(int level) const {
-    const auto found = levels_.find(level);
-    return found != levels_.end() && found->second.rows_done == found->second.lobes.row_count();
-  }
   /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `features`: null
   /// without.
   void add_rows(int level, int row_count, const void* lobes, const void* features);

@@ -20,6 +20,7 @@ namespace {
 constexpr char kMagic[] = "multum shard 1\n";
 constexpr std::int64_t kMagicBytes = sizeof(kMagic) - 1, kLengthBytes = 8;
 constexpr int kCountMax = 4096;
+constexpr int kRowsMax = 32768;  // of a map
 constexpr std::size_t kBlockBytes = std::size_t{4} << 20;
 
 // Rows of a level that the parents of rows [begin, end) of the finer one are among, with one more on either side.
@@ -195,8 +196,8 @@ void ShardReader::read_table(const std::string& key) {
     Rows& rows = block.rows;
     if (!(words >> rows.level >> rows.first_row >> rows.row_count >> rows.lobe_row_bytes >> rows.feature_row_bytes >>
           block.checksum) ||
-        rows.row_count < 1 || rows.lobe_row_bytes > std::size_t{1} << 32 ||
-        rows.feature_row_bytes > std::size_t{1} << 32)
+        rows.first_row < 0 || rows.first_row > kRowsMax || rows.row_count < 1 || rows.row_count > kRowsMax ||
+        rows.lobe_row_bytes > std::size_t{1} << 32 || rows.feature_row_bytes > std::size_t{1} << 32)
       refuse("has a damaged table");
     block.begin = at;
     at += static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count;

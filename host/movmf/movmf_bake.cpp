@@ -182,9 +182,8 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   prepare_fit(device, schedule, settings, !features.empty());
   std::vector<MultumVmfLobe> top_start;
   const bool is_band = inputs.shard != nullptr && inputs.shard->shard.index > 0;
-  const bool has_top = inputs.gathered != nullptr || (inputs.checkpoint != nullptr && !schedule.levels.empty() &&
-                                                      inputs.checkpoint->is_done(schedule.levels.front().level));
-  if (inputs.region == nullptr && !is_band && !has_top) {  // others grow from the lobes that are there
+  if (inputs.region == nullptr && inputs.gathered == nullptr &&
+      !is_band) {  // others grow from the lobes that are there
     progress_stage(progress, "choose a start");
     top_start = choose_start(device, normals, settings, schedule, report);
   }

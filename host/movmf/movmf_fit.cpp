@@ -48,13 +48,7 @@ class MovmfFitter {
       report_.levels.push_back({l, mip_level_size(map_width_, l), mip_level_size(map_height_, l), 0.0, 0});
   }
 
-  // Levels of many normals, unless all of them are there.
   void bin() {
-    const auto is_there = [&](const LevelSchedule& level) {
-      return inputs_.gathered != nullptr || level.method != FitMethod::kBinned ||
-             (inputs_.checkpoint != nullptr && inputs_.checkpoint->is_done(level.level));
-    };
-    if (std::all_of(schedule_.levels.begin(), schedule_.levels.end(), is_there)) return;
     const Stopwatch stopwatch;
     const std::uint64_t launches_before = device_.launch_total();
     progress_stage(progress_, "bin normals");
@@ -184,11 +178,15 @@ class MovmfFitter {
     RowStore store(level.fit.height, row_bytes(level), plan_.spill);
     int count = 0;
     inputs_.shard->coarse->read(level.level, [&](const ShardReader::Rows& rows) {
-      MULTUM_CHECK(rows.lobe_row_bytes == row_bytes(level) && rows.first_row == count);
+      if (rows.lobe_row_bytes != row_bytes(level) || rows.first_row != count ||
+          rows.row_count > level.fit.height - count)
+        throw Error(ErrorCode::kEnvironment,
+                    "the share of coarse levels has other rows than it should; --force makes it");
       store.write(rows.first_row, rows.row_count, rows.lobes);
       count += rows.row_count;
     });
-    MULTUM_CHECK(count == level.fit.height);
+    if (count != level.fit.height)
+      throw Error(ErrorCode::kEnvironment, "the share of coarse levels has not all of its rows; --force makes it");
     return store;
   }
 
@@ -447,7 +445,7 @@ void fit_movmf(Device& device, const MovmfBakeInputs& inputs, const std::vector<
     fitter.fit_shard();
     return;
   }
-  fitter.bin();
+  if (inputs.gathered == nullptr) fitter.bin();
   for (const LevelSchedule& level : schedule.levels) fitter.fit(level);
   if (schedule.levels.empty() && settings.first_level == 0) fitter.fit_single_texel();
 }
