@@ -7,6 +7,9 @@
 #include "host/brdf/fresnel.h"
 #include "host/brdf/measured_brdf.h"
 #include "host/brdf/vmf_terms.h"
+#include "runtime_gl/materials/ggx_lobe_texture.h"
+#include "runtime_gl/materials/mip_texture.h"
+#include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
@@ -25,8 +28,8 @@ ShaderParts parts_of_kind(const Brdf& brdf) {
       return {{"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"},
               {shader_brdf_torrance_sparrow_glsl, shader_brdf_cook_torrance_glsl}};
     case BrdfKind::kGgx:
-      return {{"MULTUM_GGX", terms_flag(brdf), "MULTUM_VISIBILITY"},
-              {shader_brdf_cook_torrance_glsl, shader_brdf_ggx_glsl, shader_brdf_terms_glsl}};
+      return {{"MULTUM_GGX", "MULTUM_VISIBILITY"},
+              {shader_brdf_cook_torrance_glsl, shader_brdf_ggx_glsl, shader_brdf_ggx_lobe_glsl}};
     case BrdfKind::kMeasured:
       return {{"MULTUM_MEASURED", terms_flag(brdf)}, {shader_brdf_measured_glsl, shader_brdf_terms_glsl}};
   }
@@ -45,7 +48,7 @@ ShaderParts brdf_shader_parts(const Brdf& brdf) {
 
 BrdfShading::Numbers BrdfShading::numbers_of(const Brdf& brdf) {
   Numbers numbers{static_cast<float>(equivalent_exponent(brdf)), glm::vec3(facet_total(brdf)), {}, {}, {}};
-  if (brdf.kind != BrdfKind::kGgx && brdf.kind != BrdfKind::kMeasured) return numbers;
+  if (brdf.kind != BrdfKind::kMeasured) return numbers;
   for (const VmfTerm& term : vmf_terms(brdf)) {
     numbers.weights.emplace_back(term.weight);
     numbers.spreads.push_back(static_cast<float>(term.spread));
@@ -53,7 +56,18 @@ BrdfShading::Numbers BrdfShading::numbers_of(const Brdf& brdf) {
   return numbers;
 }
 
-void BrdfShading::set(const ShaderProgram& shader, const Brdf& brdf, int zonal_order) {
+void BrdfShading::set_roughness(const std::shared_ptr<const RoughnessMap>& map) {
+  if (roughness_map_ == map) return;
+  roughness_map_ = map;
+  roughness_.reset();
+  TexelPlane plane{map->width, map->height, {}};
+  for (const float value : map->texels) plane.texels.emplace_back(value, 0.0f, 0.0f, 1.0f);
+  roughness_.emplace(upload_mips(gl_, "the BRDF's roughness", std::move(plane),
+                                 mip_level_count(map->width, map->height), {map->wrap_s, map->wrap_t, true, 1.0f}));
+}
+
+int BrdfShading::set(const ShaderProgram& shader, const Brdf& brdf,
+                     const std::shared_ptr<const RoughnessMap>& roughness, int zonal_order, int first_unit) {
   Numbers& numbers = kept_.of(brdf, numbers_of);
   const glm::vec3 fixed = has_fresnel(brdf) ? brdf.fixed_fresnel.value_or(glm::vec3(1.0f)) : glm::vec3(1.0f);
   const bool dims_diffuse = brdf.fixed_fresnel && has_diffuse_fresnel(brdf);
@@ -77,10 +91,20 @@ void BrdfShading::set(const ShaderProgram& shader, const Brdf& brdf, int zonal_o
     shader.set_vec3("u_facets", glm::value_ptr(facets[0]), kFacetTableSize);
     shader.set_floats("u_differences", differences.data(), kDifferenceTableSize);
   }
-  if (zonal_order < 0) return;
+  TextureBinder binder(shader, first_unit);
+  if (brdf.kind == BrdfKind::kGgx) {
+    if (!ggx_lobes_) ggx_lobes_.emplace(make_ggx_lobe_texture(gl_));
+    binder.bind("u_ggx_lobe_table", ggx_lobes_);
+    if (roughness != nullptr) {
+      set_roughness(roughness);
+      binder.bind("u_roughness_texture", roughness_);
+    }
+  }
+  if (zonal_order < 0) return binder.next_unit();
   std::vector<glm::vec3>& zonal = numbers.zonal[zonal_order];
   if (zonal.empty()) zonal = to_floats(zonal_coefficients(brdf, zonal_order));
   shader.set_vec3("u_zonal", glm::value_ptr(zonal[0]), zonal_order + 1);
+  return binder.next_unit();
 }
 
 }  // namespace multum::gl

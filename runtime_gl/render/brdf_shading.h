@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BRDF in a shader: a file of shaders/brdf with its flag, and uniforms.
+// A BRDF in a shader: files of shaders/brdf with its flag, uniforms and the table that GGX takes.
 #pragma once
 
 #include <map>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 #include "host/brdf/brdf.h"
+#include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/material.h"
 #include "runtime_gl/render/kept_of_brdf.h"
+#include "runtime_gl/render/scene.h"
 
 namespace multum::gl {
 
@@ -17,20 +21,29 @@ ShaderParts brdf_shader_parts(const Brdf& brdf);
 
 class BrdfShading {
  public:
-  /// `zonal_order`: that of the material (Material::zonal_order). Keeps what is fitted and integrated.
-  void set(const ShaderProgram& shader, const Brdf& brdf, int zonal_order);
+  explicit BrdfShading(const GlFunctions& gl) : gl_(gl) {}
+
+  /// `zonal_order`: that of the material (Material::zonal_order). Takes texture units from `first_unit` on and returns
+  /// the next one that is free. Keeps what is fitted and integrated.
+  int set(const ShaderProgram& shader, const Brdf& brdf, const std::shared_ptr<const RoughnessMap>& roughness,
+          int zonal_order, int first_unit);
 
  private:
   struct Numbers {
     float exponent;
     glm::vec3 total;
-    std::vector<glm::vec3> weights;               // of terms; none but for GGX and measurements
+    std::vector<glm::vec3> weights;               // of terms; none but for measurements
     std::vector<float> spreads;                   // as many
     std::map<int, std::vector<glm::vec3>> zonal;  // by order
   };
   static Numbers numbers_of(const Brdf& brdf);
+  void set_roughness(const std::shared_ptr<const RoughnessMap>& map);
 
+  const GlFunctions& gl_;
   KeptOfBrdf<Numbers> kept_;
+  std::optional<Texture> ggx_lobes_;
+  std::shared_ptr<const RoughnessMap> roughness_map_;
+  std::optional<Texture> roughness_;  // of `roughness_map_`
 };
 
 }  // namespace multum::gl

@@ -36,7 +36,12 @@ void append_filter(const TextureFilter& filter, ShaderSources& sources) {
 }  // namespace
 
 Renderer::Renderer(const GlFunctions& gl, int width, int height)
-    : gl_(gl), framebuffer_(gl, width, height), sum_(gl, width, height), full_screen_(gl), environment_(gl) {}
+    : gl_(gl),
+      framebuffer_(gl, width, height),
+      sum_(gl, width, height),
+      full_screen_(gl),
+      brdf_(gl),
+      environment_(gl) {}
 
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene) {
   ShaderSources sources{
@@ -48,6 +53,8 @@ ShaderSources scene_shader_sources(const Material& material, const RenderScene& 
   append(brdf_shader_parts(scene.brdf), sources);
   append(environment_shader_parts(scene, material.samples_light()), sources);
   append(material.shader_parts(), sources);
+  if (scene.roughness != nullptr)
+    append({{"MULTUM_ROUGHNESS_TEXTURE"}, {shader_surface_roughness_texture_glsl}}, sources);
   append(light_shader_parts(scene), sources);
   sources.fragment.push_back(shader_scene_frag);
   return sources;
@@ -78,10 +85,9 @@ void Renderer::set_scene(const ShaderProgram& shader, const Material& material, 
   shader.set_vec3("u_eye", glm::value_ptr(scene.camera.eye), 1);
   shader.set("u_uv_scale", scene.uv_scale);
   shader.set("u_level_bias", scene.filter.level_bias);
-  brdf_.set(shader, scene.brdf, material.zonal_order());
+  const int unit = brdf_.set(shader, scene.brdf, scene.roughness, material.zonal_order(), material.bind(shader));
   set_lights(shader, scene);
-  environment_.set(shader, scene, material.samples_light(), {framebuffer_.width(), framebuffer_.height()},
-                   material.bind(shader));
+  environment_.set(shader, scene, material.samples_light(), {framebuffer_.width(), framebuffer_.height()}, unit);
   check_gl(gl_, "setting the scene's uniforms");
 }
 

@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/asset/tap_filter.h"
+#include "host/base/wrap_mode.h"
 #include "host/brdf/brdf.h"
 #include "host/light/environment_light.h"
 #include "runtime_gl/render/camera.h"
@@ -40,6 +41,13 @@ struct TextureFilter {
   bool is_drivers = false;                // the driver's own sampler instead: its anisotropy, no bias
 };
 
+/// Perceptual roughness, 0..1, row 0 on top; over the same coordinates as the map.
+struct RoughnessMap {
+  int width = 1, height = 1;
+  std::vector<float> texels;
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
+};
+
 struct RenderScene {
   Camera camera;
   std::vector<Light> lights = std::vector<Light>(1);
@@ -49,6 +57,7 @@ struct RenderScene {
   glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit; what lies up in the map. With +Z, its middle lies along +Y
   float environment_turn = 0.0f;               // degrees about `environment_up`, counterclockwise as seen from there
   Brdf brdf;
+  std::shared_ptr<const RoughnessMap> roughness;  // of GGX, times the BRDF's own, under lights; null: that alone
   TextureFilter filter;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv
 };

@@ -19,12 +19,21 @@ void main() {
   mat3 to_world = multum_tangent_frame(v_normal, v_tangent);
   vec3 v = normalize(u_eye - v_position) * to_world;
   MultumFootprint footprint = multum_surface_footprint(v_st);
+#ifdef MULTUM_ROUGHNESS_TEXTURE
+  MultumFootprint of_roughness = multum_roughness_footprint(v_st);
+  multum_take_roughness(v_st, of_roughness);
+#endif
 #ifdef MULTUM_SHADE_TAPS
   MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
   vec2 place = multum_first_tap(v_st, footprint);
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < footprint.tap_count; ++i)
-    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, v_position, v);
+  for (int i = 0; i < footprint.tap_count; ++i) {
+    vec2 tap = place + float(i) * footprint.tap_step;
+#ifdef MULTUM_ROUGHNESS_TEXTURE
+    multum_take_roughness(tap, MultumFootprint(vec2(0.0), 1, of_roughness.level));
+#endif
+    sum += multum_lights(multum_fetch_surface(tap, one), to_world, v_position, v);
+  }
   o_colour = vec4(sum / float(footprint.tap_count), 1.0);
 #else
   o_colour = vec4(multum_lights(multum_fetch_surface(v_st, footprint), to_world, v_position, v), 1.0);

@@ -9,7 +9,9 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/vec3.hpp>
 
+#include "host/brdf/ggx_lobe.h"
 #include "host/reference/shading.h"
+#include "runtime_gl/materials/ggx_lobe_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/glsl_case_lists.h"
 
@@ -127,6 +129,7 @@ struct FacetsOf {
   std::function<double(double spread, double theta)> lobe_facets = {};
   std::function<double(double cosine)> exact_visibility = nothing, exact_fresnel = nothing;
   std::function<void(const ShaderProgram&)> set_uniforms = {};
+  std::string formulas = {};
 };
 
 const glm::vec4 kHardLobes[] = {{0.0f, 0.0f, 1.0f, 1.0f}, {0.0f, 0.0f, 1.0001f, 1.0f}, {0.0f, 0.0f, 0.45f, 0.5f},
@@ -149,6 +152,7 @@ void compare_facets(const GlFunctions& gl, const Edits& edits, const FacetsOf& f
     return glm::dvec4(f.facets(theta) / f.peak, of_lobe / f.peak, f.exact_visibility(b.w), f.exact_fresnel(b.w));
   };
   c.variant.flags = f.flags;
+  c.variant.formulas = f.formulas;
   c.variant.set_uniforms = [&](const ShaderProgram& program) {
     const glm::vec3 peak(static_cast<float>(f.peak));
     program.set_vec3("u_facet_total", &peak.x, 1);
@@ -191,33 +195,70 @@ void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError&
 }
 
 // Two terms, one of negative weight that outweighs the other far from the peak.
+void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
+  const float spreads[] = {0.01f, 0.3f};
+  FacetsOf f{{"MULTUM_MEASURED", "MULTUM_TERM_COUNT 2"}, "0.0", "0.0", 20.0};
+  f.formulas = shader_brdf_measured_glsl;  // its table stays black
+  f.facets = nothing;
+  f.lobe_facets = [=](double spread, double theta) {
+    double sum = 0.0;
+    for (int i = 0; i < 2; ++i) {
+      const double q = spread + (1.0 - spread) * static_cast<double>(spreads[i]);
+      sum += static_cast<double>(weights[i].x) * reference::vmf_density(reference::vmf_kappa(q), theta);
+    }
+    return std::max(sum, 0.0);
+  };
+  f.set_uniforms = [=](const ShaderProgram& program) {
+    program.set_vec3("u_term_weights", glm::value_ptr(weights[0]), 2);
+    program.set_floats("u_term_spreads", spreads, 2);
+  };
+  compare_facets(gl, edits, f, worst);
+}
+
 void ggx_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
-  for (const float alpha : {0.01f, 0.4f}) {
-    const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
-    const float spreads[] = {0.01f, 0.3f};
-    FacetsOf f{{"MULTUM_GGX", "MULTUM_TERM_COUNT 2"},
-               "multum_visibility(b.w, 0.7, 0.9, 0.8)",
-               "0.0",
-               std::max(reference::ggx(static_cast<double>(alpha), 0.0), 20.0)};
-    f.facets = [=](double theta) {
-      return theta < 0.5 * M_PI ? reference::ggx(static_cast<double>(alpha), theta) : 0.0;
-    };
+  const Texture table = make_ggx_lobe_texture(gl);
+  for (const float alpha : {0.01f, 0.4f, 1.0f}) {
+    const auto a = static_cast<double>(alpha);
+    FacetsOf f{{"MULTUM_GGX"}, "multum_visibility(b.w, 0.7, 0.9, 0.8)", "0.0", reference::ggx(a, 0.0)};
+    f.formulas = shader_brdf_ggx_lobe_glsl;
+    f.facets = [=](double theta) { return theta < 0.5 * M_PI ? reference::ggx(a, theta) : 0.0; };
     f.lobe_facets = [=](double spread, double theta) {
-      double sum = 0.0;
-      for (int i = 0; i < 2; ++i) {
-        const double q = spread + (1.0 - spread) * static_cast<double>(spreads[i]);
-        sum += static_cast<double>(weights[i].x) * reference::vmf_density(reference::vmf_kappa(q), theta);
-      }
-      return std::max(sum, 0.0);
+      return ggx_lobe_density(ggx_lobe_shape(a, spread), a, spread, 1.0 - std::cos(theta));
     };
-    f.exact_visibility = [=](double n_l) { return reference::smith_visibility(static_cast<double>(alpha), n_l, 0.7); };
-    f.set_uniforms = [=](const ShaderProgram& program) {
+    f.exact_visibility = [=](double n_l) { return reference::smith_visibility(a, n_l, 0.7); };
+    f.set_uniforms = [&](const ShaderProgram& program) {
       program.set("u_alpha", alpha);
-      program.set_vec3("u_term_weights", glm::value_ptr(weights[0]), 2);
-      program.set_floats("u_term_spreads", spreads, 2);
+      program.set("u_ggx_lobe_table", 3);
+      table.bind(3);
     };
     compare_facets(gl, edits, f, worst);
   }
+}
+
+double ggx_facet_kappa(double alpha, double kappa, double e) {
+  double facets = 2.0 / (alpha * alpha);
+  for (int step = 0; step < 2; ++step) {
+    const double sum = facets + kappa, size = std::sqrt(std::max(sum * sum - 2.0 * facets * kappa * e, 1e-12));
+    const double beside = 2.0 * kappa * e * (size + kappa - facets) / (size * (size + sum));
+    facets = 4.0 / ((1.0 + 0.5 * alpha) * (alpha * alpha + beside + 3.0 / sum));
+  }
+  return facets;
+}
+
+// A lobe opposite to h that is as sharp as the facets: they cancel.
+void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(multum_ggx_facet_kappa(a.x, a.y, a.z) / b.x, 0.0, 0.0, 0.0)", {}, {}};
+  for (const float alpha : {0.0025f, 0.5f, 1.0f})
+    for (const float kappa : {0.0f, 2.0f, 8.0f, 1e4f})
+      for (const float e : {0.0f, 1e-6f, 0.5f, 1.0f, 2.0f}) {
+        const double value =
+            ggx_facet_kappa(static_cast<double>(alpha), static_cast<double>(kappa), static_cast<double>(e));
+        c.inputs.push_back({{alpha, kappa, e, 0.0f}, {static_cast<float>(value), 0.0f, 0.0f, 0.0f}});
+      }
+  c.exact = [](const glm::dvec4&, const glm::dvec4&) { return glm::dvec4(1.0, 0.0, 0.0, 0.0); };
+  c.variant.formulas = shader_brdf_ggx_lobe_glsl;
+  compare_glsl(gl, edits, c, worst);
 }
 
 // The highlights of hard lobes: f(n . h) max(n . l, 0) over them, each term of facets with its own cosine.
@@ -277,7 +318,7 @@ void highlights_of_hard_lobes(const GlFunctions& gl, const Edits& edits, WorstEr
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
   compare_highlight(gl, edits,
-                    {{"MULTUM_GGX", "MULTUM_TERM_COUNT 2"},
+                    {{"MULTUM_TERM_COUNT 2"},
                      {{1.5, reference::vmf_kappa(static_cast<double>(spreads[0]))},
                       {-0.5, reference::vmf_kappa(static_cast<double>(spreads[1]))}},
                      {},
@@ -286,6 +327,37 @@ void highlights_of_hard_lobes(const GlFunctions& gl, const Edits& edits, WorstEr
                        program.set_floats("u_term_spreads", spreads, 2);
                      }},
                     20.0, worst);
+}
+
+void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  const Texture table = make_ggx_lobe_texture(gl);
+  const glm::dvec3 l = glm::normalize(glm::dvec3(0.6, 0.3, 0.8)), up(0.0, 0.0, 1.0);
+  for (const float alpha : {0.01f, 0.4f, 1.0f}) {
+    const auto alpha_double = static_cast<double>(alpha);
+    GlslComparison c;
+    c.expression = fmt::format("vec4(multum_lobe_highlight(a, b.xyz, vec3({}, {}, {})).x * (MULTUM_PI * {}))", l.x, l.y,
+                               l.z, alpha_double * alpha_double);
+    for (const glm::vec4& lobe : kHardLobes)
+      for (const double theta : {0.0, 1e-4, 0.1, 0.5, 1.0, 1.57, 1.58, 2.5})
+        c.inputs.push_back({lobe, {glm::vec3(std::sin(theta), 0.0, std::cos(theta)), 0.0f}});
+    c.exact = [=](const glm::dvec4& a, const glm::dvec4& b) {
+      if (a.w <= 1e-6) return glm::dvec4(0.0);
+      const double e = 1.0 - std::cos(angle_between(glm::dvec3(b), up)),
+                   spread = std::clamp((a.w - a.z) / a.w, 0.0, 1.0);
+      const double kappa = spread == 0.0 ? 1e12 : spread == 1.0 ? 0.0 : reference::vmf_kappa(spread);
+      const double facets = ggx_lobe_density(ggx_lobe_shape(alpha_double, spread), alpha_double, spread, e);
+      const double cosine = highlight_cosine(ggx_facet_kappa(alpha_double, kappa, e) * glm::dvec3(b) + kappa * up, l);
+      return glm::dvec4(a.w * facets * cosine * M_PI * alpha_double * alpha_double);
+    };
+    c.variant.flags = {"MULTUM_GGX"};
+    c.variant.formulas = shader_brdf_ggx_lobe_glsl;
+    c.variant.set_uniforms = [&](const ShaderProgram& program) {
+      program.set("u_alpha", alpha);
+      program.set("u_ggx_lobe_table", 3);
+      table.bind(3);
+    };
+    compare_glsl(gl, edits, c, worst);
+  }
 }
 
 // Tables that hold their own index: what is read says where.
@@ -329,11 +401,28 @@ std::vector<GlslCase> facet_cases() {
        {unclamped},
        cook_torrance_facets,
        {"multum_facets", "multum_lobe_facets", "multum_visibility", "multum_fresnel"}},
-      {{"glsl-facets-of-ggx", "ggx.glsl, terms.glsl", "terms of negative weight darken what is far from the peak",
+      {{"glsl-facets-of-ggx", "ggx.glsl, ggx_lobe.glsl", longer, "the spread is held within 0 and 1", 3e-3, unit,
+        "filters of textures place a lookup to 1/256 of a texel"},
+       {unclamped},
+       ggx_facets,
+       {"multum_facets", "multum_lobe_facets", "multum_visibility", "multum_ggx_lobe_shape",
+        "multum_ggx_lobe_density"}},
+      {{"glsl-facet-kappa-of-opposite-lobes", "ggx_lobe.glsl", "a lobe opposite to h and as sharp: 0 / 0",
+        "the sum's length is held from 0", 3e-3, "relative", "of sums that cancel to 1e-7 of what they are of"},
+       {glsl_edit("sqrt(max(sum * sum - 2.0 * facets * kappa * e, 1e-12))",
+                  "sqrt(sum * sum - 2.0 * facets * kappa * e)")},
+       facet_kappa_of_opposite_lobes,
+       {"multum_ggx_facet_kappa"}},
+      {{"glsl-highlights-of-ggx", "ggx_lobe.glsl", longer, "the spread is held within 0 and 1", 5e-3, "of the peak",
+        "0.22 % of the cosine's model"},
+       {unclamped},
+       ggx_highlights,
+       {"multum_lobe_highlight"}},
+      {{"glsl-facets-of-terms", "terms.glsl", "terms of negative weight darken what is far from the peak",
         "their sum is held at 0 and above; nothing turned away", 6e-4, unit, reason},
        {glsl_edit("return lobe.w * max(sum, 0.0);", "return lobe.w * sum;")},
-       ggx_facets,
-       {"multum_facets", "multum_lobe_facets", "multum_visibility"}},
+       facets_of_terms,
+       {"multum_lobe_facets"}},
       {{"glsl-highlights-of-hard-lobes", "blinn_phong.glsl, torrance_sparrow.glsl, terms.glsl", longer,
         "the spread is held within 0 and 1", 2.5e-3, "of the peak", "0.22 % of the cosine's model"},
        {unclamped},

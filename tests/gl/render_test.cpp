@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <random>
 #include <utility>
 
@@ -65,6 +67,53 @@ class RenderTest : public testing::TestWithParam<ContextBackend> {
   std::unique_ptr<Mesh> mesh_;
   std::unique_ptr<Renderer> renderer_;
 };
+
+std::shared_ptr<RoughnessMap> roughness_map(int size, const std::function<float(int x, int y)>& value) {
+  auto map = std::make_shared<RoughnessMap>();
+  *map = {size, size, {}, WrapMode::kPeriodic, WrapMode::kPeriodic};
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) map->texels.push_back(value(x, y));
+  return map;
+}
+
+Brdf metal(float roughness) {
+  Brdf brdf;
+  brdf.kind = BrdfKind::kGgx;
+  brdf.roughness = roughness;
+  brdf.f0 = brdf.specular = glm::vec3(1.0f);
+  brdf.diffuse = glm::vec3(0.0f);
+  return brdf;
+}
+
+// Factor times texture, as in glTF.
+TEST_P(RenderTest, ARoughnessTextureMultipliesTheBrdfs) {
+  const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
+  RenderScene scene = distant_scene();
+  scene.brdf = metal(0.4f);
+  const FloatImage plain = movmf(map, scene);
+  scene.brdf.roughness = 0.8f;
+  scene.roughness = roughness_map(16, [](int, int) { return 0.5f; });
+  EXPECT_LT(picture_error(movmf(map, scene), plain).relative_l1, 1e-5);
+  scene.roughness = roughness_map(16, [](int, int) { return 1.0f; });
+  EXPECT_GT(picture_error(movmf(map, scene), plain).relative_l1, 0.2);
+}
+
+// Two halves of a map, one twice as rough: each is shaded with its own roughness, near and far.
+TEST_P(RenderTest, ARoughnessTextureEqualsTheReference) {
+  const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false);
+  RenderScene scene = distant_scene();
+  scene.brdf = metal(1.0f);
+  const auto halves = [](int x, int) { return x < 32 ? 0.35f : 0.7f; };
+  scene.roughness = roughness_map(64, halves);
+  const FloatImage exact = reference(map, scene, 1024);
+  const double own = picture_error(movmf(map, scene), exact).relative_l1;
+  scene.roughness = nullptr;
+  scene.brdf.roughness = 0.525f;
+  const double mean = picture_error(movmf(map, scene), exact).relative_l1;
+  std::printf("relative L1 with the texture %.3f, with its mean %.3f\n", own, mean);
+  EXPECT_LT(own, 0.15);  // pixels of both halves have their mean roughness
+  EXPECT_LT(own, 0.3 * mean);
+}
 
 TEST_P(RenderTest, FlatMapEqualsReferenceFromNearAndFar) {
   const TestMap map = make_flat_map(16);

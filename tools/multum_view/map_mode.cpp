@@ -25,6 +25,7 @@ int draw_map(MapOptions options) {
   const gl::NormalImage source =
       needs_source(options, map.header) ? read_source(options, scenes, map) : gl::NormalImage{};
   read_environments(options, scenes);
+  read_brdf_roughness(options, map.header, scenes);
   const std::unique_ptr<gl::HeadlessContext> context = gl::make_headless_context(picture.context);
   log_info(context->description());
   warn_of_wrong_anisotropy(options, map.header, context->description());

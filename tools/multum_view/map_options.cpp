@@ -74,6 +74,10 @@ void add_map_options(CLI::App& app, MapOptions& options) {
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);
   add_rendering_options(app, picture);
+  app.add_option(
+      "--brdf-roughness", options.brdf_roughness,
+      "roughness map of --brdf ggx, FILE or FILE:CHANNEL, of the map's size, times its ROUGHNESS as in glTF; "
+      "of lobes under lights, with --compare reference and mip");
   app.add_option("--shaders", options.shaders,
                  "write the shader variants that were drawn with as JSON: flags, text, and the uniforms that the "
                  "driver kept");
@@ -124,6 +128,24 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
       "--specular of the last frame");
 }
 
+namespace {
+
+/// What knows one roughness for all of a picture.
+void check_brdf_roughness(const MapOptions& options) {
+  const PictureOptions& picture = options.picture;
+  const auto refuse = [](const std::string& found, const char* expected) {
+    throw Error(ErrorCode::kUsage, fmt::format("--brdf-roughness: found {}, expected {}", found, expected));
+  };
+  const std::vector<std::string>& brdfs = picture.material.brdfs;
+  if (brdfs.size() != 1 || !brdfs[0].starts_with("ggx:"))
+    refuse(brdfs.empty() ? "no --brdf" : "--brdf " + brdfs[0], "--brdf ggx:ROUGHNESS");
+  if (!picture.light.environment.empty()) refuse("--environment", "lights");
+  for (const std::string& one : options.comparison.pictures)
+    if (one != "reference" && one != "mip") refuse("--compare " + one, "reference and mip, which know GGX");
+}
+
+}  // namespace
+
 void check_map_options(const MapOptions& options) {
   const PictureOptions& picture = options.picture;
   const SourceOptions& source = options.source;
@@ -138,6 +160,7 @@ void check_map_options(const MapOptions& options) {
     if (!path->empty() && source.normals.empty())
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
+  if (!options.brdf_roughness.empty()) check_brdf_roughness(options);
   const AnimationOptions& to = options.animation;
   if (picture.light.environment.empty() &&
       (picture.light.environment_turn || to.environment_turn || !to.environment.empty()))

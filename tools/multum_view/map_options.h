@@ -54,7 +54,8 @@ struct MapOptions {
   SourceOptions source;
   ComparisonOptions comparison;
   AnimationOptions animation;
-  std::string shaders;  // JSON of the variants that were drawn with; empty: none
+  std::string brdf_roughness;  // of GGX, FILE or FILE:CHANNEL, times its own; empty: none
+  std::string shaders;         // JSON of the variants that were drawn with; empty: none
 };
 
 /// All but the map itself, where pictures go, and what changes from frame to frame.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -193,6 +194,22 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
   image.normals = source_normals(options, baked, std::move(normals), roughness);
   add_materials(options, baked, image);
   return image;
+}
+
+void read_brdf_roughness(const MapOptions& options, const BakedHeader& baked, ViewScenes& scenes) {
+  if (options.brdf_roughness.empty()) return;
+  if (baked.representation != Representation::kMovmf || baked.has_roughness)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: {}, found --brdf-roughness, expected it for files of lobes without", options.file,
+                            baked.has_roughness ? "has roughness in" : "holds no vMF lobes"));
+  LobeMaterial material =
+      read_lobe_material({parse_channel_file(options.brdf_roughness), {}, {}}, baked.width, baked.height, {}, 1);
+  for (const std::string& warning : material.roughness->warnings) log_warning(warning);
+  auto map = std::make_shared<gl::RoughnessMap>();
+  *map = {baked.width, baked.height, {}, baked.wrap_s, baked.wrap_t};
+  const std::array<std::vector<float>, 3> planes = material.planes.take_planes();
+  for (const float squared_alpha : planes[0]) map->texels.push_back(std::sqrt(std::sqrt(squared_alpha)));
+  scenes.first.roughness = scenes.last.roughness = std::move(map);
 }
 
 std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& options) {

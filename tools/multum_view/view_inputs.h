@@ -29,6 +29,8 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
 std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& options);
 /// That of the first frame and of the last. Throws Error(kInput) where they are not of one size.
 void read_environments(const MapOptions& options, ViewScenes& scenes);
+/// Nothing without --brdf-roughness. Throws Error(kUsage) for what is no file of lobes, Error(kInput) for the map.
+void read_brdf_roughness(const MapOptions& options, const BakedHeader& baked, ViewScenes& scenes);
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked);
 

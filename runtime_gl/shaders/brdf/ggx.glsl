@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // GGX as glTF 2.0 has it (appendix B; Walter et al. 2007), behind cook_torrance.glsl for Schlick's term: alpha =
-// roughness^2. Of one normal; over lobes it is the sum of terms.glsl.
+// roughness^2. Of one normal; over lobes see ggx_lobe.glsl.
 
 // D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t: 1 - t^2 = e (2 - e), so that nothing cancels near t = 1.
 float multum_ggx(float alpha, float e) {
@@ -21,10 +21,15 @@ float multum_smith_visibility(float alpha, float n_l, float n_v) {
 
 #ifdef MULTUM_GGX
 uniform float u_alpha;
+#ifdef MULTUM_ROUGHNESS_TEXTURE
+float multum_alpha;  // of this place: set by surface/roughness_texture.glsl before anything is shaded
+#else
+#define multum_alpha u_alpha
+#endif
 
-vec3 multum_facets(vec3 n, vec3 h) { return vec3(multum_ggx(u_alpha, multum_one_minus_cosine(n, h))); }
+vec3 multum_facets(vec3 n, vec3 h) { return vec3(multum_ggx(multum_alpha, multum_one_minus_cosine(n, h))); }
 
 float multum_visibility(float n_l, float n_v, float n_h, float v_h) {
-  return multum_smith_visibility(u_alpha, n_l, n_v);
+  return multum_smith_visibility(multum_alpha, n_l, n_v);
 }
 #endif

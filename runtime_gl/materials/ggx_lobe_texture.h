@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of host/brdf/ggx_lobe.h as a texture, which brdf/ggx_lobe.glsl reads.
+#pragma once
+
+#include "runtime_gl/gl/texture.h"
+
+namespace multum::gl {
+
+Texture make_ggx_lobe_texture(const GlFunctions& gl);
+
+}  // namespace multum::gl

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// GGX's roughness from a texture, times the BRDF's own as in glTF 2.0: of each finest texel by itself in references
+// (normals.glsl), else averaged over the footprint as it is, perceptual roughness.
+uniform sampler2D u_roughness_texture;  // red
+
+const float MULTUM_ALPHA_MIN = 0.0025;
+
+MultumFootprint multum_roughness_footprint(vec2 st) { return multum_footprint(u_roughness_texture, st); }
+
+// `footprint`: of multum_roughness_footprint(), or a tap of it.
+void multum_take_roughness(vec2 st, MultumFootprint footprint) {
+#if defined(MULTUM_DRAWN_TEXEL)
+  ivec2 texel = multum_footprint_texel(u_normals, st, multum_surface_footprint(st));
+  float roughness = texel == MULTUM_NO_TEXEL ? 1.0 : texelFetch(u_roughness_texture, texel, 0).r;
+#elif defined(MULTUM_REFERENCE)
+  float roughness = textureLod(u_roughness_texture, st, 0.0).r;
+#else
+  float roughness = multum_filtered(u_roughness_texture, st, footprint).r;
+#endif
+  multum_alpha = max(u_alpha * roughness * roughness, MULTUM_ALPHA_MIN);
+}
