@@ -46,6 +46,8 @@ void add_pack_commands(CLI::App& app, int* exit_code);
 void add_player_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
+/// The shading of lobes in other languages.
+void add_shaders_command(CLI::App& app, int* exit_code);
 void add_selftest_command(CLI::App& app, int* exit_code);
 void add_tradeoff_command(CLI::App& app, int* exit_code);
 void add_verify_command(CLI::App& app, int* exit_code);

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum shaders: the shading of lobes for engines, a file a language, with the table that GGX takes.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/shown_text.h"
+#include "host/brdf/ggx_lobe.h"
+#include "host/export/ktx2_file.h"
+#include "tools/multum/commands.h"
+#include "tools/multum/shading_files.h"
+
+namespace multum {
+namespace {
+
+struct ShadersOptions {
+  CommonOptions common;
+  std::string folder;
+};
+
+/// A module for three.js and whoever else takes GLSL as a string.
+std::string javascript_module() {
+  std::string numbers;
+  for (const std::uint16_t half : ggx_lobe_table()) numbers += fmt::format("{}{}", numbers.empty() ? "" : ",", half);
+  return fmt::format(
+      "// SPDX-License-Identifier: Apache-2.0\n"
+      "// Shading of multum's lobes for three.js, and the table that GGX takes: halves, RGBA, linear filter, clamped.\n"
+      "export const lobesGlsl = {};\n"
+      "export const ggxLobeTable = {{ width: {}, height: {}, data: new Uint16Array([{}]) }};\n",
+      nlohmann::json(std::string(shading_files().at("multum_lobes.glsl"))).dump(), kGgxLobeTableSide, kGgxLobeTableSide,
+      numbers);
+}
+
+void write_table(const std::string& path) {
+  Ktx2File file(path, {Ktx2Format::kRgba16f, kGgxLobeTableSide, kGgxLobeTableSide, 1});
+  file.write_rows(0, kGgxLobeTableSide, ggx_lobe_table().data());
+  file.finish();
+}
+
+int run_shaders(const ShadersOptions& o) {
+  apply(o.common);
+  const std::filesystem::path folder(o.folder);
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (!std::filesystem::is_directory(folder))
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: found {}, expected a folder", o.folder, failure ? failure.message() : "a file"));
+  for (const auto& [name, text] : shading_files()) write_text_file((folder / name).string(), text);
+  write_text_file((folder / "multum_lobes.js").string(), javascript_module());
+  write_table((folder / "ggx_lobe_table.ktx2").string());
+  if (o.common.quiet) return 0;
+  print_shown(stdout, "%s: written: multum_lobes in GLSL, HLSL, Metal, WGSL and JavaScript, ggx_lobe_table.ktx2\n",
+              o.folder.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_shaders_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<ShadersOptions>();
+  CLI::App* command = app.add_subcommand(
+      "shaders", "the shading of lobes for engines, in GLSL, HLSL, Metal, WGSL and JavaScript (docs/INTEGRATION.md)");
+  command->add_option("-o,--output", options->folder, "folder to write to")->required();
+  add_common_options(*command, options->common);
+  command->callback([options, exit_code] { *exit_code = run_shaders(*options); });
+}
+
+}  // namespace multum
