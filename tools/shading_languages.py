@@ -5,8 +5,9 @@
     tools/shading_languages.py SHADERS OUT
 
 SHADERS is runtime_gl/shaders. OUT gets multum_lobes of four endings: .glsl (330, and ES 300 behind `precision highp
-float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The texts that are read are functions and constants of a small part of
-GLSL: floats, vectors, one texture lookup, `if`, `for` and `?:`; whatever else they hold stops the translation.
+float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The texts that are read are functions and constants of a
+small part of GLSL: floats, vectors, one texture lookup, `if`, `for` and `?:`; whatever else they hold stops the
+translation.
 """
 import argparse
 import pathlib

@@ -271,8 +271,9 @@ class ShadingLanguagesTest(unittest.TestCase):
     def test_lobes_cost_what_the_page_says(self):
         if not all(shutil.which(tool) for tool in ("glslangValidator", "spirv-opt", "spirv-dis")):
             self.skipTest("no glslangValidator or spirv-tools here")
-        single = self.instructions("vec3 n = normalize(lobe.xyz); float n_l = max(dot(n, l), 0.0), n_v = max(dot(n, v), "
-                                   "0.0); o = multum_ggx(alpha, multum_one_minus_cosine(n, h)) * n_l * "
+        single = self.instructions("vec3 n = normalize(lobe.xyz); "
+                                   "float n_l = max(dot(n, l), 0.0), n_v = max(dot(n, v), 0.0); "
+                                   "o = multum_ggx(alpha, multum_one_minus_cosine(n, h)) * n_l * "
                                    "multum_smith_visibility(alpha, n_l, n_v);")
         whole = self.instructions("o = multum_movmf_ggx_specular(table, lobe, l, v, h, alpha);")
         facets = self.instructions("o = multum_movmf_ggx(table, lobe, h, alpha);")
