@@ -112,6 +112,11 @@ ShaderParts MovmfMaterial::fetch_parts() const {
   if (!colours_.empty()) parts.flags.push_back("MULTUM_COLOURS");
   if (mean_colours_.has_value()) parts.flags.push_back("MULTUM_MEAN_COLOURS");
   if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
+  MULTUM_CHECK(!is_drawn_ || !shade_first_);
+  if (is_drawn_) {
+    parts.flags.insert(parts.flags.end(), {"MULTUM_DRAWN_LOBE", "MULTUM_REFERENCE"});
+    parts.texts.insert(parts.texts.begin(), shader_common_footprint_glsl);
+  }
   finest_.add_flags(parts);
   if (mean_cosine_) parts.flags.push_back("MULTUM_ROUGHNESS");
   add_basis_flag(parts);

@@ -37,12 +37,18 @@ class MovmfMaterial : public Material {
   /// lobes that are not aligned. Of files that begin at level 0.
   void set_shade_first(bool shade_first);
 
+  /// One normal a pixel and frame, drawn from the lobes by amplitude: what a renderer that keeps one normal has. Drawn
+  /// by Renderer::draw_reference(), a frame a sample; without environments and shade_first.
+  void set_drawn(bool is_drawn) { is_drawn_ = is_drawn; }
+
   /// Linear colours of the map's texels, filtered plainly, for all lobes alike: of mipmaps without colours.
   void set_mean_colours(Texture colours);
 
   const char* name() const override { return "movmf"; }
   ShaderParts shader_parts() const override;
   int bind(const ShaderProgram& shader) const override;
+  bool samples_light() const override { return is_drawn_; }
+  bool samples_footprint() const override { return is_drawn_; }
   int weight_count() const override { return weight_count_; }
   int lobe_count() const { return static_cast<int>(lobes_.size()); }
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
@@ -61,6 +67,7 @@ class MovmfMaterial : public Material {
   std::optional<Texture> mean_colours_;
   LobeFormula formula_ = LobeFormula::kProduct;
   bool shade_first_ = false;
+  bool is_drawn_ = false;
 };
 
 }  // namespace multum::gl

@@ -335,8 +335,11 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
   for (const float alpha : {0.01f, 0.4f, 1.0f}) {
     const auto alpha_double = static_cast<double>(alpha);
     GlslComparison c;
-    c.expression = fmt::format("vec4(multum_lobe_highlight(a, b.xyz, vec3({}, {}, {})).x * (MULTUM_PI * {}))", l.x, l.y,
-                               l.z, alpha_double * alpha_double);
+    const std::string direction = fmt::format("vec3({}, {}, {})", l.x, l.y, l.z);
+    c.expression = fmt::format(
+        "vec4(multum_lobe_highlight(a, b.xyz, {}).x, multum_movmf_ggx_specular(u_ggx_lobe_table, a, {}, vec3(0.0, 0.6, "
+        "0.8), b.xyz, u_alpha), 0.0, 0.0) * (MULTUM_PI * {})",
+        direction, direction, alpha_double * alpha_double);
     for (const glm::vec4& lobe : kHardLobes)
       for (const double theta : {0.0, 1e-4, 0.1, 0.5, 1.0, 1.57, 1.58, 2.5})
         c.inputs.push_back({lobe, {glm::vec3(std::sin(theta), 0.0, std::cos(theta)), 0.0f}});
@@ -346,8 +349,13 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
                    spread = std::clamp((a.w - a.z) / a.w, 0.0, 1.0);
       const double kappa = spread == 0.0 ? 1e12 : spread == 1.0 ? 0.0 : reference::vmf_kappa(spread);
       const double facets = ggx_lobe_density(ggx_lobe_shape(alpha_double, spread), alpha_double, spread, e);
-      const double cosine = highlight_cosine(ggx_facet_kappa(alpha_double, kappa, e) * glm::dvec3(b) + kappa * up, l);
-      return glm::dvec4(a.w * facets * cosine * M_PI * alpha_double * alpha_double);
+      const glm::dvec3 sum = ggx_facet_kappa(alpha_double, kappa, e) * glm::dvec3(b) + kappa * up;
+      const double n_l = highlight_cosine(sum, l), n_v = highlight_cosine(sum, {0.0, 0.6, 0.8});
+      const double x = alpha_double * alpha_double;
+      const double masking = n_l * std::sqrt(n_v * n_v * (1.0 - x) + x),
+                   shadowing = n_v * std::sqrt(n_l * n_l * (1.0 - x) + x);
+      const double highlight = a.w * facets * n_l * M_PI * x;
+      return glm::dvec4(highlight, highlight * 0.5 / std::max(masking + shadowing, 1e-6), 0.0, 0.0);
     };
     c.variant.flags = {"MULTUM_GGX"};
     c.variant.formulas = shader_brdf_ggx_lobe_glsl;
@@ -417,7 +425,7 @@ std::vector<GlslCase> facet_cases() {
         "0.22 % of the cosine's model"},
        {unclamped},
        ggx_highlights,
-       {"multum_lobe_highlight"}},
+       {"multum_lobe_highlight", "multum_movmf_ggx", "multum_movmf_ggx_facet_kappa", "multum_movmf_ggx_specular"}},
       {{"glsl-facets-of-terms", "terms.glsl", "terms of negative weight darken what is far from the peak",
         "their sum is held at 0 and above; nothing turned away", 6e-4, unit, reason},
        {glsl_edit("return lobe.w * max(sum, 0.0);", "return lobe.w * sum;")},

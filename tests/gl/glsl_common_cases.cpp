@@ -335,6 +335,27 @@ ShaderHarnessInput pyramid_variant() {
   return variant;
 }
 
+// Of every width, about every direction, also straight down, where tangents are chosen anew.
+void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(multum_movmf_drawn_normal(a, b.xy), 0.0)", {}, {}};
+  for (const double tilt : {0.0, 40.0, 90.0, 140.0, 180.0})
+    for (const float spread : {-1e-4f, 0.0f, 1e-6f, 0.1f, 0.9f, 1.0f})
+      for (const float x : {0.0f, 0.3f, 0.9f, 0.9999999f, 1.0f})
+        for (const float y : {0.0f, 0.4f})
+          c.inputs.push_back({with(static_cast<double>(1.0f - spread) * tilted(tilt), 1.0), {x, y, 0.0f, 0.0f}});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double size = glm::length(glm::dvec3(a)), d = std::clamp(1.0 - size, 0.0, 1.0);
+    const glm::dvec3 mu = size > 1e-12 ? glm::dvec3(a) / size : glm::dvec3(0.0, 0.0, 1.0);
+    const double kappa = d <= 0.0 ? 1e12 : d >= 1.0 ? 1e-3 : std::max(reference::vmf_kappa(d), 1e-3);
+    const double e = std::clamp(-std::log(std::max(1.0 - b.x * -std::expm1(-2.0 * kappa), 1e-30)) / kappa, 0.0, 2.0);
+    const double side = mu.z < 0.0 ? -1.0 : 1.0, q = -1.0 / (side + mu.z), r = mu.x * mu.y * q;
+    const glm::dvec3 s(1.0 + side * mu.x * mu.x * q, side * r, -side * mu.x), t(r, side + mu.y * mu.y * q, -mu.y);
+    const double phi = 2.0 * M_PI * b.y;
+    return glm::dvec4((1.0 - e) * mu + std::sqrt(e * (2.0 - e)) * (std::cos(phi) * s + std::sin(phi) * t), 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
 void level_of_no_extent(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_mip_level(a.xy, b.xy), 0.0, 0.0, 0.0)", {}, {}};
   for (const float x : {0.0f, 1e-40f, 1e-20f, 1e-8f, 1.0f, 1e4f, 1e15f})
@@ -612,6 +633,13 @@ std::vector<GlslCase> harmonic_cases() {
 
 std::vector<GlslCase> glsl_common_cases() {
   std::vector<GlslCase> cases = {
+      {{"glsl-normals-drawn-from-any-lobe", "movmf_shading.glsl",
+        "a root of less than 0, where rounding draws beyond the direction opposite", "1 - cosine within 0 and 2", 3e-2,
+        "absolute, of a unit vector", "of a lobe that fills the sphere the logarithm of nearly 1"},
+       {glsl_edit("clamp(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa, 0.0, 2.0)",
+                  "(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa)")},
+       normals_drawn,
+       {"multum_movmf_drawn_normal"}},
       {{"glsl-level-of-no-extent", "pyramid.glsl", "the logarithm of 0, where coordinates do not change",
         "squares of at least 1e-30", 1e-4, "absolute, of the level", "the GL's log2"},
        {glsl_edit("max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30)",

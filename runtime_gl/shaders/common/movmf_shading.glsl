@@ -100,6 +100,23 @@ float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa
   return multum_vmf_mean_cosine(d > 0.0 ? multum_vmf_spread(size) : 0.0, dot(sum, l) / max(size, 1e-6));
 }
 
+// A normal drawn from the lobe's vMF, `xi` evenly from the unit square: for renderers that keep one normal a pixel, as
+// deferred ones do. Draw the lobe by amplitude, the normal here, and shade it with the material's own roughness: the
+// mean over frames is the sum over lobes. 1 - cosine by inversion (Ulrich 1984), tangents by Duff et al. 2017.
+vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
+  vec3 mu = multum_movmf_mean_direction(lobe);
+  float kappa = max(multum_vmf_kappa(multum_movmf_spread(lobe)), 1e-3);
+  float e = clamp(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa, 0.0, 2.0);
+  float across = sqrt(e * (2.0 - e));
+  float side = mu.z < 0.0 ? -1.0 : 1.0;
+  float a = -1.0 / (side + mu.z);
+  float b = mu.x * mu.y * a;
+  vec3 s = vec3(1.0 + side * mu.x * mu.x * a, side * b, -side * mu.x);
+  vec3 t = vec3(b, side + mu.y * mu.y * a, -mu.y);
+  float phi = 2.0 * MULTUM_PI * xi.y;
+  return (1.0 - e) * mu + across * (cos(phi) * s + sin(phi) * t);
+}
+
 // The normal map as one more lobe, for files whose finest stored level L = multum:firstLevel is not 0. The lobe maps
 // begin at L; the levels finer than L are the normal map's own, whose mips must be averages of unit vectors that keep
 // their length (a float or snorm texture with x, y and z, or an unsigned one decoded after filtering): that length is

@@ -3,6 +3,7 @@
 // MULTUM_COLOURS: lobes have colours; MULTUM_MEAN_COLOURS: all have the same, of a texture of its own;
 // MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a
 // mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times weight k of the lobes.
+// MULTUM_DRAWN_LOBE: one normal alone, drawn from the lobes by amplitude for each of u_sample frames (footprint.glsl).
 // MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
 // lobes that are not aligned need; taps are shaded one by one then, too.
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
@@ -58,6 +59,28 @@ struct MultumSurface {
 #endif
 
 MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_lobes[0], st); }
+
+#ifdef MULTUM_DRAWN_LOBE
+// All amplitude to one normal, which a lobe of no width is.
+void multum_draw_lobe(inout MultumSurface surface) {
+  float total = 0.0;
+  {
+    MULTUM_EACH_PART(j) total += surface.lobes[j].w;
+  }
+  float left = multum_random(0) * total;
+  int drawn = MULTUM_PART_COUNT - 1;
+  for (int j = MULTUM_PART_COUNT - 1; j >= 0; --j) {  // of those that end above it the first
+    float end = 0.0;
+    for (int k = 0; k <= j; ++k) end += surface.lobes[k].w;
+    if (left < end) drawn = j;
+  }
+  vec4 lobe = surface.lobes[drawn];
+  vec3 normal = multum_movmf_drawn_normal(lobe, vec2(multum_random(1), multum_random(2)));
+  {
+    MULTUM_EACH_PART(j) surface.lobes[j] = j == drawn ? total * vec4(normal, 1.0) : vec4(0.0);
+  }
+}
+#endif
 
 #ifdef MULTUM_MEAN_COLOURS
 vec3 multum_mean_colour(vec2 st, MultumFootprint footprint) {
@@ -150,6 +173,9 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
 #elif defined(MULTUM_COLOURS)
   surface.albedos[MULTUM_LOBE_COUNT] = mean_colour;  // of the first stored level, the finest that is known
 #endif
+#endif
+#ifdef MULTUM_DRAWN_LOBE
+  multum_draw_lobe(surface);
 #endif
   return surface;
 }
