@@ -29,9 +29,9 @@ std::uint64_t aligned(std::uint64_t at) { return (at + kAlignment - 1) / kAlignm
 // Where bytes of a buffer go.
 struct BufferPlace {
   bool is_merged = false;
-  std::size_t index = 0;         // of the buffer after
-  std::uint64_t base = 0;        // of its first byte in the merged one
-  std::vector<ByteRange> cuts;   // in order; multiples of kAlignment long
+  std::size_t index = 0;        // of the buffer after
+  std::uint64_t base = 0;       // of its first byte in the merged one
+  std::vector<ByteRange> cuts;  // in order; multiples of kAlignment long
 
   std::uint64_t moved(std::uint64_t offset) const {
     std::uint64_t cut = 0;
@@ -258,8 +258,8 @@ std::uint64_t write_glb(const GltfAsset& asset, GltfJson json, const ViewContent
   const std::uint64_t binary_chunk = layout.has_bytes() ? 8 + binary : 0;
   const std::uint64_t total = 12 + 8 + text.size() + binary_chunk + asset.other_chunks.size();
   if (total > std::numeric_limits<std::uint32_t>::max())
-    asset.refuse(fmt::format("would become a file of {} bytes, expected less than 4 GiB, which is all that GLB holds",
-                             total));
+    asset.refuse(
+        fmt::format("would become a file of {} bytes, expected less than 4 GiB, which is all that GLB holds", total));
   AtomicFile file(output);
   OutputFile bytes(file.temporary_path(), output);
   const auto add = [&](const std::string& part) { bytes.write(part.data(), part.size()); };

@@ -107,8 +107,7 @@ void read_buffers(GltfAsset& asset, bool is_glb, std::optional<std::string_view>
     std::optional<std::string> bytes;
     if (buffer.contains("uri")) bytes = uri_bytes(asset, buffer.at("uri"), what);
     else if (is_glb && asset.buffers.empty() && binary) bytes = std::string(*binary);
-    else if (!buffer.contains("extensions"))
-      asset.refuse(what + " has neither a URI nor bytes in the file");
+    else if (!buffer.contains("extensions")) asset.refuse(what + " has neither a URI nor bytes in the file");
     if (bytes && bytes->size() < *length)
       asset.refuse(fmt::format("{} says that it has {} bytes, found {}", what, *length, bytes->size()));
     if (bytes) bytes->resize(*length);
@@ -182,15 +181,15 @@ GltfAsset read_gltf_asset(const std::string& path) {
   asset.path = path;
   asset.json = parse_gltf_json(parts.json, path);
   asset.other_chunks = std::string(parts.others);
-  for (const char* name : {"accessors", "animations", "buffers", "bufferViews", "images", "materials", "meshes",
-                           "samplers", "textures"}) {
+  for (const char* name :
+       {"accessors", "animations", "buffers", "bufferViews", "images", "materials", "meshes", "samplers", "textures"}) {
     const GltfJson& all = asset.array(name);
     if (!all.is_array() || !std::all_of(all.begin(), all.end(), [](const GltfJson& one) { return one.is_object(); }))
       asset.refuse(fmt::format("is damaged: {} is not an array of objects", name));
   }
   const auto about = asset.json.find("asset");
-  const bool has_version = about != asset.json.end() && about->is_object() && about->contains("version") &&
-                           about->at("version").is_string();
+  const bool has_version =
+      about != asset.json.end() && about->is_object() && about->contains("version") && about->at("version").is_string();
   const std::string version = has_version ? about->at("version").get<std::string>() : "";
   if (!version.starts_with("2."))
     asset.refuse(fmt::format("is glTF of version '{}', expected 2.0", version.substr(0, 20)));

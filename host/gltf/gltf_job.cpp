@@ -39,8 +39,7 @@ std::vector<std::string> input_files(const GltfAsset& asset) {
 }
 
 void check_gltf_job(const GltfJob& job) {
-  if (!job.output.ends_with(".glb"))
-    throw Error(ErrorCode::kUsage, job.output + ": expected a name that ends in .glb");
+  if (!job.output.ends_with(".glb")) throw Error(ErrorCode::kUsage, job.output + ": expected a name that ends in .glb");
   check_paths_differ({job.input}, {job.output, job.report});
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
@@ -67,8 +66,7 @@ class GltfConversion {
     GltfPlan plan = plan_gltf(asset, job_.is_anisotropic);
 
     folder_ = PartialFolder::take(job_.output);
-    if (folder_ == nullptr)
-      throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
+    if (folder_ == nullptr) throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
     folder_->clear();
     if (job_.format == GltfTextureFormat::kUastc && !plan.sources.empty()) check_uastc_encoder(uastc());
     const std::vector<PreparedSource> prepared = prepare(asset, plan);
@@ -81,8 +79,7 @@ class GltfConversion {
       warn(fmt::format("image {} is of no kind that glTF has: it stays a file beside the model", uri));
     warn_of_format(plan);
     hashes.check_unchanged(job_.input);
-    report_.bytes_after =
-        write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);
+    report_.bytes_after = write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);
     lap("write");
     report_.device = device_.info().name;
     report_.launches = device_.launch_counts();
@@ -108,11 +105,13 @@ class GltfConversion {
     if (std::none_of(plan.materials.begin(), plan.materials.end(), [](const auto& one) { return one.kept.empty(); }))
       return;
     if (job_.format == GltfTextureFormat::kRgba8)
-      warn("its new textures are KTX2 files that are not compressed: outside of KHR_texture_basisu, by whose name "
-           "they are loaded; --format uastc is within it");
+      warn(
+          "its new textures are KTX2 files that are not compressed: outside of KHR_texture_basisu, by whose name "
+          "they are loaded; --format uastc is within it");
     if (job_.format == GltfTextureFormat::kPng)
-      warn("PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
-           "them");
+      warn(
+          "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
+          "them");
   }
 
   // What each source's fit will be; a source that is not fitted after all leaves its materials as they are.
@@ -130,8 +129,7 @@ class GltfConversion {
         material.notes.insert(material.notes.end(), source.notes.begin(), source.notes.end());
       }
       const bool is_kept = !material.kept.empty();
-      report_.materials.push_back({material.name, material.kept,
-                                   is_kept ? std::vector<std::string>{} : material.notes,
+      report_.materials.push_back({material.name, material.kept, is_kept ? std::vector<std::string>{} : material.notes,
                                    is_kept ? -1 : numbers[material.source]});
     }
     return prepared;

@@ -112,8 +112,7 @@ class GltfRewriter {
     for (const TextureRequest& request : requests_) {
       const GltfJson old = asset_.array("textures").at(request.old_texture);
       Key key(request.image, old.value("sampler", GltfJson()));
-      const auto same =
-          std::find_if(placed.begin(), placed.end(), [&](const auto& one) { return one.first == key; });
+      const auto same = std::find_if(placed.begin(), placed.end(), [&](const auto& one) { return one.first == key; });
       std::size_t at = same == placed.end() ? 0 : same->second;
       if (same == placed.end()) {
         const bool is_in_place =

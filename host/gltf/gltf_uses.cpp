@@ -8,15 +8,34 @@ namespace {
 
 // Extensions whose references are found by the rules of Walk: textures as "...Texture": {"index": 1}, images as
 // "source" in a texture, buffer views as "bufferView".
-constexpr std::string_view kKnownExtensions[] = {
-    "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness", "KHR_materials_sheen", "KHR_materials_specular",
-    "KHR_materials_transmission", "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",
-    "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds",
-    "KHR_mesh_quantization", "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
-    "EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_animation_pointer", "KHR_node_visibility",
-    "KHR_xmp_json_ld"};
+constexpr std::string_view kKnownExtensions[] = {"KHR_materials_anisotropy",
+                                                 "KHR_materials_clearcoat",
+                                                 "KHR_materials_diffuse_transmission",
+                                                 "KHR_materials_dispersion",
+                                                 "KHR_materials_emissive_strength",
+                                                 "KHR_materials_ior",
+                                                 "KHR_materials_iridescence",
+                                                 "KHR_materials_pbrSpecularGlossiness",
+                                                 "KHR_materials_sheen",
+                                                 "KHR_materials_specular",
+                                                 "KHR_materials_transmission",
+                                                 "KHR_materials_unlit",
+                                                 "KHR_materials_variants",
+                                                 "KHR_materials_volume",
+                                                 "KHR_texture_transform",
+                                                 "KHR_texture_basisu",
+                                                 "EXT_texture_webp",
+                                                 "EXT_texture_avif",
+                                                 "MSFT_texture_dds",
+                                                 "KHR_mesh_quantization",
+                                                 "KHR_draco_mesh_compression",
+                                                 "EXT_meshopt_compression",
+                                                 "KHR_meshopt_compression",
+                                                 "EXT_mesh_gpu_instancing",
+                                                 "KHR_lights_punctual",
+                                                 "KHR_animation_pointer",
+                                                 "KHR_node_visibility",
+                                                 "KHR_xmp_json_ld"};
 
 bool is_known(std::string_view name) {
   for (const std::string_view known : kKnownExtensions)

@@ -39,10 +39,10 @@ std::string texel_descriptor(Ktx2Texels texels) {
   put(out, is_uastc ? 16 : 4, 8);      // bytes of planes
   for (std::uint32_t c = 0; c < samples; ++c) {
     put(out, 8 * c, 2);
-    put(out, is_uastc ? 127 : 7, 1);       // bits less 1
-    put(out, c == 3 ? kAlpha : c, 1);      // of UASTC 0 is RGB
-    put(out, 0, 4);                        // place in the block
-    put(out, 0, 4);                        // the least code
+    put(out, is_uastc ? 127 : 7, 1);   // bits less 1
+    put(out, c == 3 ? kAlpha : c, 1);  // of UASTC 0 is RGB
+    put(out, 0, 4);                    // place in the block
+    put(out, 0, 4);                    // the least code
     put(out, is_uastc ? 0xffffffffu : 255, 4);
   }
   return out;
@@ -105,7 +105,7 @@ std::uint64_t write_ktx2_levels(const std::string& path, const Ktx2LevelsSetting
   std::vector<StoredLevel> levels(size_of(settings.level_count));
   // Of levels that are not supercompressed: a texel, or a block.
   const std::uint64_t alignment = settings.texels == Ktx2Texels::kRgba8 ? 4 : 16;
-  std::uint64_t at = file_head(settings, levels).size();  // whose length is known before what is in it
+  std::uint64_t at = file_head(settings, levels).size();   // whose length is known before what is in it
   for (std::size_t level = levels.size(); level-- > 0;) {  // the smallest first
     std::vector<std::uint8_t> bytes = level_bytes(static_cast<int>(level));
     const std::uint64_t whole = bytes.size();

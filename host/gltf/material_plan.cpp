@@ -163,8 +163,8 @@ class Planner {
     const GltfJson* found = object_at(material, "pbrMetallicRoughness");
     const GltfJson& surface = found == nullptr ? kNone : *found;
     const std::optional<TextureUse> rough = texture_at(surface, "metallicRoughnessTexture");
-    for (const char* what : {"normalTexture", "pbrMetallicRoughness/roughnessFactor",
-                             "pbrMetallicRoughness/metallicRoughnessTexture"})
+    for (const char* what :
+         {"normalTexture", "pbrMetallicRoughness/roughnessFactor", "pbrMetallicRoughness/metallicRoughnessTexture"})
       if (is_animated(number, what)) return fmt::format("an animation changes its {}", what);
     if (!normal->image) return "its normal texture has no PNG, JPEG or WebP image";
     if (rough && !rough->image) return "its metallic-roughness texture has no PNG, JPEG or WebP image";
@@ -180,7 +180,8 @@ class Planner {
     source.normal_scale = number_at(*object_at(material, "normalTexture"), "scale", 1.0);
     constexpr double kScaleMax = 1e6;  // any larger makes all normals horizontal
     if (!(std::abs(source.normal_scale) <= kScaleMax))
-      refuse(fmt::format("normalTexture.scale is {:g}, expected at most {:g} either way", source.normal_scale, kScaleMax));
+      refuse(
+          fmt::format("normalTexture.scale is {:g}, expected at most {:g} either way", source.normal_scale, kScaleMax));
     source.roughness_factor = share_at(surface, "roughnessFactor");
     share_at(surface, "metallicFactor");
     source.has_occlusion = carries_occlusion(material, number, rough, made);

@@ -20,17 +20,17 @@ struct LobeSource {
   std::size_t normal_image = 0;
   std::optional<std::size_t> surface_image;  // metallic-roughness; none: roughness_factor everywhere
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // of both, beyond their borders
-  double normal_scale = 1.0;      // of x and y
-  double roughness_factor = 1.0;  // times what the image has
-  bool has_occlusion = false;     // red of surface_image is a material's occlusion
+  double normal_scale = 1.0;                                            // of x and y
+  double roughness_factor = 1.0;                                        // times what the image has
+  bool has_occlusion = false;  // red of surface_image is a material's occlusion
   bool is_anisotropic = false;
 
   auto operator<=>(const LobeSource&) const = default;
 };
 
 struct MaterialPlan {
-  std::string name;  // "bricks", or "material 3"
-  std::string kept;  // why it stays as it is; empty: it is fitted
+  std::string name;        // "bricks", or "material 3"
+  std::string kept;        // why it stays as it is; empty: it is fitted
   std::size_t source = 0;  // in GltfPlan::sources
   std::vector<std::string> notes;
 };

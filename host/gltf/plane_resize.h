@@ -10,7 +10,7 @@
 namespace multum {
 
 struct ResizeSettings {
-  int width = 1, height = 1;  // after; at least those before
+  int width = 1, height = 1;                                            // after; at least those before
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // beyond the borders
   SpillPolicy spill;
   int threads = 1;

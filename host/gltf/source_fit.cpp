@@ -213,9 +213,10 @@ PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, 
   made.width = rounded_up(largest.first, settings.side_multiple);
   made.height = rounded_up(largest.second, settings.side_multiple);
   if (std::make_pair(made.width, made.height) != largest)
-    made.notes.push_back(fmt::format("{} x {} was enlarged to {} x {}: KHR_texture_basisu has sides that are "
-                                     "multiples of {}",
-                                     largest.first, largest.second, made.width, made.height, settings.side_multiple));
+    made.notes.push_back(
+        fmt::format("{} x {} was enlarged to {} x {}: KHR_texture_basisu has sides that are "
+                    "multiples of {}",
+                    largest.first, largest.second, made.width, made.height, settings.side_multiple));
   return made;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits the textures of one LobeSource: reads its images, brings them to one size, and fits a lobe to each texel of every
-// level (host/export/one_lobe_fit.h).
+// Fits the textures of one LobeSource: reads its images, brings them to one size, and fits a lobe to each texel of
+// every level (host/export/one_lobe_fit.h).
 #pragma once
 
 #include <cstdint>

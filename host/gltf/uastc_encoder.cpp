@@ -61,10 +61,10 @@ void run_script(const UastcSettings& settings, const nlohmann::json& plan, Progr
   if (result.exit_code == kNoPackage)
     refuse_encoder(settings.encoder.empty() ? "ktx2-encoder was not found" : settings.encoder + ": no ktx2-encoder");
   if (result.exit_code != 0)
-    refuse_encoder(fmt::format("the encoder ended with {}: {}",
-                               result.signal != 0 ? fmt::format("signal {}", result.signal)
-                                                  : fmt::format("exit code {}", result.exit_code),
-                               result.output.substr(result.output.size() > 400 ? result.output.size() - 400 : 0)));
+    refuse_encoder(fmt::format(
+        "the encoder ended with {}: {}",
+        result.signal != 0 ? fmt::format("signal {}", result.signal) : fmt::format("exit code {}", result.exit_code),
+        result.output.substr(result.output.size() > 400 ? result.output.size() - 400 : 0)));
 }
 
 nlohmann::json plan_of(const UastcSettings& settings) {
@@ -85,8 +85,8 @@ std::vector<std::vector<std::uint8_t>> encode_uastc(const LevelFile& levels, con
   plan["input"] = std::filesystem::absolute(levels.path()).string();
   plan["output"] = std::filesystem::absolute(blocks_file).string();
   for (int level = 0; level < levels.level_count(); ++level)
-    plan["levels"].push_back({{"width", mip_level_size(levels.width(), level)},
-                              {"height", mip_level_size(levels.height(), level)}});
+    plan["levels"].push_back(
+        {{"width", mip_level_size(levels.width(), level)}, {"height", mip_level_size(levels.height(), level)}});
   run_script(settings, plan, progress);
   std::ifstream file(blocks_file, std::ios::binary);
   std::vector<std::vector<std::uint8_t>> made;

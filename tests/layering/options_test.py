@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """docs/OPTIONS.md has every option that `multum bake --help`, `multum export --help`, `multum gltf --help`,
-`multum pack --help`, `multum-view --help` and the help of its subcommands print, with its default, and no other. A program that was not built
-is passed over.
+`multum pack --help`, `multum-view --help` and the help of its subcommands print, with its default, and no other. A
+program that was not built is passed over.
 
   tests/layering/options_test.py --programs FOLDER
 """

@@ -16,7 +16,7 @@ const plan = JSON.parse(planText);
 const THREE_FOLDER = fileURLToPath(new URL("../../service/web/node_modules/three/", import.meta.url));
 const ORIGIN = "http://multum.test/"; // nothing is asked of a network: every request is answered here
 
-const PAGE = `<!doctype html><meta charset="utf-8"><style>body{margin:8px;font:14px sans-serif;background:#222;color:#eee}
+const PAGE = `<!doctype html><meta charset="utf-8"><style>body{margin:8px;background:#222}
 canvas{image-rendering:pixelated;width:256px;height:256px;margin:4px}</style><div id="all"></div>
 <script type="importmap">{"imports":{"three":"./three/build/three.module.js","three/addons/":"./three/examples/jsm/"}}
 </script><script type="module">
@@ -129,7 +129,8 @@ try {
     const model = /^model(\d+)\/((?!.*\.\.).*)$/.exec(name);
     const types = { ".js": "text/javascript", ".wasm": "application/wasm" };
     if (name === "") await route.fulfill({ body: PAGE, contentType: "text/html" });
-    else if (model) await route.fulfill({ body: await readFile(path.join(path.dirname(plan.models[model[1]]), model[2])) });
+    else if (model)
+      await route.fulfill({ body: await readFile(path.join(path.dirname(plan.models[model[1]]), model[2])) });
     else if (name.startsWith("three/") && !name.includes(".."))
       await route.fulfill({ body: await readFile(path.join(THREE_FOLDER, name.slice(6))),
         contentType: types[path.extname(name)] ?? "application/octet-stream" });

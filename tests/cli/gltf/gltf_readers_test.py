@@ -5,8 +5,8 @@ Chromium, far and near, beside the model before.
 
   gltf_readers_test.py MULTUM [unittest's arguments]
 
-Pictures go to MULTUM_SCREENSHOTS, where it names a folder. With MULTUM_SHARED_DATA real models are converted too, one of
-them a sample model of Khronos.
+Pictures go to MULTUM_SCREENSHOTS, where it names a folder. With MULTUM_SHARED_DATA real models are converted too, one
+of them a sample model of Khronos.
 """
 import json
 import math
@@ -53,7 +53,7 @@ def ridges(width, height):
 
 def metal_plate():
     model = Model()
-    model.square()
+    model.square(repeats=4.0)
     sampler = model.sampler(magFilter=LINEAR, minFilter=MIPMAPPED, wrapS=REPEAT, wrapT=REPEAT)
     normal = model.texture(model.image(ridges(256, 256)), sampler=sampler)
     surface = model.texture(model.image(png(64, 64, lambda x, y: (255, 90 + 40 * (x // 32), 255))), sampler=sampler)
@@ -129,7 +129,7 @@ class ReadersTest(unittest.TestCase):
             self.assertEqual((texture["primaries"], texture["transfer"]), (0, 1))  # none; linear
             self.assertEqual(texture["orientation"], "rd")
             self.assertEqual(texture["levels"], [16 * max(1, 64 >> level)**2 for level in range(9)])
-        near, far = self.draw("plate.png", {"models": [self.path(name) for name in names[:3]], "distances": [0.5, 5.5],
+        near, far = self.draw("plate.png", {"models": [self.path(name) for name in names[:3]], "distances": [0.15, 5.5],
                                             "angle": 20, "light": [1, 0.6, 1.5], "intensity": 3})
         print("error near", [round(one["error"], 3) for one in near], "far", [round(one["error"], 3) for one in far])
         # Near, level 0 is drawn; far, where a pixel covers many bumps, only fitted levels have their highlights.
