@@ -246,7 +246,7 @@ FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSo
   made.surface = level_file("surface");
   if (source.is_anisotropic) made.anisotropy = level_file("anisotropy");
   LevelSink sink(made, source.has_occlusion);
-  log_verbose(fit_one_lobe(device, inputs, lobe, sink, progress).plan);
+  fit_one_lobe(device, inputs, lobe, sink, progress);
   if (!source.surface_image && sink.is_one()) made.surface = nullptr;
   return made;
 }

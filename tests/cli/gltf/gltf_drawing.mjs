@@ -5,7 +5,8 @@
 //   node gltf_drawing.mjs CHROMIUM SCREENSHOT PLAN
 //
 // PLAN: JSON, {"models": [FILE...], "distances": [near, far], "light": [x, y, z]}; the first model is the one before.
-// Prints JSON: for each distance and model {"error": mean |picture - reference| / mean reference, "mean": ...}.
+// Prints JSON: for each distance and model {"error": mean |picture - reference| over mean reference, "energy": mean
+// picture over mean reference}.
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
@@ -63,14 +64,16 @@ function show(pixels, title) {
   figure.append(canvas);
   document.querySelector("#all").append(figure);
 }
-function sum(a, b) {
-  let difference = 0, all = 0;
-  for (let i = 0; i < a.length; ++i) {
+// Colours alone.
+function compared(picture, reference) {
+  let difference = 0, all = 0, wanted = 0;
+  for (let i = 0; i < picture.length; ++i) {
     if (i % 4 === 3) continue;
-    difference += Math.abs(a[i] - b[i]);
-    all += b[i];
+    difference += Math.abs(picture[i] - reference[i]);
+    all += picture[i];
+    wanted += reference[i];
   }
-  return { error: difference / all, mean: all / (0.75 * a.length) };
+  return { error: difference / wanted, energy: all / wanted };
 }
 async function run() {
   const models = [];
@@ -100,7 +103,7 @@ async function run() {
       }
       const picture = draw(scene, camera, SIDE);
       show(picture, plan.models[number]);
-      row.push(sum(picture, reference));
+      row.push(compared(picture, reference));
       model.scale.setScalar(1);
       model.position.setScalar(0);
     }

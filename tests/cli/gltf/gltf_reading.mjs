@@ -5,6 +5,7 @@
 //   node gltf_reading.mjs FILE...
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { dirname, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
 const require = createRequire(new URL("../../service/web/package.json", import.meta.url));
@@ -13,6 +14,7 @@ const { read } = await import(pathToFileURL(require.resolve("ktx-parse")).href);
 
 function texturesOf(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  if (Buffer.from(bytes.subarray(0, 4)).toString() !== "glTF") return [];
   const length = view.getUint32(12, true);
   const json = JSON.parse(Buffer.from(bytes.subarray(20, 20 + length)).toString());
   const binary = bytes.subarray(28 + length);
@@ -32,7 +34,9 @@ function texturesOf(bytes) {
 const found = [];
 for (const path of process.argv.slice(2)) {
   const bytes = new Uint8Array(readFileSync(path));
-  const report = await validator.validateBytes(bytes, { uri: path });
+  const fileOf = (uri) => join(dirname(path), decodeURIComponent(uri));
+  const report = await validator.validateBytes(bytes, { uri: path,
+    externalResourceFunction: async (uri) => new Uint8Array(readFileSync(fileOf(uri))) });
   found.push({ errors: report.issues.numErrors, warnings: report.issues.numWarnings,
     messages: report.issues.messages.filter((one) => one.severity < 2).map((one) => `${one.code} ${one.pointer}`),
     textures: texturesOf(bytes) });

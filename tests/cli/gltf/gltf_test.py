@@ -318,6 +318,25 @@ class GltfTest(unittest.TestCase):
         self.assertEqual(after.json["buffers"][1]["extras"], {"mine": 1})
         self.assertEqual(after.view(len(before["bufferViews"]) - 1), bytes((4, 5, 6, 7)))
 
+    def test_buffers_that_extensions_fill(self):
+        model = plain_model()
+        packed_bytes = model.view(bytes(range(1, 50)))
+        place = model.json["bufferViews"].pop(packed_bytes)
+        fallback = {"byteLength": 96, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}
+        model.json["buffers"] = [None, fallback]
+        model.json["bufferViews"].append({"buffer": 1, "byteLength": 96, "byteStride": 12, "extensions": {
+            "EXT_meshopt_compression": {**place, "byteStride": 12, "mode": "ATTRIBUTES", "count": 8}}})
+        model.json["extensionsUsed"] = model.json["extensionsRequired"] = ["EXT_meshopt_compression"]
+        before = copy.deepcopy(model.json)
+        after, _ = self.convert(model)
+        self.assertEqual(after.json["buffers"][1], before["buffers"][1])
+        view = after.json["bufferViews"][packed_bytes]
+        self.assertEqual((view["buffer"], view["byteLength"]), (1, 96))
+        extension = view["extensions"]["EXT_meshopt_compression"]
+        self.assertEqual(extension["buffer"], 0)
+        self.assertNotEqual(extension["byteOffset"], place["byteOffset"])
+        self.assertEqual(after.bytes[extension["byteOffset"]:][:49], bytes(range(1, 50)))
+
     def test_roughness_of_another_size_is_brought_to_it(self):
         for wrap, expected in ((CLAMP, 40), (REPEAT, 80)):
             model = plain_model(normal=png(8, 8, lambda x, y: (128, 128, 255)),
