@@ -32,7 +32,7 @@ constexpr char kModel[] =
 
 std::string model_bytes() {
   const std::string png("\x89PNG\r\n\x1a\n", 8);
-  return png + std::string(16, 'a') + png + std::string(32, 'b') + "\1\0\0\0\2\0";
+  return png + std::string(16, 'a') + png + std::string(32, 'b') + std::string("\1\0\0\0\2\0", 6);
 }
 
 std::string model_glb() {
