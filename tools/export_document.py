@@ -142,7 +142,8 @@ def stored(report):
 
 def storage(multum, path, roughness, cells, folder):
     """Of all ways to store a material but PNG; bytes at one roughness alone, which hardly changes them."""
-    ways = {"exr": ["--format", "exr"], **{texels: ["--format", "ktx2", "--texels", texels] for texels in ("rg8", "bc")}}
+    ways = {texels: ["--format", "ktx2", "--texels", texels] for texels in ("rg8", "bc")}
+    ways["exr"] = ["--format", "exr"]
     if roughness == STORED_ROUGHNESS:
         for texels in ("rgba8", "rgba16f"):
             ways[texels] = ["--format", "ktx2", "--texels", texels, "--no-measure"]
@@ -288,8 +289,9 @@ def document(rows, machine, folder):
         cells=rows[0]["cells_per_level"],
         cell_count=sum(len(row["cells"]) for row in rows if row["roughness"] == ROUGHNESSES[0]),
         lights=rows[0]["lights"], noise=100 * noise)
-    return (text + table(rows) + "\n## What is asked of it\n\n" + demands(rows)
-            + "\n" + storage_table(rows) + f"\nMeasuring took {sum(row['processor_seconds'] for row in rows) / 60:.1f} minutes of processor time.\n")
+    minutes = sum(row["processor_seconds"] for row in rows) / 60
+    return (text + table(rows) + "\n## What is asked of it\n\n" + demands(rows) + "\n" + storage_table(rows)
+            + f"\nMeasuring took {minutes:.1f} minutes of processor time.\n")
 
 
 def main():
