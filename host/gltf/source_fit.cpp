@@ -142,7 +142,7 @@ class LevelSink : public MaterialSink {
   LevelSink(FittedSource& files, bool carries_occlusion) : files_(files), carries_occlusion_(carries_occlusion) {}
 
   void add_level(int level, int first_row, MaterialRows rows) override {
-    round_material(rows, MaterialEncoding::kUnorm8);
+    round_material(rows, MaterialTexels::kRgba8);
     const auto component = [](float v) { return 0.5f + 0.5f * v; };
     write(*files_.normal, level, first_row, rows, [&](std::size_t i) {
       const glm::vec3& n = rows.normals[i];

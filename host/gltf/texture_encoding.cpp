@@ -3,18 +3,20 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "host/asset/baked_file.h"
 #include "host/base/size_of.h"
-#include "host/gltf/ktx2_levels.h"
+#include "host/export/texture_file.h"
 #include "host/image/files/png_writer.h"
 
 namespace multum {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
+constexpr int kZstdLevel = 12;  // Basis Universal's own is 6; those above 12 take several times as long for a percent
 
 EncodedTexture encode_png(const LevelFile& levels) {
   const std::string path = levels.path() + ".png";
@@ -36,20 +38,23 @@ EncodedTexture encode_png(const LevelFile& levels) {
 EncodedTexture encode_texture(const LevelFile& levels, GltfTextureFormat format, const UastcSettings& uastc,
                               Progress* progress) {
   if (format == GltfTextureFormat::kPng) return encode_png(levels);
-  EncodedTexture made{levels.path() + ".ktx2", "image/ktx2", 0};
-  Ktx2LevelsSettings settings{Ktx2Texels::kRgba8, levels.width(), levels.height(), levels.level_count(), false};
-  if (format == GltfTextureFormat::kRgba8) {
-    made.byte_count = write_ktx2_levels(made.file, settings, [&](int level) {
-      return levels.read_rows(level, 0, mip_level_size(levels.height(), level));
-    });
-    return made;
+  const std::string path = levels.path() + ".ktx2";
+  const bool is_uastc = format == GltfTextureFormat::kUastc;
+  const LeveledTexture texture{is_uastc ? TexelFormat::kUastc : TexelFormat::kRgba8, levels.width(), levels.height(),
+                               levels.level_count()};
+  std::vector<std::vector<std::uint8_t>> blocks;
+  if (is_uastc) blocks = encode_uastc(levels, uastc, progress);
+  Ktx2Choice choice;
+  if (is_uastc) choice.zstd_level = kZstdLevel;
+  const std::unique_ptr<TextureFile> file = make_ktx2_file(path, texture, choice);
+  for (int level = 0; level < levels.level_count(); ++level) {
+    const int rows = block_rows(texture, level);
+    if (!is_uastc) blocks.push_back(levels.read_rows(level, 0, rows));
+    file->write_rows(level, rows, blocks[size_of(level)].data());
+    blocks[size_of(level)] = {};
   }
-  settings.texels = Ktx2Texels::kUastc;
-  settings.is_supercompressed = true;
-  std::vector<std::vector<std::uint8_t>> blocks = encode_uastc(levels, uastc, progress);
-  made.byte_count =
-      write_ktx2_levels(made.file, settings, [&](int level) { return std::move(blocks[size_of(level)]); });
-  return made;
+  file->finish();
+  return {path, "image/ktx2", std::filesystem::file_size(path)};
 }
 
 }  // namespace multum

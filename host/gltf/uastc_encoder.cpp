@@ -12,20 +12,13 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/processes/child_process.h"
-#include "host/base/size_of.h"
+#include "host/export/texel_format.h"
 #include "host/gltf/gltf_scripts.h"
 
 namespace multum {
 namespace {
 
-constexpr int kBlockSide = 4;
-constexpr std::size_t kBlockBytes = 16;
 constexpr int kNoPackage = 3;  // exit code of the script
-
-std::size_t block_bytes_of(const LevelFile& levels, int level) {
-  const auto blocks = [&](int side) { return size_of((mip_level_size(side, level) + kBlockSide - 1) / kBlockSide); };
-  return kBlockBytes * blocks(levels.width()) * blocks(levels.height());
-}
 
 [[noreturn]] void refuse_encoder(const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
@@ -89,9 +82,10 @@ std::vector<std::vector<std::uint8_t>> encode_uastc(const LevelFile& levels, con
         {{"width", mip_level_size(levels.width(), level)}, {"height", mip_level_size(levels.height(), level)}});
   run_script(settings, plan, progress);
   std::ifstream file(blocks_file, std::ios::binary);
+  const LeveledTexture texture{TexelFormat::kUastc, levels.width(), levels.height(), levels.level_count()};
   std::vector<std::vector<std::uint8_t>> made;
   for (int level = 0; level < levels.level_count(); ++level) {
-    std::vector<std::uint8_t> blocks(block_bytes_of(levels, level));
+    std::vector<std::uint8_t> blocks(level_bytes(texture, level));
     file.read(reinterpret_cast<char*>(blocks.data()), static_cast<std::streamsize>(blocks.size()));
     if (!file) refuse_encoder("the encoder's blocks are cut");
     made.push_back(std::move(blocks));
