@@ -32,17 +32,53 @@ std::vector<std::string> export_inputs(const ExportJob& job) {
   return inputs;
 }
 
-MaterialFolderSettings folder_of(const ExportJob& job) { return {job.output, job.format, job.lobe.is_anisotropic}; }
+// What `output` names: a folder, or files whose names begin alike.
+struct OutputName {
+  std::string folder, name_prefix;
+  std::optional<MaterialFormat> format;
+};
+
+OutputName output_name(const std::string& output) {
+  const std::filesystem::path path(output);
+  const std::string extension = path.extension().string();
+  std::error_code error;
+  for (const char* other : {".png", ".exr", ".glb", ".gltf"})
+    if (extension == other)
+      throw Error(ErrorCode::kUsage,
+                  output +
+                      ": is a name of one file, expected a folder, NAME.ktx2 or NAME.dds: a material is several "
+                      "textures; --format says of which kind");
+  if ((extension != ".ktx2" && extension != ".dds") || std::filesystem::is_directory(path, error))
+    return {output, "", std::nullopt};
+  const std::string folder = path.parent_path().string();
+  return {folder.empty() ? "." : folder, path.stem().string() + "_",
+          extension == ".dds" ? MaterialFormat::kDds : MaterialFormat::kKtx2};
+}
+
+MaterialFolderSettings output_of(const ExportJob& job) {
+  const OutputName name = output_name(job.output);
+  if (name.format && job.format && *name.format != *job.format)
+    throw Error(ErrorCode::kUsage, job.output + ": --format names another kind of file than the output's name does");
+  MaterialFolderSettings settings;
+  settings.folder = name.folder;
+  settings.name_prefix = name.name_prefix;
+  settings.format = name.format.value_or(job.format.value_or(MaterialFormat::kPng));
+  settings.texels =
+      job.texels.value_or(settings.format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8);
+  if (!can_store(settings.format, settings.texels))
+    throw Error(ErrorCode::kUsage,
+                "--texels: PNG files are of 8 bits a channel and EXR files of half floats; expected a KTX2 or DDS "
+                "file for any other (--format ktx2, --format dds)");
+  if (job.zstd_level > 0 && settings.format != MaterialFormat::kKtx2)
+    throw Error(ErrorCode::kUsage, "--zstd: only KTX2 files can be compressed so (--format ktx2)");
+  settings.zstd_level = job.zstd_level;
+  settings.has_anisotropy = job.lobe.is_anisotropic;
+  settings.has_roughness_alone = job.has_roughness_alone;
+  return settings;
+}
 
 void check_export_job(const ExportJob& job) {
   validate(job.lobe);
-  for (const char* extension : {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"})
-    if (job.output.ends_with(extension))
-      throw Error(
-          ErrorCode::kUsage,
-          fmt::format("{}: is a name of a file, expected a folder: a material is several textures; --format says "
-                      "of which kind",
-                      job.output));
   check_paths_differ(export_inputs(job), {job.report});
   if (!job.report.empty()) check_writable(job.report);
   std::error_code error;
@@ -68,10 +104,10 @@ struct ExportSource {
   }
 };
 
-ExportSource read_export_source(const ExportJob& job, Progress* progress) {
+ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress) {
   InputHashes hashes;
   for (const std::string& file : export_inputs(job)) hashes.note(file);
-  const SpillPolicy spill = {job.scratch_folder.empty() ? job.output : job.scratch_folder,
+  const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
                              static_cast<std::int64_t>(job.memory_bytes / 4)};
   ExportSource source{read_normal_map_rows(job.input, job.reading, spill, job.threads, progress), std::nullopt};
   if (export_inputs(job).size() > 1)
@@ -89,21 +125,14 @@ ExportSource read_export_source(const ExportJob& job, Progress* progress) {
   return source;
 }
 
-// Rounds rows, shows them to the measurement and writes them.
-class RoundingMaterialSink : public MaterialSink {
+// Shows stored rows to the measurement.
+class MeterSink : public MaterialSink {
  public:
-  RoundingMaterialSink(MaterialEncoding encoding, ExportMeter* meter, MaterialWriter& writer)
-      : encoding_(encoding), meter_(meter), writer_(writer) {}
-  void add_level(int level, int first_row, MaterialRows rows) override {
-    round_material(rows, encoding_);
-    if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
-    writer_.add_level(level, first_row, std::move(rows));
-  }
+  explicit MeterSink(ExportMeter& meter) : meter_(meter) {}
+  void add_level(int level, int first_row, MaterialRows rows) override { meter_.add_rows(level, first_row, rows); }
 
  private:
-  const MaterialEncoding encoding_;
-  ExportMeter* const meter_;
-  MaterialWriter& writer_;
+  ExportMeter& meter_;
 };
 
 }  // namespace
@@ -115,6 +144,7 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"format", input.format},
                                  {"encoding", input.encoding},
                                  {"warnings", input.warnings},
+                                 {"side_warnings", side_warnings},
                                  {"base_roughness", nullptr},
                                  {"anisotropy", job.lobe.is_anisotropic},
                                  {"fast", job.lobe.is_fast},
@@ -130,28 +160,34 @@ std::string ExportReport::to_json(const ExportJob& job) const {
 
 ExportReport export_file(const ExportJob& job, Device& device, Progress* progress) {
   check_export_job(job);
-  make_folder(job.output);
+  const MaterialFolderSettings output = output_of(job);
+  make_folder(output.folder);
   Stopwatch stopwatch;
   ExportReport report;
   progress_stage(progress, "read");
-  const ExportSource source = read_export_source(job, progress);
+  const ExportSource source = read_export_source(job, output.folder, progress);
   report.input = source.map.report;
   if (source.material) report.roughness = source.material->roughness;
   report.width = source.map.normals.width();
   report.height = source.map.normals.height();
   report.level_count = mip_level_count(report.width, report.height);
-  report.files = material_files(folder_of(job), report.width, report.height);
+  report.textures = texture_list(output);
+  report.files = material_files(output, report.width, report.height);
+  report.side_warnings = side_warnings(output, report.width, report.height);
+  for (const std::string& warning : report.side_warnings) log_warning(warning);
   check_paths_differ(export_inputs(job), report.files);
   report.seconds.emplace_back("read", stopwatch.lap());
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
   report.device = device.info().name;
-  const std::unique_ptr<MaterialWriter> writer = make_material_folder(folder_of(job), report.width, report.height);
   std::optional<ExportMeter> meter;
   if (job.measure) meter.emplace(report.width, report.height, job.accuracy);
-  RoundingMaterialSink sink(encoding_of(job.format), meter ? &*meter : nullptr, *writer);
+  std::optional<MeterSink> stored;
+  if (meter) stored.emplace(*meter);
+  const std::unique_ptr<MaterialWriter> writer =
+      make_material_folder(output, report.width, report.height, device, stored ? &*stored : nullptr);
   const OneLobeInputs inputs = source.inputs(job);
-  report.plan = fit_one_lobe(device, inputs, job.lobe, sink, progress).plan;
+  report.plan = fit_one_lobe(device, inputs, job.lobe, *writer, progress).plan;
   report.seconds.emplace_back("fit", stopwatch.lap());
   if (meter) {
     report.accuracy = meter->run(inputs, job.lobe, progress);

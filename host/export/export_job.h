@@ -26,11 +26,14 @@ struct ExportJob {
   std::string input;
   std::string roughness, occlusion, metalness;  // FILE or FILE:CHANNEL; empty: none
   bool roughness_is_gloss = false;
-  std::string output;  // a folder
+  std::string output;  // a folder; or NAME.ktx2, NAME.dds for files NAME_normal.ktx2 and so on
   std::string report;  // JSON; empty: none
   NormalMapSettings reading;
   OneLobeSettings lobe;
-  MaterialFormat format = MaterialFormat::kPng;
+  std::optional<MaterialFormat> format;  // unset: by the output's name, else PNG
+  std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8
+  int zstd_level = 0;                    // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
+  bool has_roughness_alone = false;      // instead of occlusion, roughness and metalness in one texture
   bool measure = true;
   ExportAccuracySettings accuracy;
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the maps; changes no byte
@@ -43,7 +46,9 @@ struct ExportReport {
   NormalMapReport input;
   std::optional<RoughnessReport> roughness;
   std::string device, plan;
+  std::string textures;  // "normal, orm"
   std::vector<std::string> files;
+  std::vector<std::string> side_warnings;  // of readers that sides do not suit
   ExportAccuracy accuracy;
   std::map<std::string, std::uint64_t> launches;        // by kernel
   std::vector<std::pair<std::string, double>> seconds;  // by stage

@@ -1,50 +1,66 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes an exported material: an image a level and texture, FOLDER/normal_00.png, orm_00.png and, where there is
-// anisotropy, anisotropy_00.png; or a KTX2 file a texture with all its levels, FOLDER/normal.ktx2. orm is as glTF has
-// it: occlusion in red, roughness in green, metalness in blue, 1 where there is no such map. anisotropy is as
+// anisotropy, anisotropy_00.png; or a KTX2 or DDS file a texture with all its levels, FOLDER/normal.ktx2. orm is as
+// glTF has it: occlusion in red, roughness in green, metalness in blue, 1 where there is no such map. anisotropy is as
 // KHR_materials_anisotropy has it: the direction in red and green, the strength in blue. Alpha, where files have it, is
 // 1.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "host/export/material_rows.h"
+#include "host/opencl/device.h"
 
 namespace multum {
 
-enum class MaterialEncoding {
-  kUnorm8,  // normals and directions as 0.5 + 0.5 n
-  kHalf,    // as they are
+enum class MaterialFormat { kPng, kExr, kKtx2, kDds };
+
+/// How texels are stored.
+enum class MaterialTexels {
+  kRgba8,    // normals and directions as 0.5 + 0.5 n
+  kRgba16f,  // as they are
+  kRg8,      // as kRgba8, but of normals only x and y: a shader has to rebuild z
+  kBlocks,   // compressed: of normals x and y as BC5, roughness alone as BC4, all else as BC7
 };
 
-/// Rounds rows to what is stored. Rounded rows stay as they are when they are rounded again.
-void round_material(MaterialRows& rows, MaterialEncoding encoding);
+/// Rounds rows to what is stored, and rebuilds what is not. Rounded rows stay as they are when they are rounded again.
+/// Blocks are no matter of rounding.
+void round_material(MaterialRows& rows, MaterialTexels texels);
 
-/// Where an exported material goes, rounded rows as they come.
+/// Where an exported material goes, rows as they come, rounded or not.
 class MaterialWriter : public MaterialSink {
  public:
   /// Gives all files their names, after all rows of all levels.
   virtual void commit() = 0;
 };
 
-enum class MaterialFormat { kPng, kExr, kKtx2, kKtx2Half };
-
 struct MaterialFolderSettings {
   std::string folder;  // which exists
   MaterialFormat format = MaterialFormat::kPng;
   bool has_anisotropy = false;
+  MaterialTexels texels = MaterialTexels::kRgba8;  // of EXR always kRgba16f, of PNG always kRgba8
+  std::string name_prefix;                         // of files' names: "rock_" for rock_normal.ktx2
+  int zstd_level = 0;                              // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
+  bool has_roughness_alone = false;                // a texture roughness of one channel instead of orm
 };
 
-/// PNG is of 8 bits, EXR of half floats; KTX2 of either.
-MaterialEncoding encoding_of(MaterialFormat format);
+/// What an image format can store; KTX2 and DDS all.
+bool can_store(MaterialFormat format, MaterialTexels texels);
+
+/// "normal, orm", in the order of files.
+std::string texture_list(const MaterialFolderSettings& settings);
 
 /// Files of a map of this size, in the order of textures and levels.
 std::vector<std::string> material_files(const MaterialFolderSettings& settings, int width, int height);
 
-/// Makes the files. Everything throws Error(kEnvironment) when the disk refuses; without commit() none is left.
-std::unique_ptr<MaterialWriter> make_material_folder(const MaterialFolderSettings& settings, int width, int height);
+/// What readers do with files of these sides that they should not: texts for people.
+std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, int width, int height);
+
+/// Makes the files. `device` encodes blocks; it has to outlive them. `stored`: gets the rows as a reader finds them;
+/// null: nobody. Everything throws Error(kEnvironment) when disk or device refuse; without commit() no file is left.
+std::unique_ptr<MaterialWriter> make_material_folder(const MaterialFolderSettings& settings, int width, int height,
+                                                     Device& device, MaterialSink* stored);
 
 }  // namespace multum

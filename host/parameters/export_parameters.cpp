@@ -32,36 +32,63 @@ Rows export_rows() {
   Parameter gloss = channel_parameter("gloss", "the same by a gloss map: roughness = 1 - gloss");
   roughness.excludes = {"gloss", "base_roughness"};
   gloss.excludes = {"roughness", "base_roughness"};
-  return {{.name = "base_roughness",
-           .kind = Kind::kNumber,
-           .help = "perceptual roughness of the surface itself, the same everywhere",
-           .low = 0.0,
-           .high = 1.0,
-           .default_text = "0.5",
-           .group = kMaterialGroup,
-           .excludes = {"roughness", "gloss"},
-           .surfaces = kOnCommandLine},
-          std::move(roughness),
-          std::move(gloss),
-          channel_parameter("occlusion", "average this map of the same size along; of several channels red"),
-          channel_parameter("metalness", "average this map of the same size along; of several channels blue"),
-          {.name = "anisotropy",
-           .help = "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
-                   "tangents to the normal map's normal",
-           .group = kLobeGroup,
-           .surfaces = kOnCommandLine},
-          {.name = "fast",
-           .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
-           .group = kLobeGroup,
-           .surfaces = kOnCommandLine},
-          {.name = "format",
-           .kind = Kind::kChoice,
-           .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2, all "
-                   "levels in one file of RGBA of 8 bits; ktx2-half, of half floats",
-           .default_text = "png",
-           .choices = {"png", "exr", "ktx2", "ktx2-half"},
-           .group = kStorageGroup,
-           .surfaces = kOnCommandLine}};
+  Parameter roughness_alone = {
+      .name = "roughness_alone",
+      .help =
+          "write roughness as a texture of its own, of one channel in KTX2 and DDS, instead of orm, which has "
+          "occlusion, roughness and metalness",
+      .group = kStorageGroup,
+      .excludes = {"occlusion", "metalness"},
+      .surfaces = kOnCommandLine};
+  return {
+      {.name = "base_roughness",
+       .kind = Kind::kNumber,
+       .help = "perceptual roughness of the surface itself, the same everywhere",
+       .low = 0.0,
+       .high = 1.0,
+       .default_text = "0.5",
+       .group = kMaterialGroup,
+       .excludes = {"roughness", "gloss"},
+       .surfaces = kOnCommandLine},
+      std::move(roughness),
+      std::move(gloss),
+      channel_parameter("occlusion", "average this map of the same size along; of several channels red"),
+      channel_parameter("metalness", "average this map of the same size along; of several channels blue"),
+      {.name = "anisotropy",
+       .help = "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
+               "tangents to the normal map's normal",
+       .group = kLobeGroup,
+       .surfaces = kOnCommandLine},
+      {.name = "fast",
+       .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
+       .group = kLobeGroup,
+       .surfaces = kOnCommandLine},
+      {.name = "format",
+       .kind = Kind::kChoice,
+       .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2 and "
+               "dds (with a DX10 header), a file a texture with all levels",
+       .default_text = "by the output's name, else png",
+       .choices = {"png", "exr", "ktx2", "dds"},
+       .group = kStorageGroup,
+       .surfaces = kOnCommandLine},
+      {.name = "texels",
+       .kind = Kind::kChoice,
+       .help = "how KTX2 and DDS store texels: rgba8; rgba16f, half floats; rg8, as rgba8 but of normals x and y "
+               "alone, whose z the shader has to rebuild as sqrt(1 - x^2 - y^2); bc, block-compressed: normals as BC5, "
+               "likewise x and y alone, all else as BC7, roughness alone as BC4",
+       .default_text = "rgba16f of exr, else rgba8",
+       .choices = {"rgba8", "rgba16f", "rg8", "bc"},
+       .group = kStorageGroup,
+       .surfaces = kOnCommandLine},
+      {.name = "zstd",
+       .kind = Kind::kInteger,
+       .help = "supercompress the levels of KTX2 files by Zstandard of this level, without loss",
+       .low = 1,
+       .high = 19,
+       .default_text = "not at all",
+       .group = kStorageGroup,
+       .surfaces = kOnCommandLine},
+      std::move(roughness_alone)};
 }
 
 Rows export_run_rows() {

@@ -5,6 +5,7 @@
 
 #include "host/parameters/bake_parameters.h"
 #include "host/parameters/export_parameters.h"
+#include "host/parameters/gltf_parameters.h"
 #include "host/parameters/infer_parameters.h"
 #include "host/parameters/pack_parameters.h"
 #include "host/parameters/pyramid_parameters.h"
@@ -71,8 +72,8 @@ std::string former_names_text() {
 
 const std::vector<const ParameterTable*>& parameter_tables() {
   static const std::vector<const ParameterTable*> tables = {
-      &bake_parameters(),   &scene_parameters(), &infer_parameters(),       &pack_parameters(),
-      &export_parameters(), &mip_parameters(),   &reflectance_parameters(), &lod_parameters()};
+      &bake_parameters(), &scene_parameters(), &infer_parameters(),       &pack_parameters(), &export_parameters(),
+      &gltf_parameters(), &mip_parameters(),   &reflectance_parameters(), &lod_parameters()};
   return tables;
 }
 

@@ -85,6 +85,9 @@ std::vector<CaseTopic> shading_topics() {
         "glsl-means-in-an-environment", "glsl-harmonics-in-an-environment"}},
       {"inference: singular and empty rows, texels that nothing sees, regularisation towards 0, contrast of 1e6",
        {"singular-systems", "empty-and-uneven-rows", "unseen-texels", "regularisation-to-0", "contrast-of-1e6"}},
+      {"block compression: limits, single values, bits that are not stored",
+       {"values-at-the-limits", "one-value-in-all-texels", "one-colour-in-all-texels",
+        "indices-without-their-highest-bit"}},
       {"a driver that relaxes mathematics or lays structs out in its own way",
        {"driver-keeps-nan", "driver-lays-structs-out-alike"}},
   };

@@ -20,6 +20,7 @@ std::vector<NumericalCase> sh_cases();         // sh_project, sh_shade
 std::vector<NumericalCase> pyramid_cases();    // mip_box, reflectance_pyramid
 std::vector<NumericalCase> moment_cases();     // moments, moment_shade
 std::vector<NumericalCase> one_lobe_cases();   // one_lobe
+std::vector<NumericalCase> block_cases();      // block_encoding
 std::vector<NumericalCase> inference_cases();  // filter_matrix_spmv, pyramidal_regularization, conjugate_gradient
 std::vector<NumericalCase> transform_cases();  // image_transform
 std::vector<NumericalCase>

@@ -35,9 +35,9 @@ double edited_error(const NumericalCase& the_case, Device& device, const std::ve
 const std::vector<NumericalCase>& numerical_cases() {
   static const std::vector<NumericalCase> cases = [] {
     std::vector<NumericalCase> all;
-    for (auto* part :
-         {numerics_cases, em_cases, choose_cases, refine_cases, planar_cases, level_cases, sum_cases, shading_cases,
-          sh_cases, pyramid_cases, moment_cases, one_lobe_cases, inference_cases, transform_cases, storage_cases})
+    for (auto* part : {numerics_cases, em_cases, choose_cases, refine_cases, planar_cases, level_cases, sum_cases,
+                       shading_cases, sh_cases, pyramid_cases, moment_cases, one_lobe_cases, block_cases,
+                       inference_cases, transform_cases, storage_cases})
       for (NumericalCase& c : part()) all.push_back(std::move(c));
     return all;
   }();

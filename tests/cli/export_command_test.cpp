@@ -4,9 +4,11 @@
 #include <OpenImageIO/imageio.h>
 
 #include <signal.h>
+#include <zstd.h>
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,6 +16,8 @@
 
 #include "host/base/base64.h"
 #include "host/base/half_bits.h"
+#include "host/export/block_decoding.h"
+#include "host/export/texel_format.h"
 #include "tests/cli/program.h"
 #include "tests/unit/image/image_test_files.h"
 
@@ -129,62 +133,275 @@ TEST_F(ExportCommandTest, CarriesMapsOfTheMaterial) {
   EXPECT_EQ(level("orm_00.exr").at(0, 0, 0), 1.0f);
 }
 
-// A KTX2 file has the bytes of the images, with alpha, and says what they are to a reader that is not ours.
+// Levels of a file with a head that is not packed: of KTX2 by its index, of DDS one behind the other.
+std::string level_of(const std::string& bytes, TexelFormat format, int width, int height, int level) {
+  const auto number_at = [&](std::size_t at, std::size_t count) {
+    std::uint64_t value = 0;
+    for (std::size_t i = count; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes.at(at + i));
+    return static_cast<std::size_t>(value);
+  };
+  if (bytes.rfind("DDS ", 0) != 0) {
+    const std::size_t entry = 80 + 24 * static_cast<std::size_t>(level);
+    return bytes.substr(number_at(entry, 8), number_at(entry + 8, 8));
+  }
+  const LeveledTexture texture{format, width, height, 16};
+  std::uint64_t at = 148;
+  for (int l = 0; l < level; ++l) at += level_bytes(texture, l);
+  return bytes.substr(at, level_bytes(texture, level));
+}
+
+// Texels as shaders find them, four values each.
+std::vector<float> decoded_level(const std::string& bytes, TexelFormat format, int width, int height) {
+  const TexelFormatInfo& info = info_of(format);
+  const auto* at = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  std::vector<float> texels(static_cast<std::size_t>(4 * width * height));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const int side = info.block_side, columns = (width + side - 1) / side;
+      const auto* block = at + (y / side * columns + x / side) * info.block_bytes;
+      float* texel = texels.data() + 4 * (y * width + x);
+      if (side == 4) {
+        const glm::vec4 value = decode_block(format, block)[static_cast<std::size_t>(y % 4 * 4 + x % 4)];
+        for (int c = 0; c < 4; ++c) texel[c] = value[c];
+        continue;
+      }
+      for (int c = 0; c < 4; ++c) {
+        if (c >= info.channels) texel[c] = c == 3 ? 1.0f : 0.0f;
+        else if (info.is_float)
+          texel[c] = half_to_float(static_cast<std::uint16_t>(block[2 * c] | block[2 * c + 1] << 8));
+        else texel[c] = static_cast<float>(block[c]) / 255.0f;
+      }
+    }
+  return texels;
+}
+
+// One way to store a material, and the formats of its textures.
+struct Stored {
+  std::vector<std::string> options;
+  bool has_zstd;
+  std::vector<std::pair<std::string, TexelFormat>> textures;
+};
+
+std::vector<Stored> stored_kinds() {
+  using enum TexelFormat;
+  return {{{"--anisotropy"}, false, {{"normal", kRgba8}, {"orm", kRgba8}, {"anisotropy", kRgba8}}},
+          {{"--texels", "rgba16f", "--zstd", "3"}, true, {{"normal", kRgba16f}, {"orm", kRgba16f}}},
+          {{"--texels", "rg8", "--roughness-alone"}, false, {{"normal", kRg8}, {"roughness", kR8}}},
+          {{"--texels", "rg8", "--zstd", "19"}, true, {{"normal", kRg8}, {"orm", kRgba8}}},
+          {{"--texels", "bc", "--anisotropy"}, false, {{"normal", kBc5}, {"orm", kBc7}, {"anisotropy", kBc7}}},
+          {{"--texels", "bc", "--roughness-alone", "--zstd", "10"}, true, {{"normal", kBc5}, {"roughness", kBc4}}}};
+}
+
+// A KTX2 file says what it holds to a reader that is not ours, and holds what the images do.
 TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/ktx2_reading.mjs";
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
   if (run_program({"node", script}).exit_code != 0) GTEST_SKIP() << "no ktx-parse: tools/install_dependencies test";
   write("map.png", normal_image(35, 22));
-  const std::vector<std::string> textures = {"normal", "orm", "anisotropy"};
-  for (const bool is_half : {false, true}) {
-    ASSERT_EQ(run({"--anisotropy", "--no-measure", "--format", is_half ? "exr" : "png"}).exit_code, 0);
-    ASSERT_EQ(run({"--anisotropy", "--no-measure", "--format", is_half ? "ktx2-half" : "ktx2"}).exit_code, 0);
+  for (const Stored& kind : stored_kinds()) {
+    const bool is_half = kind.textures[0].second == TexelFormat::kRgba16f;
+    std::vector<std::string> options = kind.options;
+    options.insert(options.end(), {"--no-measure", "--format", "ktx2"});
+    const ProgramResult exported = run(options);
+    ASSERT_EQ(exported.exit_code, 0) << exported.err;
+    expect_says(exported.err, {"35 x 22", "powers of two"});
+    EXPECT_EQ(exported.err.find("multiples of 4") != std::string::npos, kind.textures[0].second == TexelFormat::kBc5);
+    std::vector<std::string> images = {"--no-measure", "--format", is_half ? "exr" : "png"};
+    if (kind.textures.size() == 3) images.insert(images.end(), "--anisotropy");
+    ASSERT_EQ(run(images).exit_code, 0);
     std::vector<std::string> command = {"node", script};
-    for (const std::string& texture : textures) command.push_back(path("out/" + texture + ".ktx2"));
+    for (const auto& [name, format] : kind.textures) command.push_back(path("out/" + name + ".ktx2"));
     const ProgramResult result = run_program(command);
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const auto files = nlohmann::json::parse(result.out);
-    ASSERT_EQ(files.size(), textures.size());
-    for (std::size_t t = 0; t < textures.size(); ++t) {
+    ASSERT_EQ(files.size(), kind.textures.size());
+    for (std::size_t t = 0; t < kind.textures.size(); ++t) {
+      const auto& [name, format] = kind.textures[t];
+      const TexelFormatInfo& info = info_of(format);
       const auto& file = files[t];
-      EXPECT_EQ(file["vkFormat"], is_half ? 97 : 37);
+      SCOPED_TRACE(name + " as " + info.name);
+      EXPECT_EQ(file["vkFormat"], info.vk_format);
       EXPECT_EQ(file["typeSize"], is_half ? 2 : 1);
       EXPECT_EQ(file["size"], nlohmann::json::parse("[35, 22, 0]"));
       EXPECT_EQ(file["counts"], nlohmann::json::parse("[0, 1]"));
-      EXPECT_EQ(file["supercompression"], 0);
+      EXPECT_EQ(file["supercompression"], kind.has_zstd ? 2 : 0);
       EXPECT_EQ(file["keys"]["KTXorientation"], "rd");
       EXPECT_EQ(file["keys"]["KTXwriter"].get<std::string>().rfind("multum ", 0), 0u);
+      const std::string swizzle = file["keys"].value("KTXswizzle", "none");
+      EXPECT_EQ(swizzle, info.channels == 4 ? "none" : info.channels == 2 ? "rg11" : "rrr1");
       ASSERT_EQ(file["descriptors"].size(), 1u);
       const auto& descriptor = file["descriptors"][0];
-      EXPECT_EQ(descriptor["model"], 1);     // RGBSDA
+      const std::map<std::string, int> models = {{"BC4", 131}, {"BC5", 132}, {"BC7", 134}};  // KHR_DF_MODEL_BC4 ...
+      EXPECT_EQ(descriptor["model"], models.count(info.name) > 0 ? models.at(info.name) : 1);
       EXPECT_EQ(descriptor["transfer"], 1);  // linear
-      EXPECT_EQ(descriptor["planes"][0], is_half ? 8 : 4);
-      ASSERT_EQ(descriptor["samples"].size(), 4u);
-      for (int c = 0; c < 4; ++c) {
+      EXPECT_EQ(descriptor["block"],
+                info.block_side == 4 ? nlohmann::json::parse("[3, 3, 0, 0]") : nlohmann::json::parse("[0, 0, 0, 0]"));
+      EXPECT_EQ(descriptor["planes"][0], info.block_bytes);
+      const int samples = format == TexelFormat::kBc7 ? 1 : info.channels, bits = 8 * info.block_bytes / samples;
+      ASSERT_EQ(descriptor["samples"].size(), static_cast<std::size_t>(samples));
+      for (int c = 0; c < samples; ++c) {
         const auto& sample = descriptor["samples"][static_cast<std::size_t>(c)];
-        EXPECT_EQ(sample[0], (is_half ? 16 : 8) * c);
-        EXPECT_EQ(sample[1], is_half ? 15 : 7);  // less 1
+        EXPECT_EQ(sample[0], bits * c);
+        EXPECT_EQ(sample[1], bits - 1);
         EXPECT_EQ(sample[2], (c == 3 ? 15 : c) | (is_half ? 0xc0 : 0));
+        EXPECT_EQ(sample[4], is_half ? 0x3f800000u : info.block_side == 4 ? 0xffffffffu : 255u);
       }
       ASSERT_EQ(file["levels"].size(), 6u);
       for (int l = 0; l < 6; ++l) {
-        const Picture image = level(textures[t] + "_0" + std::to_string(l) + (is_half ? ".exr" : ".png"));
-        const auto bytes = decode_base64(file["levels"][static_cast<std::size_t>(l)]["bytes"]);
-        ASSERT_TRUE(bytes);
-        ASSERT_EQ(bytes->size(), static_cast<std::size_t>(image.width * image.height) * (is_half ? 8 : 4));
+        const auto& entry = file["levels"][static_cast<std::size_t>(l)];
+        const auto decoded = decode_base64(entry["bytes"]);
+        ASSERT_TRUE(decoded);
+        std::string bytes(decoded->begin(), decoded->end());
+        if (kind.has_zstd) {
+          std::string plain(entry["length"].get<std::size_t>(), '\0');
+          ASSERT_EQ(ZSTD_decompress(plain.data(), plain.size(), bytes.data(), bytes.size()), plain.size());
+          bytes = plain;
+        }
+        EXPECT_EQ(entry["length"], bytes.size());
+        if (info.block_side == 4) continue;  // their texels are those of the test below
+        const Picture image =
+            level((name == "roughness" ? "orm" : name) + "_0" + std::to_string(l) + (is_half ? ".exr" : ".png"));
+        const std::vector<float> texels = decoded_level(bytes, format, image.width, image.height);
         for (int i = 0; i < image.width * image.height; ++i)
-          for (int c = 0; c < 4; ++c) {
-            const std::size_t at = static_cast<std::size_t>(4 * i + c);
-            const auto byte = [&](std::size_t b) { return static_cast<std::uint8_t>((*bytes)[b]); };
-            const float found = is_half
-                                    ? half_to_float(static_cast<std::uint16_t>(byte(2 * at) | byte(2 * at + 1) << 8))
-                                    : static_cast<float>(byte(at)) / 255.0f;
-            const float expected = c == 3 ? 1.0f : image.values[static_cast<std::size_t>(3 * i + c)];
-            ASSERT_NEAR(found, expected, 1e-6f) << textures[t] << ", level " << l << ", texel " << i << ", " << c;
+          for (int c = 0; c < info.channels; ++c) {
+            const std::size_t from = static_cast<std::size_t>(3 * i + (name == "roughness" ? 1 : c));
+            ASSERT_NEAR(texels[static_cast<std::size_t>(4 * i + c)], c == 3 ? 1.0f : image.values[from], 1e-6f)
+                << "level " << l << ", texel " << i << ", " << c;
           }
       }
     }
   }
+}
+
+// Every level of every kind of KTX2, as three.js's KTX2Loader hands it to a shader in Chromium; blocks too, where its
+// GL has them.
+TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
+  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/ktx2_in_three.mjs", browser = chromium_path();
+  if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
+  if (browser.empty()) GTEST_SKIP() << "no chromium-headless-shell: tools/install_dependencies test";
+  for (const std::string module : {"playwright-core", "three"})
+    if (!std::filesystem::exists(MULTUM_SOURCE_DIR "/tests/service/web/node_modules/" + module))
+      GTEST_SKIP() << "no " << module << ": tools/install_dependencies test";
+  write("map.png", normal_image(36, 24));
+  std::vector<std::string> command = {"node", script, browser};
+  std::vector<std::pair<TexelFormat, std::string>> files;
+  for (const Stored& kind : stored_kinds()) {
+    const std::string folder = "out" + std::to_string(files.size());
+    std::vector<std::string> options = {"export",       path("map.png"), "-o",      path(folder + "/rock.ktx2"),
+                                        "--bumpformat", "normal",        "--green", "up",
+                                        "--no-measure"};
+    options.insert(options.end(), kind.options.begin(), kind.options.end());
+    ASSERT_EQ(multum(options).exit_code, 0);
+    // The same without Zstandard, to be compared with.
+    for (std::string& option : options)
+      if (option == path(folder + "/rock.ktx2")) option = path(folder + "/plain.ktx2");
+    if (kind.has_zstd) options.resize(options.size() - 2);
+    ASSERT_EQ(multum(options).exit_code, 0);
+    for (const auto& [name, format] : kind.textures) {
+      command.push_back(path(folder + "/rock_" + name + ".ktx2"));
+      files.emplace_back(format, read_bytes(path(folder + "/plain_" + name + ".ktx2")));
+    }
+  }
+  const ProgramResult result = run_program(command);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto found = nlohmann::json::parse(result.out);
+  const std::string extensions = found["extensions"].dump();
+  const bool has_bc4 = extensions.find("EXT_texture_compression_rgtc") != std::string::npos,
+             has_bc7 = extensions.find("EXT_texture_compression_bptc") != std::string::npos;
+  std::printf("block compression in this GL: BC4 and BC5 %s, BC7 %s\n", has_bc4 ? "yes" : "no", has_bc7 ? "yes" : "no");
+  EXPECT_TRUE(!has_bc4 || !has_bc7 || found["problems"].empty()) << found["problems"].dump();
+  ASSERT_EQ(found["files"].size(), files.size());
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    const auto& [format, bytes] = files[f];
+    SCOPED_TRACE(std::string(info_of(format).name) + ", " + command[3 + f]);
+    if (info_of(format).block_side == 4 && !(format == TexelFormat::kBc7 ? has_bc7 : has_bc4)) continue;
+    const auto& file = found["files"][f];
+    ASSERT_FALSE(file.contains("error")) << file["error"];
+    EXPECT_EQ(file["isCompressed"], info_of(format).block_side == 4);
+    EXPECT_FALSE(file["generateMipmaps"]);
+    EXPECT_FALSE(file["flipY"]);
+    EXPECT_FALSE(file["hasColours"]);
+    ASSERT_EQ(file["levels"].size(), 6u);
+    for (int l = 0; l < 6; ++l) {
+      const auto& level_found = file["levels"][static_cast<std::size_t>(l)];
+      const int width = std::max(1, 36 >> l), height = std::max(1, 24 >> l);
+      EXPECT_EQ(level_found["width"], width);
+      EXPECT_EQ(level_found["height"], height);
+      const auto texels = decode_base64(level_found["texels"]);
+      ASSERT_TRUE(texels);
+      const std::vector<float> expected = decoded_level(level_of(bytes, format, 36, 24, l), format, width, height);
+      ASSERT_EQ(texels->size(), expected.size() * sizeof(float));
+      // GLs may round what blocks of BC4 and BC5 hold between their ends to 8 bits.
+      const float tolerance = format == TexelFormat::kBc4 || format == TexelFormat::kBc5 ? 1.01f / 255.0f : 1e-6f;
+      for (std::size_t i = 0; i < expected.size(); ++i) {
+        float value;
+        std::memcpy(&value, texels->data() + i * sizeof(float), sizeof(float));
+        ASSERT_NEAR(value, expected[i], tolerance) << "level " << l << ", value " << i;
+      }
+    }
+  }
+}
+
+// DDS: blocks as OpenImageIO decodes them; it does not take other formats with a DX10 header, whose levels have the
+// bytes of KTX2's.
+TEST_F(ExportCommandTest, OpenImageIoReadsDds) {
+  write("map.png", normal_image(36, 24));
+  for (const Stored& kind : stored_kinds()) {
+    if (kind.has_zstd) continue;
+    for (const std::string extension : {"ktx2", "dds"}) {
+      std::vector<std::string> options = {"export",       path("map.png"), "-o",      path("rock." + extension),
+                                          "--bumpformat", "normal",        "--green", "up",
+                                          "--no-measure"};
+      options.insert(options.end(), kind.options.begin(), kind.options.end());
+      ASSERT_EQ(multum(options).exit_code, 0);
+    }
+    for (const auto& [name, format] : kind.textures) {
+      const std::string file = path("rock_" + name + ".dds");
+      const std::string bytes = read_bytes(file), ktx2 = read_bytes(path("rock_" + name + ".ktx2"));
+      const TexelFormatInfo& info = info_of(format);
+      SCOPED_TRACE(name + " as " + info.name);
+      const auto input = info.block_side == 4 ? OIIO::ImageInput::open(file) : nullptr;
+      EXPECT_EQ(input != nullptr, info.block_side == 4) << OIIO::geterror();
+      for (int l = 0; l < 6; ++l) {
+        const int width = std::max(1, 36 >> l), height = std::max(1, 24 >> l);
+        const std::string own = level_of(bytes, format, 36, 24, l);
+        EXPECT_EQ(own, level_of(ktx2, format, 36, 24, l));
+        if (!input) continue;
+        ASSERT_TRUE(input->seek_subimage(0, l));
+        EXPECT_EQ(input->spec().width, width);
+        EXPECT_EQ(input->spec().height, height);
+        ASSERT_EQ(input->spec().nchannels, info.channels);
+        std::vector<float> values(static_cast<std::size_t>(info.channels * width * height));
+        ASSERT_TRUE(input->read_image(0, l, 0, info.channels, OIIO::TypeDesc::FLOAT, values.data()));
+        const std::vector<float> expected = decoded_level(own, format, width, height);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          const auto channels = static_cast<std::size_t>(info.channels);
+          ASSERT_NEAR(values[i], expected[i / channels * 4 + i % channels], 1.01f / 255.0f) << "level " << l;
+        }
+      }
+      EXPECT_FALSE(input && input->seek_subimage(0, 6));
+    }
+  }
+}
+
+// The shader's z and decoded blocks are what is measured. This map is rough, so that normals of a block differ much.
+TEST_F(ExportCommandTest, MeasuresWhatIsStored) {
+  make_map("big", 128);
+  std::map<std::string, double> errors;
+  for (const std::string texels : {"rgba8", "rg8", "bc"}) {
+    ASSERT_EQ(multum({"export", path("big_normal.png"), "-o", path(texels + ".ktx2"), "--texels", texels, "--report",
+                      path("r.json"), "--base-roughness", "0.3"})
+                  .exit_code,
+              0);
+    const auto report = nlohmann::json::parse(read_bytes(path("r.json")));
+    errors[texels] = report["accuracy"]["levels"][0]["rules"]["export"]["error"];
+    EXPECT_TRUE(report["side_warnings"].empty());
+  }
+  EXPECT_NE(errors["rg8"], errors["rgba8"]);
+  EXPECT_NE(errors["bc"], errors["rg8"]);
+  EXPECT_NEAR(errors["rg8"], errors["rgba8"], 0.02 * errors["rgba8"]);
+  EXPECT_GT(errors["bc"], errors["rgba8"]);
+  EXPECT_NEAR(errors["bc"], errors["rgba8"], 0.4 * errors["rgba8"]);
 }
 
 TEST_F(ExportCommandTest, IsTheSameForAnyMemoryAndThreads) {
@@ -192,7 +409,7 @@ TEST_F(ExportCommandTest, IsTheSameForAnyMemoryAndThreads) {
   const auto files = [&](std::vector<std::string> more) {
     more.insert(more.end(), {"--anisotropy", "--no-measure"});
     EXPECT_EQ(run(more).exit_code, 0);
-    more.insert(more.end(), {"--format", "ktx2-half"});
+    more.insert(more.end(), {"--format", "ktx2", "--texels", "bc", "--zstd", "5"});
     EXPECT_EQ(run(more).exit_code, 0);
     std::map<std::string, std::string> bytes;
     for (const auto& entry : std::filesystem::directory_iterator(path("out")))
@@ -226,7 +443,16 @@ TEST_F(ExportCommandTest, RefusesWhatCannotBe) {
   expect_refused({"--report", path("map.png")}, kUsage, {"map.png"});
   expect_refused({"--report", path("no/r.json")}, kEnvironment, {"no"});
   expect_refusal(multum({"export", path("none.png"), "-o", path("out")}), kInput, {"none.png"});
-  expect_refusal(multum({"export", path("map.png"), "-o", path("a.ktx2")}), kUsage, {"a.ktx2", "a folder"});
+  expect_refused({"--format", "ktx2-half"}, kUsage, {"--format", "ktx2-half"});
+  expect_refused({"--texels", "bc"}, kUsage, {"--texels", "--format ktx2"});
+  expect_refused({"--format", "exr", "--texels", "rgba8"}, kUsage, {"--texels", "half floats"});
+  expect_refused({"--zstd", "3"}, kUsage, {"--zstd", "KTX2"});
+  expect_refused({"--zstd", "20", "--format", "ktx2"}, kUsage, {"--zstd", "20", "19"});
+  expect_refused({"--roughness-alone", "--metalness", path("map.png")}, kUsage, {"--roughness-alone", "--metalness"});
+  expect_refusal(multum({"export", path("map.png"), "-o", path("a.png")}), kUsage, {"a.png", "a folder", "NAME.ktx2"});
+  expect_refusal(multum({"export", path("map.png"), "-o", path("a.dds"), "--format", "ktx2"}), kUsage,
+                 {"a.dds", "--format"});
+  expect_refusal(multum({"export", path("map.png"), "-o", path("map.png/a.dds")}), kEnvironment, {"map.png"});
   expect_refusal(multum({"export", path("map.png"), "-o", path("map.png/out")}), kEnvironment, {"map.png"});
   expect_refusal(multum({"export", path("map.png")}), kUsage, {"--output"});
   // A folder whose images are the export's own source.

@@ -25,6 +25,7 @@ const found = process.argv.slice(2).map((path) => {
       primaries: one.colorPrimaries,
       transfer: one.transferFunction,
       flags: one.flags,
+      block: [...one.texelBlockDimension],
       planes: [...one.bytesPlane],
       samples: one.samples.map((s) => [s.bitOffset, s.bitLength, s.channelType, s.sampleLower, s.sampleUpper]),
     })),

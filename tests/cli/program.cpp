@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 
 #include "host/base/log.h"
 #include "tools/multum/commands.h"
@@ -136,6 +137,13 @@ ProgramResult run_on_terminal(const std::vector<std::string>& arguments) {
 
 bool program_works(const std::string& program, const std::string& argument) {
   return run_program({program, argument}).exit_code == 0;
+}
+
+std::string chromium_path() {
+  for (const std::string name : {"chromium-headless-shell", "chromium"})
+    for (const std::string folder : {"/usr/bin/", "/usr/local/bin/"})
+      if (std::filesystem::exists(folder + name)) return folder + name;
+  return "";
 }
 
 CliTest::CliTest() { setenv("MULTUM_CACHE_DIR", MULTUM_TEST_CACHE, 1); }

@@ -51,6 +51,9 @@ ProgramResult run_on_terminal(const std::vector<std::string>& arguments);
 /// True when `program` answers to `argument` with exit code 0.
 bool program_works(const std::string& program, const std::string& argument);
 
+/// Debian's Chromium; empty: there is none.
+std::string chromium_path();
+
 /// Exit codes (host/base/error.h).
 inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5;
 

@@ -262,7 +262,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(
       multum({}), kUsage,
       {"no command",
-       "bake export plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
+       "bake export gltf plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
        "animation infer openjd pack unpack player shaders serve rescue submit",
        "--help"});
   expect_failure(multum({"cook"}), kUsage, {"unknown command 'cook'", ": bake"});

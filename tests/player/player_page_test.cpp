@@ -53,10 +53,7 @@ class PlayerPageTest : public TracedSceneTest {
 TEST_F(PlayerPageTest, InChromium) {
   if (!has_wasm()) GTEST_SKIP() << "no compiler for WebAssembly: tools/wasm_decoder --check";
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
-  std::string browser;
-  for (const std::string name : {"chromium-headless-shell", "chromium"})
-    for (const std::string folder : {"/usr/bin/", "/usr/local/bin/"})
-      if (browser.empty() && fs::exists(folder + name)) browser = folder + name;
+  const std::string browser = chromium_path();
   if (browser.empty()) GTEST_SKIP() << "no chromium-headless-shell: tools/install_dependencies test";
   if (!fs::exists(MULTUM_SOURCE_DIR "/tests/service/web/node_modules/playwright-core"))
     GTEST_SKIP() << "no playwright-core: tools/install_dependencies test";

@@ -38,6 +38,7 @@ std::string find_viewer();
 void add_animation_command(CLI::App& app, int* exit_code);
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
+void add_gltf_command(CLI::App& app, int* exit_code);
 void add_infer_command(CLI::App& app, int* exit_code);
 /// Another command's words as a bundle for farms; `check_words` throws Error(kUsage) where they are none.
 void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words));

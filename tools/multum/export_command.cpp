@@ -25,7 +25,11 @@ struct ExportOptions {
 const Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
                                                   {"exr", MaterialFormat::kExr},
                                                   {"ktx2", MaterialFormat::kKtx2},
-                                                  {"ktx2-half", MaterialFormat::kKtx2Half}};
+                                                  {"dds", MaterialFormat::kDds}};
+const Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
+                                                 {"rgba16f", MaterialTexels::kRgba16f},
+                                                 {"rg8", MaterialTexels::kRg8},
+                                                 {"bc", MaterialTexels::kBlocks}};
 
 void apply_to_export(const ParameterValues& values, ExportJob& job) {
   apply_reading(values, job.reading);
@@ -36,7 +40,10 @@ void apply_to_export(const ParameterValues& values, ExportJob& job) {
   if (const auto gloss = values.text("gloss")) job.roughness = *gloss, job.roughness_is_gloss = true;
   job.occlusion = values.text("occlusion").value_or("");
   job.metalness = values.text("metalness").value_or("");
-  job.format = values.choice("format", kMaterialFormats).value_or(job.format);
+  job.format = values.choice("format", kMaterialFormats);
+  job.texels = values.choice("texels", kMaterialTexels);
+  job.zstd_level = values.integer("zstd").value_or(job.zstd_level);
+  job.has_roughness_alone = values.flag("roughness_alone");
   if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
   job.measure = !values.flag("no_measure");
   job.accuracy.finds_optimum = values.flag("optimum");
@@ -53,8 +60,8 @@ int run_export(ExportOptions& o) {
   const auto progress = make_progress(o.common);
   const ExportReport report = export_file(o.job, device, progress.get());
   if (o.common.quiet) return 0;
-  print_shown(stdout, "%s: %d levels of %d x %d, %zu files: normal, orm%s\n", o.job.output.c_str(), report.level_count,
-              report.width, report.height, report.files.size(), o.job.lobe.is_anisotropic ? ", anisotropy" : "");
+  print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", o.job.output.c_str(), report.level_count,
+              report.width, report.height, report.files.size(), report.textures.c_str());
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
   if (!o.common.verbose) return 0;
   print_shown(stdout, "%s", report.plan.c_str());
@@ -73,11 +80,17 @@ void add_export_command(CLI::App& app, int* exit_code) {
   command->add_option("input", o.job.input, bake_parameters().at("input").help)->required();
   command
       ->add_option("-o,--output", o.job.output,
-                   "folder to write to: an image a texture and level, or a KTX2 file a texture")
+                   "folder to write to: an image a texture and level, or a KTX2 or DDS file a texture; or NAME.ktx2, "
+                   "NAME.dds: NAME_normal.ktx2, NAME_orm.ktx2 and, with --anisotropy, NAME_anisotropy.ktx2")
       ->required();
   add_parameter_options(*command, o.values);
   add_common_options(*command, o.common);
   add_decoding_option(*command);
+  command->footer(
+      "Examples:\n"
+      "  multum export bricks_n.png -o bricks/                      # normal_00.png, orm_00.png and so on\n"
+      "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
+      "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

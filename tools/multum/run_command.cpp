@@ -38,6 +38,7 @@ void check_words(const std::vector<std::string>& words);
 void add_commands(CLI::App& app, int* exit_code) {
   add_bake_command(app, exit_code);
   add_export_command(app, exit_code);
+  add_gltf_command(app, exit_code);
   add_plan_command(app, exit_code);
   add_tradeoff_command(app, exit_code);
   add_info_command(app, exit_code);
@@ -85,6 +86,7 @@ int run_command(int argc, char** argv) {
       "  multum-view bricks.ndf.exr -o frame.png             render a baked file\n"
       "  multum info bricks.ndf.exr                          print the header of a baked file\n"
       "  multum export bricks_normal.png -o bricks           fit normal and roughness mips for engines as they are\n"
+      "  multum gltf helmet.glb -o helmet_mips.glb           the same for the textures of a model\n"
       "  multum mip bricks.png -o bricks.exr                 average colours in linear light\n"
       "  multum materials helmet.glb -o helmet               list the normal maps of a model as a manifest to bake\n"
       "  multum selftest                                     check that this machine's OpenCL driver computes "

@@ -126,7 +126,7 @@ TEST(AxisCut, IsThereWithoutAnyAxis) {
 }
 
 TEST(RoundedMaterial, StaysAsItIs) {
-  for (const MaterialEncoding encoding : {MaterialEncoding::kUnorm8, MaterialEncoding::kHalf}) {
+  for (const MaterialTexels texels : {MaterialTexels::kRgba8, MaterialTexels::kRgba16f, MaterialTexels::kRg8}) {
     MaterialRows rows{2, 2, {}, {}, {}, {}, {}};
     for (const float i : {0.0f, 1.0f, 2.0f, 3.0f}) {
       rows.normals.push_back(glm::normalize(glm::vec3(0.3f * i - 0.4f, 0.17f * i, 1.0f)));
@@ -135,10 +135,10 @@ TEST(RoundedMaterial, StaysAsItIs) {
       rows.metalness.push_back(0.3f * i);
     }
     MaterialRows once = rows;
-    round_material(once, encoding);
+    round_material(once, texels);
     MaterialRows twice = once;
-    round_material(twice, encoding);
-    const float step = encoding == MaterialEncoding::kUnorm8 ? 1.0f / 255.0f : 1.0f / 2048.0f;
+    round_material(twice, texels);
+    const float step = texels == MaterialTexels::kRgba16f ? 1.0f / 2048.0f : 1.0f / 255.0f;
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_EQ(once.normals[i], twice.normals[i]);
       EXPECT_EQ(once.anisotropy[i], twice.anisotropy[i]);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Encodes rows of texels as blocks of 4 x 4: BC4, BC5 and BC7, on an OpenCL device (kernels/block_encoding.cl).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+#include "host/export/texel_format.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+class BlockEncoder {
+ public:
+  explicit BlockEncoder(Device& device) : device_(device) {}
+
+  /// Rows of blocks of `texels`, row_count rows of `width`, values from 0 to 1; sides that are no multiples of 4 are
+  /// filled up by repeating the last texel. BC4 takes red, BC5 red and green, BC7 red, green and blue; its alpha is 1.
+  /// Throws Error(kEnvironment) when the device refuses.
+  std::vector<std::uint8_t> encode(TexelFormat format, int width, int row_count, const std::vector<glm::vec4>& texels);
+
+ private:
+  Device& device_;
+  Kernel scalar_, colour_;
+  DeviceBuffer values_, blocks_;
+};
+
+}  // namespace multum

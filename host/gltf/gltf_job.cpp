@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/gltf/gltf_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/input_hashes.h"
+#include "host/base/files/output_paths.h"
+#include "host/base/files/partial_folder.h"
+#include "host/base/log.h"
+#include "host/base/stopwatch.h"
+#include "host/gltf/gltf_rewrite.h"
+#include "host/gltf/source_fit.h"
+#include "host/mesh/gltf_document.h"
+
+namespace multum {
+namespace {
+
+constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: of pixelWidth and pixelHeight
+
+// Files that the model is made of, the first the one that was named.
+std::vector<std::string> input_files(const GltfAsset& asset) {
+  std::vector<std::string> files = {asset.path};
+  for (const char* name : {"buffers", "images"})
+    for (const GltfJson& object : asset.array(name)) {
+      const std::string uri = object.value("uri", "");
+      if (uri.empty() || uri.starts_with("data:")) continue;
+      files.push_back(uri_path({asset.path, {}, ""}, uri));
+    }
+  std::sort(files.begin() + 1, files.end());
+  files.erase(std::unique(files.begin() + 1, files.end()), files.end());
+  return files;
+}
+
+void check_gltf_job(const GltfJob& job) {
+  if (!job.output.ends_with(".glb")) throw Error(ErrorCode::kUsage, job.output + ": expected a name that ends in .glb");
+  check_paths_differ({job.input}, {job.output, job.report});
+  check_writable(job.output);
+  if (!job.report.empty()) check_writable(job.report);
+}
+
+class GltfConversion {
+ public:
+  GltfConversion(const GltfJob& job, Device& device, Progress* progress)
+      : job_(job), device_(device), progress_(progress) {}
+
+  GltfReport run() {
+    check_gltf_job(job_);
+    progress_stage(progress_, "read");
+    InputHashes hashes;
+    hashes.note(job_.input);
+    const GltfAsset asset = read_gltf_asset(job_.input);
+    const std::vector<std::string> inputs = input_files(asset);
+    check_paths_differ(inputs, {job_.output, job_.report});
+    for (const std::string& file : inputs) {
+      std::error_code error;
+      report_.bytes_before += std::filesystem::file_size(file, error);
+      if (error) asset.refuse(fmt::format("names {}, which cannot be read: {}", file, error.message()));
+    }
+    GltfPlan plan = plan_gltf(asset, job_.is_anisotropic);
+
+    folder_ = PartialFolder::take(job_.output);
+    if (folder_ == nullptr) throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
+    folder_->clear();
+    if (job_.format == GltfTextureFormat::kUastc && !plan.sources.empty()) check_uastc_encoder(uastc());
+    const std::vector<PreparedSource> prepared = prepare(asset, plan);
+    lap("read");
+    const std::vector<SourceTextures> textures = make_textures(asset, prepared);
+
+    progress_stage(progress_, "write");
+    RewrittenGltf rewritten = rewrite_gltf(asset, plan, textures);
+    for (const std::string& uri : rewritten.left_outside)
+      warn(fmt::format("image {} is of no kind that glTF has: it stays a file beside the model", uri));
+    warn_of_format(plan);
+    hashes.check_unchanged(job_.input);
+    report_.bytes_after = write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);
+    lap("write");
+    report_.device = device_.info().name;
+    report_.launches = device_.launch_counts();
+    if (!job_.report.empty()) write_text_file(job_.report, report_.to_json(job_));
+    progress_finish(progress_);
+    return std::move(report_);
+  }
+
+ private:
+  void warn(const std::string& what) {
+    report_.warnings.push_back(what);
+    log_warning(job_.input + ": " + what);
+  }
+  void lap(const char* stage) { report_.seconds.emplace_back(stage, stopwatch_.lap()); }
+
+  UastcSettings uastc() const { return {folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
+  SourceFitSettings fit_settings() const {
+    return {folder_->path(), job_.is_fast, job_.format == GltfTextureFormat::kUastc ? kBasisSideMultiple : 1,
+            job_.memory_bytes, job_.threads};
+  }
+
+  void warn_of_format(const GltfPlan& plan) {
+    if (std::none_of(plan.materials.begin(), plan.materials.end(), [](const auto& one) { return one.kept.empty(); }))
+      return;
+    if (job_.format == GltfTextureFormat::kRgba8)
+      warn(
+          "its new textures are KTX2 files that are not compressed: outside of KHR_texture_basisu, by whose name "
+          "they are loaded; --format uastc is within it");
+    if (job_.format == GltfTextureFormat::kPng)
+      warn(
+          "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
+          "them");
+  }
+
+  // What each source's fit will be; a source that is not fitted after all leaves its materials as they are.
+  std::vector<PreparedSource> prepare(const GltfAsset& asset, GltfPlan& plan) {
+    std::vector<PreparedSource> prepared;
+    for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
+    std::vector<int> numbers(plan.sources.size(), -1);
+    int count = 0;
+    for (std::size_t s = 0; s < prepared.size(); ++s)
+      if (prepared[s].kept.empty()) numbers[s] = count++;
+    for (MaterialPlan& material : plan.materials) {
+      if (material.kept.empty()) {
+        const PreparedSource& source = prepared[material.source];
+        material.kept = source.kept;
+        material.notes.insert(material.notes.end(), source.notes.begin(), source.notes.end());
+      }
+      const bool is_kept = !material.kept.empty();
+      report_.materials.push_back({material.name, material.kept, is_kept ? std::vector<std::string>{} : material.notes,
+                                   is_kept ? -1 : numbers[material.source]});
+    }
+    return prepared;
+  }
+
+  std::vector<SourceTextures> make_textures(const GltfAsset& asset, const std::vector<PreparedSource>& prepared) {
+    std::uint64_t units = 0;
+    for (const PreparedSource& source : prepared)
+      if (source.kept.empty()) units += (source.source.is_anisotropic ? 4 : 3) * source.texel_count();
+    progress_start(progress_, units);
+    std::vector<SourceTextures> made;
+    double fit_seconds = 0.0, encode_seconds = 0.0;
+    for (const PreparedSource& source : prepared) {
+      made.emplace_back();
+      if (!source.kept.empty()) continue;
+      const FittedSource fitted =
+          fit_source(device_, asset, source, report_.textures.size(), fit_settings(), progress_);
+      fit_seconds += stopwatch_.lap();
+      progress_stage(progress_, "encode");
+      report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
+      made.back().normal = encode(fitted.normal, source, "normal");
+      made.back().surface = encode(fitted.surface, source, "metallic_roughness");
+      if (source.source.is_anisotropic) made.back().anisotropy = encode(fitted.anisotropy, source, "anisotropy");
+      encode_seconds += stopwatch_.lap();
+    }
+    report_.seconds.emplace_back("fit", fit_seconds);
+    report_.seconds.emplace_back("encode", encode_seconds);
+    return made;
+  }
+
+  std::optional<EncodedTexture> encode(const std::unique_ptr<LevelFile>& levels, const PreparedSource& source,
+                                       const char* name) {
+    std::optional<EncodedTexture> made;
+    if (levels != nullptr) {
+      made = encode_texture(*levels, job_.format, uastc(), progress_);
+      report_.textures.back().bytes[name] = made->byte_count;
+      std::error_code ignored;
+      std::filesystem::remove(levels->path(), ignored);  // as large as the texture is in memory
+    }
+    progress_advance(progress_, source.texel_count());
+    return made;
+  }
+
+  const GltfJob& job_;
+  Device& device_;
+  Progress* const progress_;
+  Stopwatch stopwatch_;
+  std::unique_ptr<PartialFolder> folder_;
+  GltfReport report_;
+};
+
+}  // namespace
+
+const char* format_name(GltfTextureFormat format) {
+  switch (format) {
+    case GltfTextureFormat::kUastc: return "uastc";
+    case GltfTextureFormat::kRgba8: return "rgba8";
+    case GltfTextureFormat::kPng: return "png";
+  }
+  return "?";
+}
+
+int GltfReport::fitted_count() const {
+  return static_cast<int>(
+      std::count_if(materials.begin(), materials.end(), [](const Material& one) { return one.kept.empty(); }));
+}
+
+std::string GltfReport::to_json(const GltfJob& job) const {
+  nlohmann::ordered_json json = {{"input", job.input},
+                                 {"output", job.output},
+                                 {"format", format_name(job.format)},
+                                 {"anisotropy", job.is_anisotropic},
+                                 {"fast", job.is_fast},
+                                 {"bytes_before", bytes_before},
+                                 {"bytes_after", bytes_after},
+                                 {"materials", nlohmann::ordered_json::array()},
+                                 {"textures", nlohmann::ordered_json::array()},
+                                 {"warnings", warnings},
+                                 {"device", device},
+                                 {"launches", launches}};
+  for (const Material& material : materials) {
+    nlohmann::ordered_json one = {{"name", material.name}, {"fitted", material.kept.empty()}};
+    if (!material.kept.empty()) one["kept"] = material.kept;
+    if (!material.notes.empty()) one["notes"] = material.notes;
+    if (material.textures >= 0) one["textures"] = material.textures;
+    json["materials"].push_back(std::move(one));
+  }
+  for (const Textures& one : textures)
+    json["textures"].push_back(
+        {{"width", one.width}, {"height", one.height}, {"levels", one.level_count}, {"bytes", one.bytes}});
+  for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
+  return json.dump(2) + "\n";
+}
+
+GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress) {
+  try {
+    return GltfConversion(job, device, progress).run();
+  } catch (const nlohmann::json::exception& error) {
+    refuse_file(job.input, std::string("is damaged: its JSON is not as glTF has it: ") + error.what());
+  }
+}
+
+}  // namespace multum

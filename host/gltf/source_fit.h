@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fits the textures of one LobeSource: reads its images, brings them to one size, and fits a lobe to each texel of
+// every level (host/export/one_lobe_fit.h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/base/progress.h"
+#include "host/export/one_lobe_fit.h"
+#include "host/gltf/level_file.h"
+#include "host/gltf/material_plan.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+struct SourceFitSettings {
+  std::string folder;  // for images and levels
+  bool is_fast = false;
+  int side_multiple = 1;  // sides of textures are multiples of it
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;
+  int threads = 1;
+};
+
+/// What a source's fit will be.
+struct PreparedSource {
+  LobeSource source;
+  std::string normal_file, surface_file;  // in the folder
+  int width = 0, height = 0;              // of the textures
+  std::string kept;                       // why it is not fitted; empty: it is
+  std::vector<std::string> notes;
+
+  std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
+};
+
+/// Writes the images into the folder and looks at their sizes. Throws Error(kInput) naming the image, kEnvironment.
+PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings);
+
+/// Textures by what they hold; null: there is none.
+struct FittedSource {
+  std::unique_ptr<LevelFile> normal, surface, anisotropy;
+};
+
+/// Files are named by `number`. A surface that is 1 everywhere is none. Progress: a unit a texel. Throws
+/// Error(kInput) naming the image, kEnvironment, Cancelled.
+FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSource& prepared, std::size_t number,
+                        const SourceFitSettings& settings, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/parameters/gltf_parameters.h"
+
+#include <utility>
+
+#include "host/parameters/bake_parameters.h"
+#include "host/parameters/shared_parameters.h"
+
+namespace multum {
+namespace {
+
+using Kind = ParameterKind;
+
+std::vector<Parameter> gltf_rows() {
+  return {{.name = "format",
+           .kind = Kind::kChoice,
+           .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
+                   "rgba8, KTX2 that is not compressed and outside of that extension; png, level 0 alone",
+           .default_text = "uastc",
+           .choices = {"uastc", "rgba8", "png"},
+           .group = kStorageGroup,
+           .surfaces = kOnCommandLine},
+          {.name = "uastc_effort",
+           .kind = Kind::kInteger,
+           .help = "effort of the encoder: higher is nearer and slower",
+           .low = 0,
+           .high = 3,
+           .default_text = "1",
+           .group = kStorageGroup,
+           .surfaces = kOnCommandLine},
+          {.name = "encoder",
+           .kind = Kind::kText,
+           .help = "folder of ktx2-encoder, or of the node_modules with it",
+           .unit = "FOLDER",
+           .default_text = "where Node.js looks for packages",
+           .group = kStorageGroup,
+           .surfaces = kOnCommandLine},
+          {.name = "anisotropy",
+           .help = "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
+                   "tangents to the normal map's normal",
+           .group = "The lobe",
+           .surfaces = kOnCommandLine},
+          {.name = "fast",
+           .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
+           .group = "The lobe",
+           .surfaces = kOnCommandLine}};
+}
+
+std::vector<Parameter> gltf_run_rows() {
+  std::vector<Parameter> rows = {
+      memory_parameter("memory for buffers and maps; larger maps go by way of a scratch file beside the output", 1.0,
+                       "256M", kOnCommandLine),
+      device_parameter(kOnCommandLine),
+      {.name = "report",
+       .kind = Kind::kText,
+       .help = "write materials, textures, sizes and times as JSON",
+       .unit = "FILE",
+       .surfaces = kOnCommandLine}};
+  for (Parameter& row : rows) row.group = "Running the conversion";
+  return rows;
+}
+
+}  // namespace
+
+const ParameterTable& gltf_parameters() {
+  static const ParameterTable table = [] {
+    std::vector<Parameter> rows = gltf_rows();
+    for (Parameter& row : gltf_run_rows()) rows.push_back(std::move(row));
+    return ParameterTable("gltf", std::move(rows));
+  }();
+  return table;
+}
+
+}  // namespace multum

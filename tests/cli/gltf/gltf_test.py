@@ -1,0 +1,424 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of docs/GLTF.md on models that are made here, one rule a model: what is fitted together, what is in
+textures after, what stays as it was.
+
+  gltf_test.py MULTUM [unittest's arguments]
+"""
+import copy
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from model_writing import Glb, Model, bumps, code, png
+
+MULTUM = ""
+INPUT_REFUSED, ENVIRONMENT, USAGE = 3, 4, 2
+REPEAT, CLAMP = 10497, 33071
+MIPMAPPED = 9987
+LINEAR = 9729
+
+
+def packed(width, height, texel=None):
+    """Occlusion, roughness and metalness."""
+    return png(width, height, texel or (lambda x, y: (255 - 3 * (x % 64), 60 + 40 * ((x + y) % 2), 255 * (x % 2))))
+
+
+def plain_model(normal=None, surface=None, **factors):
+    """One material with a normal map and a metallic-roughness texture."""
+    model = Model()
+    model.square()
+    sampler = model.sampler(magFilter=LINEAR, minFilter=LINEAR, wrapS=REPEAT, wrapT=REPEAT)
+    normal_texture = model.texture(model.image(normal or bumps(16, 8)), sampler=sampler, name="normals")
+    surface_texture = model.texture(model.image(surface or packed(16, 8)), sampler=sampler)
+    model.material(name="bricks", normalTexture={"index": normal_texture},
+                   pbrMetallicRoughness={"metallicRoughnessTexture": {"index": surface_texture}, **factors})
+    return model
+
+
+class GltfTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="multum_gltf_")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, data):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        with open(self.path(name), "wb") as file:
+            file.write(data)
+
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def run_gltf(self, *arguments, source="in.glb", output="out.glb"):
+        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output), *arguments],
+                              capture_output=True, text=True, check=False, timeout=300)
+
+    def convert(self, model, *arguments, source="in.glb"):
+        """The model after, and the report."""
+        if isinstance(model, Model):
+            self.write(source, model.glb())
+        run = self.run_gltf("--format", "rgba8", "--report", self.path("report.json"), *arguments, source=source)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.messages = run.stderr
+        return Glb(self.read("out.glb")), json.loads(self.read("report.json"))
+
+    def assert_kept(self, model, *words):
+        """Nothing is fitted, and the JSON is what it was but for its buffer."""
+        before = copy.deepcopy(model.json)
+        after, report = self.convert(model)
+        for word in words:
+            self.assertIn(word, report["materials"][0]["kept"])
+        self.assertEqual(report["textures"], [])
+        for name, value in before.items():
+            if name not in ("buffers", "bufferViews"):
+                self.assertEqual(after.json[name], value, name)
+        self.assertEqual(list(after.json)[:len(before)], list(before))
+
+    def test_textures_are_replaced_where_they_stand(self):
+        model = plain_model()
+        model.json["materials"][0]["occlusionTexture"] = {"index": 1, "strength": 0.5}
+        before = copy.deepcopy(model.json)
+        after, report = self.convert(model)
+        self.assertEqual(after.json["materials"], before["materials"])
+        for texture, old in zip(after.json["textures"], before["textures"]):
+            self.assertEqual(texture["extensions"]["KHR_texture_basisu"]["source"], old["source"])
+            self.assertEqual(texture.get("name"), old.get("name"))
+            self.assertNotIn("source", texture)
+        self.assertEqual(len(after.json["images"]), 2)
+        self.assertEqual([i["mimeType"] for i in after.json["images"]], ["image/ktx2"] * 2)
+        self.assertEqual(len(after.json["bufferViews"]), len(before["bufferViews"]))
+        self.assertEqual(after.json["samplers"], [{**before["samplers"][0], "minFilter": MIPMAPPED}])
+        self.assertEqual(after.json["extensionsRequired"], ["KHR_texture_basisu"])
+        # The old images are gone from the bytes; the mesh's are what they were.
+        self.assertNotIn(b"IHDR", after.bytes)
+        source = Glb(self.read("in.glb"))
+        for accessor in before["accessors"]:
+            view = accessor["bufferView"]
+            self.assertEqual(after.view(view), source.view(view))
+            self.assertEqual(after.json["bufferViews"][view].get("byteOffset", 0) % 4, 0)
+        normal, surface = after.levels(0), after.levels(1)
+        self.assertEqual([(level.width, level.height) for level in normal],
+                         [(16, 8), (8, 4), (4, 2), (2, 1), (1, 1)])
+        # Level 0 is what the images had; levels after are rougher, their occlusion and metalness averages.
+        self.assertEqual(surface[0].at(4, 2)[:3], (255 - 12, 60, 0))
+        self.assertEqual(surface[0].at(5, 2)[:3], (255 - 15, 100, 255))
+        for channel in (0, 2):
+            self.assertAlmostEqual(surface[4].mean(channel), surface[0].mean(channel), delta=1.0)
+        roughness = [level.mean(1) for level in surface]
+        self.assertGreater(roughness[1], roughness[0] + 30)
+        self.assertGreater(roughness[4], roughness[1])
+        self.assertEqual(report["materials"], [{"name": "bricks", "fitted": True, "textures": 0}])
+        self.assertEqual(report["textures"][0]["levels"], 5)
+        self.assertEqual(report["bytes_after"], len(self.read("out.glb")))
+        self.assertEqual(report["bytes_before"], len(self.read("in.glb")))
+        self.assertIn("outside of KHR_texture_basisu", self.messages)
+
+    def test_factors_move_into_the_textures(self):
+        model = plain_model(normal=png(4, 4, lambda x, y: (code(0.3), code(0.0), code(math.sqrt(1 - 0.09)))),
+                            surface=png(4, 4, lambda x, y: (255, 128, 200)), roughnessFactor=0.5, metallicFactor=0.25)
+        model.json["materials"][0]["normalTexture"]["scale"] = 2.0
+        after, report = self.convert(model)
+        material = after.json["materials"][0]
+        self.assertNotIn("scale", material["normalTexture"])
+        self.assertNotIn("roughnessFactor", material["pbrMetallicRoughness"])
+        self.assertEqual(material["pbrMetallicRoughness"]["metallicFactor"], 0.25)
+        red, green, blue, _ = after.levels(0)[0].at(1, 1)
+        length = math.hypot(0.6, math.sqrt(1 - 0.09))
+        self.assertAlmostEqual(red, code(0.6 / length), delta=1)
+        self.assertAlmostEqual(green, code(0.0), delta=1)
+        self.assertAlmostEqual(blue, code(math.sqrt(1 - 0.09) / length), delta=1)
+        # Every normal is the same, so no level is rougher than the surface.
+        for level in after.levels(1):
+            self.assertEqual(level.at(0, 0)[:3], (255, 64, 200))
+        self.assertEqual(len(report["materials"][0]["notes"]), 2)
+        self.assertIn("roughnessFactor 0.5", report["materials"][0]["notes"][1])
+
+    def test_roughness_without_a_texture_gets_one(self):
+        model = Model()
+        model.square(sets=2)
+        texture = model.texture(model.image(bumps(8, 8)))
+        moved = {"KHR_texture_transform": {"scale": [2.0, 2.0], "rotation": 0.5}}
+        model.json["extensionsUsed"] = ["KHR_texture_transform"]
+        model.material(normalTexture={"index": texture, "texCoord": 1, "extensions": moved},
+                       pbrMetallicRoughness={"roughnessFactor": 0.4, "metallicFactor": 0.75})
+        after, _ = self.convert(model)
+        surface = after.json["materials"][0]["pbrMetallicRoughness"]
+        self.assertEqual(surface, {"metallicFactor": 0.75, "metallicRoughnessTexture":
+                                   {"index": 1, "texCoord": 1, "extensions": moved}})
+        levels = after.levels(1)
+        self.assertEqual(levels[0].at(3, 3)[:3], (255, 102, 255))
+        self.assertGreater(levels[3].at(0, 0)[1], 130)
+        # A texture without a sampler is given one that repeats, as none does.
+        self.assertEqual(after.json["samplers"], [{"magFilter": LINEAR, "minFilter": MIPMAPPED}])
+
+    def test_a_dull_surface_needs_no_roughness(self):
+        model = Model()
+        model.square()
+        model.material(normalTexture={"index": model.texture(model.image(bumps(8, 8)))})
+        after, report = self.convert(model)
+        self.assertNotIn("pbrMetallicRoughness", after.json["materials"][0])
+        self.assertEqual(list(report["textures"][0]["bytes"]), ["normal"])
+
+    def test_what_does_not_lie_together_is_kept(self):
+        transform = {"extensions": {"KHR_texture_transform": {"offset": [0.5, 0.0]}}}
+        for change, word in (({"texCoord": 1}, "coordinates"), (transform, "transform"),
+                             ({"extensions": {"KHR_texture_transform": {"texCoord": 1}}}, "coordinates")):
+            with self.subTest(change=change):
+                model = plain_model()
+                model.json["extensionsUsed"] = ["KHR_texture_transform"]
+                model.json["materials"][0]["normalTexture"].update(change)
+                self.assert_kept(model, word)
+        model = plain_model()
+        model.json["textures"][1]["sampler"] = model.sampler(wrapS=CLAMP)
+        self.assert_kept(model, "wraps")
+        # A transform that both have is kept, and one that does nothing is as none.
+        for both in (transform, {"extensions": {"KHR_texture_transform": {}}}):
+            model = plain_model()
+            model.json["materials"][0]["normalTexture"].update(both)
+            if both is transform:
+                model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(both)
+            after, report = self.convert(model)
+            self.assertTrue(report["materials"][0]["fitted"])
+            self.assertEqual(after.json["materials"][0]["normalTexture"], {"index": 0, **both})
+
+    def test_materials_of_other_rules_are_kept(self):
+        for name in ("KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_materials_anisotropy"):
+            model = plain_model()
+            model.json["materials"][0]["extensions"] = {name: {}}
+            model.json["extensionsUsed"] = [name]
+            self.assert_kept(model, name)
+        model = Model()
+        model.square()
+        model.material(pbrMetallicRoughness={"metallicRoughnessTexture": {
+            "index": model.texture(model.image(packed(4, 4)))}})
+        self.assert_kept(model, "no normal map")
+        model = plain_model()
+        model.json["animations"] = [{"channels": [{"sampler": 0, "target": {
+            "path": "pointer", "extensions": {"KHR_animation_pointer": {
+                "pointer": "/materials/0/pbrMetallicRoughness/roughnessFactor"}}}}],
+            "samplers": [{"input": 4, "output": 4}]}]
+        model.json["extensionsUsed"] = ["KHR_animation_pointer"]
+        self.assert_kept(model, "animation", "roughnessFactor")
+        model = plain_model(normal=png(1, 1, lambda x, y: (128, 128, 255)))
+        self.assert_kept(model, "single texel")
+        model = plain_model(normal=bumps(64, 1), surface=packed(1, 64))
+        self.assert_kept(model, "64 x 1", "1 x 64")
+        model = plain_model(normal=b"\xabKTX 20\xbb\r\n\x1a\n" + b"\0" * 68)
+        self.assert_kept(model, "no PNG, JPEG or WebP")
+
+    def test_the_same_combination_is_fitted_once(self):
+        model = plain_model()
+        first = model.json["materials"][0]
+        model.json["materials"] += [copy.deepcopy(first) for _ in range(3)]
+        model.json["materials"][2]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5
+        # Another texture of the same image, sampled alike, is the same too.
+        model.json["materials"][3]["normalTexture"]["index"] = model.texture(0, sampler=0)
+        after, report = self.convert(model)
+        self.assertEqual([one["textures"] for one in report["materials"]], [0, 0, 1, 0])
+        self.assertEqual(len(after.json["images"]), 4)
+        materials = after.json["materials"]
+        self.assertEqual(materials[0], materials[1])
+        self.assertEqual(materials[0]["normalTexture"], materials[3]["normalTexture"])
+        one, other = (m["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] for m in materials[1:3])
+        self.assertEqual(one, 1)
+        self.assertAlmostEqual(after.levels(other)[0].mean(1), after.levels(one)[0].mean(1) / 2, delta=1)
+        # The texture that gave way shows the same image.
+        basis = [t["extensions"]["KHR_texture_basisu"]["source"] for t in after.json["textures"]]
+        self.assertEqual(basis[2], basis[0])
+
+    def test_an_image_with_another_use_stays(self):
+        model = plain_model()
+        material = model.json["materials"][0]
+        material["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 1}
+        material["occlusionTexture"] = {"index": 1, "texCoord": 1}
+        model.json["meshes"] = []
+        model.square(sets=2)
+        before = copy.deepcopy(model.json)
+        after, report = self.convert(model)
+        self.assertEqual(after.json["textures"][1], before["textures"][1])
+        self.assertEqual(after.json["images"][1], before["images"][1])
+        source = Glb(self.read("in.glb"))
+        self.assertEqual(after.image(1), source.image(1))
+        material = after.json["materials"][0]
+        self.assertEqual(material["pbrMetallicRoughness"]["baseColorTexture"], {"index": 1})
+        self.assertEqual(material["occlusionTexture"], {"index": 1, "texCoord": 1})
+        self.assertEqual(material["pbrMetallicRoughness"]["metallicRoughnessTexture"], {"index": 2})
+        # Red is nobody's occlusion there; the old sampler is as it was.
+        self.assertEqual(after.levels(2)[0].at(5, 2)[:3], (255, 100, 255))
+        self.assertEqual(after.json["samplers"][0], before["samplers"][0])
+        self.assertEqual(after.json["samplers"][after.json["textures"][2]["sampler"]]["minFilter"], MIPMAPPED)
+        self.assertIn("occlusion keeps", report["materials"][0]["notes"][0])
+
+    def test_what_is_not_known_is_not_touched(self):
+        model = plain_model()
+        before_views = len(model.json["bufferViews"])
+        for index in (0, before_views - 2):  # a texture's index; a buffer view's
+            with self.subTest(index=index):
+                model = plain_model()
+                model.json["extensionsUsed"] = ["ACME_thing"]
+                model.json["materials"][0]["extensions"] = {"ACME_thing": {"deep": [{"uses": index}]}}
+                before = copy.deepcopy(model.json)
+                after, _ = self.convert(model)
+                source = Glb(self.read("in.glb"))
+                if index == 0:
+                    self.assertEqual(after.json["textures"][0], before["textures"][0])
+                    self.assertEqual(after.image(0), source.image(0))
+                else:
+                    self.assertEqual(after.view(index), source.view(index))
+                self.assertEqual(after.json["materials"][0]["extensions"], before["materials"][0]["extensions"])
+
+    def test_everything_else_is_what_it_was(self):
+        model = plain_model()
+        sparse = {"count": 2, "indices": {"bufferView": model.view(b"\x01\0\x03\0"), "componentType": 5123},
+                  "values": {"bufferView": model.view(bytes(range(24))), "byteOffset": 0}}
+        model.json["accessors"].append({"componentType": 5126, "type": "VEC3", "count": 4, "sparse": sparse})
+        model.json["accessors"][0]["extras"] = {"index": 0, "bufferView": 77, "text": "gr\u00fc\u00df", "big": 2**60,
+                                                "small": 1e-300, "none": None, "deep": [[[]], {}]}
+        shared = model.json["bufferViews"][model.json["images"][0]["bufferView"]]
+        # Another view of bytes that an image has too: they stay.
+        model.json["bufferViews"].append({**shared, "name": "the same"})
+        model.json["bufferViews"].append({**shared, "byteOffset": shared["byteOffset"] + 20, "byteLength": 30})
+        interleaved = model.view(bytes(range(96)), byteStride=24, target=34962)
+        model.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.01}}]
+        model.json["nodes"].append({"camera": 0, "translation": [0.1, 0.30000000000000004, 3]})
+        model.json["animations"] = [{"samplers": [{"input": 4, "output": 5}],
+                                     "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}]
+        model.json["buffers"] = [None, {"byteLength": 8, "uri": "data:;base64,AAECAwQFBgc=", "extras": {"mine": 1}}]
+        model.json["bufferViews"].append({"buffer": 1, "byteOffset": 4, "byteLength": 4})
+        model.json["extensions"] = {"ACME_scene": {"name": "x"}}
+        model.json["extensionsUsed"] = ["ACME_scene"]
+        model.json["extras"] = {"a": [1.5]}
+        before = copy.deepcopy(model.json)
+        after, _ = self.convert(model)
+        source = Glb(self.read("in.glb"))
+        for name, value in before.items():
+            if name not in ("bufferViews", "buffers", "images", "textures", "samplers", "extensionsUsed"):
+                self.assertEqual(after.json[name], value, name)
+        replaced = {image["bufferView"] for image in before["images"]}
+        for number, view in enumerate(before["bufferViews"]):
+            if number in replaced:
+                continue
+            self.assertEqual(after.view(number), source.view(number), number)
+            moved = {"byteOffset", "buffer"}
+            self.assertEqual({k: v for k, v in after.json["bufferViews"][number].items() if k not in moved},
+                             {k: v for k, v in view.items() if k not in moved})
+        self.assertEqual((after.json["bufferViews"][interleaved]["byteOffset"] -
+                          before["bufferViews"][interleaved]["byteOffset"]) % 16, 0)
+        self.assertEqual(after.json["buffers"][1]["extras"], {"mine": 1})
+        self.assertEqual(after.view(len(before["bufferViews"]) - 1), bytes((4, 5, 6, 7)))
+
+    def test_buffers_that_extensions_fill(self):
+        model = plain_model()
+        packed_bytes = model.view(bytes(range(1, 50)))
+        place = model.json["bufferViews"].pop(packed_bytes)
+        fallback = {"byteLength": 96, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}
+        model.json["buffers"] = [None, fallback]
+        model.json["bufferViews"].append({"buffer": 1, "byteLength": 96, "byteStride": 12, "extensions": {
+            "EXT_meshopt_compression": {**place, "byteStride": 12, "mode": "ATTRIBUTES", "count": 8}}})
+        model.json["extensionsUsed"] = model.json["extensionsRequired"] = ["EXT_meshopt_compression"]
+        before = copy.deepcopy(model.json)
+        after, _ = self.convert(model)
+        self.assertEqual(after.json["buffers"][1], before["buffers"][1])
+        view = after.json["bufferViews"][packed_bytes]
+        self.assertEqual((view["buffer"], view["byteLength"]), (1, 96))
+        extension = view["extensions"]["EXT_meshopt_compression"]
+        self.assertEqual(extension["buffer"], 0)
+        self.assertNotEqual(extension["byteOffset"], place["byteOffset"])
+        self.assertEqual(after.bytes[extension["byteOffset"]:][:49], bytes(range(1, 50)))
+
+    def test_roughness_of_another_size_is_brought_to_it(self):
+        for wrap, expected in ((CLAMP, 40), (REPEAT, 80)):
+            model = plain_model(normal=png(8, 8, lambda x, y: (128, 128, 255)),
+                                surface=png(4, 4, lambda x, y: (255, 40 if x == 0 else 200, 0)))
+            model.json["samplers"][0].update(wrapS=wrap, wrapT=wrap)
+            after, report = self.convert(model)
+            level = after.levels(1)[0]
+            self.assertEqual((level.width, level.height), (8, 8))
+            # A quarter of a texel beyond the border: the border itself, or the other side.
+            self.assertAlmostEqual(level.at(0, 3)[1], expected, delta=1)
+            self.assertAlmostEqual(level.at(2, 3)[1], 160, delta=1)
+            self.assertIn("one size", report["materials"][0]["notes"][0])
+
+    def test_files_beside_the_model_come_into_it(self):
+        model = plain_model()
+        pictures = {"a normal.png": bumps(8, 8), "maps/orm.png": packed(8, 8), "colour.png": packed(4, 4)}
+        for name, data in pictures.items():
+            self.write(name, data)
+        model.json["images"] = [{"uri": "a%20normal.png"}, {"uri": "maps/orm.png"}, {"uri": "colour.png"}]
+        model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": model.texture(2)}
+        self.write("in.gltf", model.gltf("all.bin"))
+        self.write("all.bin", model.bytes)
+        after, report = self.convert(None, source="in.gltf")
+        self.assertEqual(after.json["images"][2]["mimeType"], "image/png")
+        self.assertEqual(after.image(2), pictures["colour.png"])
+        self.assertFalse(any("uri" in one for one in after.json["images"] + after.json["buffers"]))
+        self.assertEqual(report["bytes_before"], len(self.read("in.gltf")) + len(model.bytes) +
+                         sum(map(len, pictures.values())))
+
+    def test_anisotropy_on_demand(self):
+        model = plain_model(normal=png(16, 16, lambda x, y: (code(0.6 * (-1) ** x), code(0.0), code(0.8))))
+        after, _ = self.convert(model, "--anisotropy")
+        extension = after.json["materials"][0]["extensions"]["KHR_materials_anisotropy"]
+        self.assertEqual(extension["anisotropyStrength"], 1.0)
+        self.assertIn("KHR_materials_anisotropy", after.json["extensionsUsed"])
+        self.assertNotIn("KHR_materials_anisotropy", after.json["extensionsRequired"])
+        red, green, blue, _ = after.levels(extension["anisotropyTexture"]["index"])[2].at(1, 1)
+        self.assertAlmostEqual(abs(2 * red / 255 - 1), 1.0, delta=0.02)  # along x, which the normals lean to
+        self.assertAlmostEqual(2 * green / 255 - 1, 0.0, delta=0.05)
+        self.assertGreater(blue, 150)
+        model = plain_model()
+        turned = {"extensions": {"KHR_texture_transform": {"rotation": 1.0}}}
+        model.json["materials"][0]["normalTexture"].update(turned)
+        model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(turned)
+        after, report = self.convert(model, "--anisotropy")
+        self.assertNotIn("extensions", after.json["materials"][0])
+        self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
+
+    def test_png_has_level_0_alone_and_says_so(self):
+        self.write("in.glb", plain_model().glb())
+        run = self.run_gltf("--format", "png")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("the fitted levels are lost", run.stderr)
+        after = Glb(self.read("out.glb"))
+        self.assertTrue(after.image(0).startswith(b"\x89PNG"))
+        self.assertNotIn("extensionsRequired", after.json)
+
+    def test_the_same_bytes_for_any_threads_and_memory(self):
+        self.write("in.glb", plain_model(normal=bumps(128, 64), surface=packed(64, 64)).glb())
+        found = set()
+        for more in (("--threads", "1"), ("--threads", "3"), ("--memory", "600k")):
+            run = self.run_gltf("--format", "rgba8", *more)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            found.add(self.read("out.glb"))
+        self.assertEqual(len(found), 1)
+
+    def test_an_interrupted_run_leaves_nothing(self):
+        self.write("in.glb", plain_model(normal=bumps(512, 512), surface=packed(512, 512)).glb())
+        self.write("out.glb", b"an older file")
+        process = subprocess.Popen([MULTUM, "gltf", self.path("in.glb"), "-o", self.path("out.glb"), "--format",
+                                    "rgba8", "--threads", "1"], stderr=subprocess.PIPE)
+        hidden = self.path(".multum-partial-out.glb")
+        end = time.time() + 60
+        while time.time() < end and not (os.path.isdir(hidden) and any("levels" in n for n in os.listdir(hidden))):
+            time.sleep(0.002)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["in.glb", "out.glb"])
+        self.assertEqual(self.read("out.glb"), b"an older file")
+
+
+if __name__ == "__main__":
+    MULTUM = os.path.abspath(sys.argv.pop(1))
+    unittest.main()

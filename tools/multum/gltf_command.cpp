@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum gltf: a model with normal maps as a model whose normal and roughness textures have fitted mips.
+#include <cstdio>
+#include <memory>
+
+#include "host/base/processes/machine.h"
+#include "host/base/shown_text.h"
+#include "host/gltf/gltf_job.h"
+#include "host/parameters/gltf_parameters.h"
+#include "tools/command_line/decoding_option.h"
+#include "tools/command_line/parameter_options.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+namespace {
+
+struct GltfOptions {
+  CommonOptions common;
+  GltfJob job;
+  ParameterValues values{gltf_parameters()};
+};
+
+const Choices<GltfTextureFormat> kGltfTextureFormats = {
+    {"uastc", GltfTextureFormat::kUastc}, {"rgba8", GltfTextureFormat::kRgba8}, {"png", GltfTextureFormat::kPng}};
+
+int run_gltf(GltfOptions& o) {
+  o.job.threads = apply(o.common);
+  keep_freed_memory();
+  const ParameterValues& values = o.values;
+  o.job.format = values.choice("format", kGltfTextureFormats).value_or(o.job.format);
+  o.job.uastc_effort = values.integer("uastc_effort").value_or(o.job.uastc_effort);
+  o.job.encoder = values.text("encoder").value_or("");
+  o.job.is_anisotropic = values.flag("anisotropy");
+  o.job.is_fast = values.flag("fast");
+  if (const auto bytes = values.bytes("memory")) o.job.memory_bytes = static_cast<std::uint64_t>(*bytes);
+  o.job.report = values.text("report").value_or("");
+  Device device = Device::when_needed({values.text("device").value_or("")});
+  const auto progress = make_progress(o.common);
+  const GltfReport report = convert_gltf(o.job, device, progress.get());
+  if (o.common.quiet) return 0;
+  const auto megabytes = [](std::uint64_t bytes) { return 1e-6 * static_cast<double>(bytes); };
+  print_shown(stdout, "%s: written; %d of %zu materials fitted, %zu set%s of textures; %.2f MB, before %.2f MB\n",
+              o.job.output.c_str(), report.fitted_count(), report.materials.size(), report.textures.size(),
+              report.textures.size() == 1 ? "" : "s", megabytes(report.bytes_after), megabytes(report.bytes_before));
+  for (const GltfReport::Material& material : report.materials) {
+    if (!material.kept.empty())
+      print_shown(stdout, "  %s: as it was: %s\n", material.name.c_str(), material.kept.c_str());
+    for (const std::string& note : material.notes)
+      print_shown(stdout, "  %s: %s\n", material.name.c_str(), note.c_str());
+  }
+  if (!o.common.verbose) return 0;
+  for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
+  return 0;
+}
+
+}  // namespace
+
+void add_gltf_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<GltfOptions>();
+  GltfOptions& o = *options;
+  CLI::App* command =
+      app.add_subcommand("gltf",
+                         "give a model's normal and roughness textures fitted mips, all else as it is (docs/GLTF.md)\n"
+                         "  multum gltf helmet.glb -o helmet_mips.glb\n"
+                         "  multum gltf scene/scene.gltf -o scene.glb --format rgba8 --report scene.json");
+  command->add_option("input", o.job.input, "model to read: *.glb, or *.gltf with the files that it names")->required();
+  command->add_option("-o,--output", o.job.output, "model to write: *.glb")->required();
+  add_parameter_options(*command, o.values);
+  add_common_options(*command, o.common);
+  add_decoding_option(*command);
+  command->callback([options, exit_code] { *exit_code = run_gltf(*options); });
+}
+
+}  // namespace multum
