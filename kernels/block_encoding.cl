@@ -63,7 +63,8 @@ static inline float16 scalar_steps(float16 v, float low, float high, float step_
 
 static inline float scalar_error(float16 v, float low, float high, int has_limits) {
   const float step_count = has_limits ? 5.0f : 7.0f;
-  const float16 d = v - fma(scalar_steps(v, low, high, step_count), (high - low) / step_count, (float16)(low));
+  const float16 d =
+      v - fma(scalar_steps(v, low, high, step_count), (float16)((high - low) / step_count), (float16)(low));
   float16 square = d * d;
   if (has_limits) square = fmin(square, fmin(v * v, (255.0f - v) * (255.0f - v)));
   return sum_of(square);
@@ -148,7 +149,7 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
   }
   const float step_count = has_limits ? 5.0f : 7.0f;
   const float16 step = scalar_steps(v, ends.low, ends.high, step_count);
-  const float16 d = v - fma(step, (ends.high - ends.low) / step_count, (float16)(ends.low));
+  const float16 d = v - fma(step, (float16)((ends.high - ends.low) / step_count), (float16)(ends.low));
   float steps[16], squares[16], texels[16];
   vstore16(step, 0, steps);
   vstore16(d * d, 0, squares);
@@ -171,10 +172,23 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
 
 // ------------------------------------------------------------------------------------------------------------ BC7
 
-// Three channels of a block's texels, and which of these count, 1 or 0.
+// A block's texels: where their channels' values are, read again each time, that registers be left for the rest; which
+// of the texels count, a bit each; and the channel that is 255 instead, or -1.
 typedef struct Colours {
-  float16 x, y, z, weight;
+  __global const float* values;
+  uint mask;
+  int without;
 } Colours;
+
+static inline float16 channel_of(Colours c, int channel) {
+  return channel == c.without ? (float16)(255.0f) : vload16(channel, c.values);
+}
+
+// 1 of texels that count, 0 of others.
+static inline float16 subset_weight(uint mask) {
+  const int16 lanes = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  return convert_float16(((int16)((int)mask) >> lanes) & 1);
+}
 
 // How an end's channels are stored: `bits` of its own, and where has_p one bit below that all three share.
 typedef struct EndPrecision {
@@ -212,7 +226,9 @@ static inline float16 line_indices(Colours c, float4 low, float4 high, float las
   const float4 d = high - low;
   const float square = dot(d, d);
   const float scale = square > 0.0f ? last / square : 0.0f;
-  const float16 along = fma(c.x - low.x, (float16)(d.x), fma(c.y - low.y, (float16)(d.y), (c.z - low.z) * d.z));
+  float16 along = (channel_of(c, 0) - low.x) * d.x;
+  along = fma(channel_of(c, 1) - low.y, (float16)(d.y), along);
+  along = fma(channel_of(c, 2) - low.z, (float16)(d.z), along);
   return rint(clamp(along * scale, 0.0f, last));
 }
 
@@ -225,9 +241,13 @@ static inline float4 line_end(const CodedLine* line, int end, EndPrecision preci
 static inline float line_error(Colours c, const CodedLine* line, EndPrecision precision, float last) {
   const float4 low = line_end(line, 0, precision), high = line_end(line, 1, precision);
   const float16 weight = index_weight(line_indices(c, low, high, last), last);
-  const float16 dx = c.x - interpolated(low.x, high.x, weight), dy = c.y - interpolated(low.y, high.y, weight);
-  const float16 dz = c.z - interpolated(low.z, high.z, weight);
-  return sum_of(c.weight * fma(dx, dx, fma(dy, dy, dz * dz)));
+  const float lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
+  float16 square = (float16)(0.0f);
+  for (int channel = 0; channel < 3; ++channel) {
+    const float16 d = channel_of(c, channel) - interpolated(lows[channel], highs[channel], weight);
+    square = fma(d, d, square);
+  }
+  return sum_of(subset_weight(c.mask) * square);
 }
 
 // Means and the upper triangle of the covariance, as sums: xx, xy, xz, yy, yz, zz.
@@ -236,18 +256,20 @@ typedef struct ColourSums {
 } ColourSums;
 
 static inline ColourSums colour_sums(Colours c) {
-  const float16 wx = c.weight * c.x, wy = c.weight * c.y, wz = c.weight * c.z;
+  const float16 weight = subset_weight(c.mask);
+  const float16 x = channel_of(c, 0), y = channel_of(c, 1), z = channel_of(c, 2);
+  const float16 wx = weight * x, wy = weight * y, wz = weight * z;
   ColourSums s;
-  s.count = sum_of(c.weight);
+  s.count = sum_of(weight);
   s.x = sum_of(wx);
   s.y = sum_of(wy);
   s.z = sum_of(wz);
-  s.xx = sum_of(wx * c.x);
-  s.xy = sum_of(wx * c.y);
-  s.xz = sum_of(wx * c.z);
-  s.yy = sum_of(wy * c.y);
-  s.yz = sum_of(wy * c.z);
-  s.zz = sum_of(wz * c.z);
+  s.xx = sum_of(wx * x);
+  s.xy = sum_of(wx * y);
+  s.xz = sum_of(wx * z);
+  s.yy = sum_of(wy * y);
+  s.yz = sum_of(wy * z);
+  s.zz = sum_of(wz * z);
   return s;
 }
 
@@ -302,8 +324,9 @@ static inline void quantize(float4 low, float4 high, EndPrecision precision, Cod
 static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, float last) {
   const ColourSums s = centred(colour_sums(c));
   const float4 mean = (float4)(s.x, s.y, s.z, 0.0f), axis = principal_axis(s);
-  const float16 along =
-      fma(c.x - mean.x, (float16)(axis.x), fma(c.y - mean.y, (float16)(axis.y), (c.z - mean.z) * axis.z)) * c.weight;
+  float16 along = (channel_of(c, 0) - mean.x) * axis.x;
+  along = fma(channel_of(c, 1) - mean.y, (float16)(axis.y), along);
+  along = fma(channel_of(c, 2) - mean.z, (float16)(axis.z), along) * subset_weight(c.mask);
   float4 low = mean + axis * least_of(along), high = mean + axis * most_of(along);
   CodedLine best, tried;
   best.error = INFINITY;
@@ -317,17 +340,22 @@ static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, fl
     const float16 u =
         index_weight(line_indices(c, line_end(&tried, 0, precision), line_end(&tried, 1, precision), last), last) *
         (1.0f / 64.0f);
-    const float mean_u = sum_of(c.weight * u) / fmax(s.count, 1.0f);
-    const float16 du = c.weight * (u - mean_u);
+    const float16 weight = subset_weight(c.mask);
+    const float mean_u = sum_of(weight * u) / fmax(s.count, 1.0f);
+    const float16 du = weight * (u - mean_u);
     const float spread = sum_of(du * du);
     if (spread < 1e-6f) break;
-    const float4 slope =
-        (float4)(sum_of(du * (c.x - mean.x)), sum_of(du * (c.y - mean.y)), sum_of(du * (c.z - mean.z)), 0.0f) / spread;
+    const float4 slope = (float4)(sum_of(du * (channel_of(c, 0) - mean.x)), sum_of(du * (channel_of(c, 1) - mean.y)),
+                                  sum_of(du * (channel_of(c, 2) - mean.z)), 0.0f) /
+                         spread;
     low = mean - mean_u * slope;
     high = low + slope;
   }
   return best;
 }
+
+__constant char kFirstMoves[8] = {1, -1, 0, 0, 1, -1, 1, -1};
+__constant char kSecondMoves[8] = {0, 0, 1, -1, 1, -1, -1, 1};
 
 // Each code a step up and down, and a channel's both together, until a round finds nothing.
 static inline CodedLine climbed_line(Colours c, EndPrecision precision, float last, CodedLine best) {
@@ -336,10 +364,9 @@ static inline CodedLine climbed_line(Colours c, EndPrecision precision, float la
     const float before = best.error;
     for (int move = 0; move < 24; ++move) {
       const int channel = move % 3, kind = move / 3;  // kinds: which ends go up, and which down
-      const int ups[8] = {1, -1, 0, 0, 1, -1, 1, -1}, others[8] = {0, 0, 1, -1, 1, -1, -1, 1};
       tried = best;
-      tried.codes[0][channel] = clamp(best.codes[0][channel] + ups[kind], 0, (1 << precision.bits) - 1);
-      tried.codes[1][channel] = clamp(best.codes[1][channel] + others[kind], 0, (1 << precision.bits) - 1);
+      tried.codes[0][channel] = clamp(best.codes[0][channel] + kFirstMoves[kind], 0, (1 << precision.bits) - 1);
+      tried.codes[1][channel] = clamp(best.codes[1][channel] + kSecondMoves[kind], 0, (1 << precision.bits) - 1);
       tried.error = line_error(c, &tried, precision, last);
       if (tried.error < best.error) best = tried;
     }
@@ -450,13 +477,9 @@ typedef struct SeparateFit {
 } SeparateFit;
 
 static inline Colours without(Colours c, int alone) {
-  if (alone == 0) c.x = (float16)(255.0f);
-  if (alone == 1) c.y = (float16)(255.0f);
-  if (alone == 2) c.z = (float16)(255.0f);
+  c.without = alone;
   return c;
 }
-
-static inline float16 channel_of(Colours c, int channel) { return channel == 0 ? c.x : channel == 1 ? c.y : c.z; }
 
 static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, SeparateFit fit) {
   const EndPrecision precision = {m.colour_bits, 0};
@@ -501,11 +524,6 @@ static inline int channel_alone(Colours c) {
   return alone;
 }
 
-static inline float16 subset_weight(uint mask) {
-  const int16 lanes = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  return convert_float16(((int16)((int)mask) >> lanes) & 1);
-}
-
 static inline ColourSums difference(ColourSums a, ColourSums b) {
   ColourSums d;
   d.count = a.count - b.count;
@@ -525,7 +543,7 @@ static inline int2 best_partitions(Colours c) {
   int2 found = (int2)(0, 1);
   for (int partition = 0; partition < MULTUM_BC7_PARTITIONS; ++partition) {
     Colours subset = c;
-    subset.weight = subset_weight(kPartitionMasks[partition]);
+    subset.mask = kPartitionMasks[partition];
     const ColourSums ones = colour_sums(subset);
     const float residual = line_residual(ones) + line_residual(difference(all, ones));
     if (residual < first) {
@@ -574,7 +592,7 @@ static inline CodedLine better_p(Colours c, EndPrecision precision, float last) 
 
 static inline Colours subset_of(Colours c, int partition, int line) {
   const uint mask = kPartitionMasks[partition];
-  c.weight = subset_weight(line == 0 ? ~mask & 0xffff : mask);
+  c.mask = line == 0 ? ~mask & 0xffff : mask;
   return c;
 }
 
@@ -606,10 +624,9 @@ __kernel void encode_colour_blocks(__global const float* values, __global uint4*
   const int item = (int)get_global_id(0);
   if (item >= block_count) return;
   Colours c;
-  c.x = vload16(3 * item, values);
-  c.y = vload16(3 * item + 1, values);
-  c.z = vload16(3 * item + 2, values);
-  c.weight = (float16)(1.0f);
+  c.values = values + (size_t)item * (3 * MULTUM_BLOCK_TEXELS);
+  c.without = -1;
+  c.mask = 0xffff;
   const EndPrecision seven = {7, 1}, six = {6, 1};
   const CodedLine line = climbed_line(c, seven, 15.0f, fitted_line(c, seven, 1, 15.0f));
   BlockBits bits = mode_6_block(c, line);
@@ -619,15 +636,16 @@ __kernel void encode_colour_blocks(__global const float* values, __global uint4*
     SeparateFit fit = separate_fit(c, alone, &choice);
     const int2 partitions = best_partitions(c);
     int partition = partitions.x;
-    CodedLine lines[2], others[2];
-    for (int l = 0; l < 2; ++l) {
-      lines[l] = better_p(subset_of(c, partitions.x, l), six, 7.0f);
-      others[l] = better_p(subset_of(c, partitions.y, l), six, 7.0f);
-    }
-    if (others[0].error + others[1].error < lines[0].error + lines[1].error) {
-      partition = partitions.y;
-      lines[0] = others[0];
-      lines[1] = others[1];
+    CodedLine lines[2];
+    lines[0].error = lines[1].error = INFINITY;
+    for (int k = 0; k < 2; ++k) {
+      const int tried = k == 0 ? partitions.x : partitions.y;
+      const CodedLine zero = better_p(subset_of(c, tried, 0), six, 7.0f);
+      const CodedLine one = better_p(subset_of(c, tried, 1), six, 7.0f);
+      if (zero.error + one.error >= lines[0].error + lines[1].error) continue;
+      partition = tried;
+      lines[0] = zero;
+      lines[1] = one;
     }
     // Only what is nearer before it climbs does so.
     if (fit.line.error + fit.scalar.error < lines[0].error + lines[1].error) {
