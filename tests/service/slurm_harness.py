@@ -228,11 +228,12 @@ class Slurm:
 
     def is_of_slurm(self, pid):
         with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+            with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
+                if file.read().rsplit(")", 1)[1].split()[0] == "Z":
+                    return True
             with open(f"/proc/{pid}/environ", encoding="utf-8", errors="replace") as file:
                 words = file.read().split("\0")
-            with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
-                is_dead = file.read().rsplit(")", 1)[1].split()[0] == "Z"
             with open(f"/proc/{pid}/cmdline", encoding="utf-8", errors="replace") as file:
                 command = file.read()
-            return is_dead or f"SLURM_CONF={self.config}" in words or command.startswith("slurmstepd:")
+            return f"SLURM_CONF={self.config}" in words or command.startswith("slurmstepd:")
         return False

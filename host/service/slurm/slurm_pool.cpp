@@ -34,7 +34,8 @@ SlurmPool::SlurmPool(asio::io_context& io, QueueThread& ledger, SlurmPoolSetting
       folder_(settings_.slurm.folder, settings_.instance),
       events_(std::move(events)),
       commands_(settings_.slurm, [this] { return is_stopped_.load(); }),
-      timer_(io) {}
+      timer_(io),
+      gather_timer_(io) {}
 
 SlurmPool::~SlurmPool() {
   is_stopped_ = true;
@@ -110,6 +111,7 @@ void SlurmPool::start() {
 void SlurmPool::close() {
   is_closed_ = true;
   timer_.cancel();
+  gather_timer_.cancel();
 }
 
 int SlurmPool::room() const {
@@ -127,6 +129,18 @@ void SlurmPool::order(SlurmWork work) {
 }
 
 void SlurmPool::flush() {
+  // What comes one by one is gathered for a while: it may share a task.
+  if (settings_.slurm.chunk_seconds <= 0.0 || new_.size() >= kEstimatedAtOnce) return estimate_new();
+  if (new_.empty() || is_gathering_) return;
+  is_gathering_ = true;
+  gather_timer_.expires_after(settings_.slurm.poll);
+  gather_timer_.async_wait([this](const boost::system::error_code& error) {
+    is_gathering_ = false;
+    if (!error) estimate_new();
+  });
+}
+
+void SlurmPool::estimate_new() {
   for (std::size_t begin = 0; begin < new_.size(); begin += kEstimatedAtOnce) {
     std::vector<SlurmWork> works;
     for (std::size_t i = begin; i < std::min(new_.size(), begin + kEstimatedAtOnce); ++i)

@@ -82,7 +82,7 @@ class SlurmPool {
   /// How many jobs more it takes.
   int room() const;
   void order(SlurmWork work);
-  /// Sends what was ordered.
+  /// Sends what was ordered, soon.
   void flush();
   /// Asks a job to stop: it ends as Slurm says so. False: it is not here.
   bool cancel(std::int64_t job);
@@ -142,6 +142,7 @@ class SlurmPool {
   void beside(boost::asio::thread_pool& threads, std::function<std::function<void()>()> work);
   void note(QueueThread::Work work, std::function<void()> done);
 
+  void estimate_new();
   void plan(std::vector<SlurmWork> works, std::vector<SlurmEstimate> estimates);
   void send(std::vector<std::vector<SlurmPart>> batches, bool in_turn);
   void submit_ready();
@@ -180,7 +181,7 @@ class SlurmPool {
   const Events events_;
   std::atomic<bool> is_stopped_ = false;
   const SlurmCommands commands_;
-  boost::asio::steady_timer timer_;
+  boost::asio::steady_timer timer_, gather_timer_;
   std::map<std::int64_t, Work> works_;
   std::map<std::int64_t, Batch> batches_;
   std::vector<std::int64_t> new_;
@@ -189,7 +190,7 @@ class SlurmPool {
   std::set<std::int64_t> cancelled_unknown_;        // Slurm's jobs
   std::int64_t last_batch_ = 0;
   std::uint64_t look_count_ = 0;
-  bool is_looking_ = false, is_up_ = false, is_closed_ = false;
+  bool is_gathering_ = false, is_looking_ = false, is_up_ = false, is_closed_ = false;
   Counters counters_;
   boost::asio::thread_pool commands_thread_{1}, estimates_threads_{2};  // last: they use what is above
 };
