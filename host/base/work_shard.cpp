@@ -23,4 +23,8 @@ WorkShard parse_work_shard(const std::string& option, const std::string& text) {
               fmt::format("{} is '{}', expected I/N or I-J/N, shares I to J of N, from 1: 3/8", option, text));
 }
 
+std::string share_file(const std::string& output, int index, int count) {
+  return fmt::format("{}.shard-{}-of-{}", output, index, count);
+}
+
 }  // namespace multum

@@ -12,6 +12,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/checksum.h"
+#include "host/base/work_shard.h"
 #include "host/movmf/movmf_level_fit.h"
 
 namespace multum {
@@ -122,7 +123,7 @@ LevelRows map_rows(const ShardPlan& plan, const MipSchedule& schedule, const Mov
 }
 
 std::string shard_path(const std::string& output, const MapShard& shard) {
-  return fmt::format("{}.shard-{}-of-{}", output, shard.index, shard.count);
+  return share_file(output, shard.index, shard.count);
 }
 
 ShardWriter::ShardWriter(const std::string& path, const std::string& key, const std::string& note)

@@ -3,12 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 
 #include "host/base/error.h"
+#include "host/service/workers/job_types.h"
 #include "host/toml/strict_toml.h"
 
 namespace multum {
@@ -18,7 +22,7 @@ const std::vector<std::string> kKeys = {
     "listen",     "token_file",     "roots",          "workers",          "threads_a_worker", "memory_max",
     "lease_s",    "no_progress_s",  "cancel_grace_s", "shutdown_grace_s", "back_off_first_s", "back_off_max_s",
     "upload_max", "retention_days", "data_max",       "upload_days",      "connections_max",  "request_memory_max",
-    "queue",      "device"};
+    "queue",      "device",         "slurm"};
 
 // "800M", "2G": as --memory takes it.
 std::optional<std::int64_t> parse_bytes(const std::string& text) {
@@ -76,6 +80,45 @@ void read_devices(const StrictTable& root, const std::string& path, ServiceSetti
   }
 }
 
+const std::vector<std::string> kSlurmKeys = {"folder",     "partition", "account",   "arguments",   "program",
+                                             "queues",     "types",     "jobs",      "cpus",        "nice",
+                                             "chunk_s",    "share_s",   "rounds",    "time_factor", "time_min_s",
+                                             "time_max_s", "poll_s",    "visible_s", "lease_s"};
+
+void read_slurm(const StrictTable& root, const std::string& path, ServiceSettings& settings) {
+  if (!root.has("slurm")) return;
+  SlurmSettings& s = settings.slurm;
+  s = {};
+  const StrictTable table(path, root.table("slurm"), "slurm", kSlurmKeys, "the settings");
+  s.folder = std::filesystem::absolute(table.text("folder")).lexically_normal().string();
+  s.partition = table.text("partition", "");
+  s.account = table.text("account", "");
+  if (table.has("arguments")) s.arguments = table.texts("arguments", true);
+  s.program = table.text("program", "");
+  s.queues = table.texts("queues", true);
+  for (const std::string& queue : s.queues)
+    if (!settings.queues.contains(queue))
+      table.refuse("queues", fmt::format("has \"{}\", expected names of [[queue]]", queue));
+  if (table.has("types")) s.types = table.texts("types", true);
+  for (const std::string& type : s.types) find_job_type(type);
+  s.jobs_max = table.whole("jobs", 1, 100000, s.jobs_max);
+  s.cpus = table.whole("cpus", 1, 1024, s.cpus);
+  s.nice = table.whole("nice", 0, 1 << 30, s.nice);
+  s.chunk_seconds = table.number("chunk_s", kFromZero, s.chunk_seconds);
+  s.share_seconds = table.number("share_s", kFromZero, s.share_seconds);
+  s.rounds = table.whole("rounds", 1, 100, s.rounds);
+  s.time_factor = table.number("time_factor", {1.0, 1000.0, false, false, "a number from 1 to 1000"}, s.time_factor);
+  const auto whole_seconds = [&](const char* key, std::chrono::seconds fallback) {
+    return std::chrono::duration_cast<std::chrono::seconds>(seconds(table, key, fallback, 60.0));
+  };
+  s.time_min = whole_seconds("time_min_s", s.time_min);
+  s.time_max = whole_seconds("time_max_s", s.time_max);
+  if (s.time_max < s.time_min) table.refuse("time_max_s", "is less than time_min_s");
+  s.poll = seconds(table, "poll_s", s.poll, 0.1);
+  s.visible = seconds(table, "visible_s", s.visible, 0.0);
+  s.lease = seconds(table, "lease_s", s.lease, 2.0);
+}
+
 }  // namespace
 
 void read_service_settings(const std::string& path, ServiceSettings& s) {
@@ -103,6 +146,7 @@ void read_service_settings(const std::string& path, ServiceSettings& s) {
   if (s.request_memory_max < 8 << 20) root.refuse("request_memory_max", "is less than 8M");
   read_queues(root, path, s);
   read_devices(root, path, s);
+  read_slurm(root, path, s);
 }
 
 ListenAddress parse_listen_address(const std::string& text) {
@@ -150,7 +194,8 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
   const std::pair<const char*, std::string> own[] = {{"the data folder", settings.data},
                                                      {"the token", settings.token_file},
                                                      {"the settings file", settings_file},
-                                                     {"the socket", socket}};
+                                                     {"the socket", socket},
+                                                     {"the folder of [slurm]", settings.slurm.folder}};
   for (const std::string& path : {settings.data, settings.token_file})
     if (const std::string part = path.empty() ? "" : part_that_holds(system, path); !part.empty())
       throw Error(ErrorCode::kUsage,
@@ -166,6 +211,21 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
   }
 }
 
+// Whoever may write there may have nodes run what they like.
+void check_slurm(const SlurmSettings& settings) {
+  if (!settings.is_on()) return;
+  struct stat found {};
+  if (::stat(settings.folder.c_str(), &found) != 0 || !S_ISDIR(found.st_mode))
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("the folder of [slurm] {}: expected a folder that all nodes have by this name", settings.folder));
+  if (found.st_uid != ::geteuid() || (found.st_mode & 022) != 0)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("the folder of [slurm] {}: others own it or may write there, expected a folder of the "
+                            "service's user alone (chmod 700)",
+                            settings.folder));
+}
+
 }  // namespace
 
 void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
@@ -178,6 +238,7 @@ void check_service_settings(const ServiceSettings& settings, const std::string& 
                     "reverse proxy before it (docs/SERVICE.md)",
                     settings.listen));
   check_roots(settings, settings_file, system);
+  check_slurm(settings.slurm);
 }
 
 }  // namespace multum

@@ -10,6 +10,7 @@
 
 #include "host/sandbox/confinement.h"
 #include "host/service/ledger/job_queue.h"
+#include "host/service/slurm/slurm_settings.h"
 
 namespace multum {
 
@@ -34,6 +35,7 @@ struct ServiceSettings {
   int upload_days = 7;                             // of uploads that no job waits for; 0: for ever
   int connections_max = 4096;
   std::int64_t request_memory_max = 256 << 20;  // bytes of requests and answers on their way
+  SlurmSettings slurm;
 };
 
 /// Throws Error(kInput) naming file, line, what was found and what was expected.

@@ -21,6 +21,7 @@
 #include "host/scene/scene_bake.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
+#include "tools/multum/share_plan_mode.h"
 
 namespace multum {
 namespace {
@@ -41,18 +42,28 @@ struct PlanOptions {
   std::string scene, output;
   bool json = false;
   int width = 0;
+  ParameterValues values{bake_parameters()};  // of a map alone
+  int shares = 0;
+  double share_seconds = -1.0;
 };
 
 // A map alone is what many would plan first.
 void check_is_scene(const std::string& path) {
   if (!image_format(path).empty())
     throw Error(ErrorCode::kUsage,
-                path + ": is an image; plan takes a scene.toml (docs/SCENE.md). For one map alone: multum tradeoff " +
+                path +
+                    ": is an image; plan takes a scene.toml (docs/SCENE.md), or an image with --shards N for a farm "
+                    "(docs/FARMS.md). What accuracy costs of one map: multum tradeoff " +
                     path + " -o costs.html");
 }
 
-int run_plan(const PlanOptions& o) {
+int run_plan(const CLI::App& plan_command, const PlanOptions& o) {
+  if (o.shares > 0 || o.share_seconds >= 0.0) {
+    apply(o.common);
+    return run_share_plan({o.scene, o.values, o.shares, o.share_seconds, o.json});
+  }
   check_is_scene(o.scene);
+  check_no_map_option_is_given(plan_command, o.scene);
   BakeJob pattern;
   pattern.threads = pattern.writing.threads = apply(o.common);
   const SceneDescription scene = read_scene(o.scene, pattern);
@@ -136,14 +147,25 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
 void add_plan_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* plan = app.add_subcommand("plan", "show which effects a scene needs of its maps, and why (docs/SCENE.md)");
-  plan->add_option("scene", options->scene, "scene.toml: maps, materials, objects, lights, camera")->required();
+  plan->add_option("scene", options->scene, "scene.toml: maps, materials, objects, lights, camera; or one map")
+      ->required();
+  plan->add_option("--shards", options->shares,
+                   "of one map: predict the processor time of its shares 0/N to N/N and their merge (docs/FARMS.md), "
+                   "e.g. multum plan cliff.png --shards 8")
+      ->type_name("N")
+      ->check(CLI::Range(2, 4096));
+  plan->add_option("--share-seconds", options->share_seconds,
+                   "of one map: as many bands as take about so much processor time each, in seconds; 0: one process")
+      ->check(CLI::NonNegativeNumber);
   plan->add_option("-o,--output", options->output, "write the plan as JSON");
   plan->add_flag("--json", options->json, "print the plan as JSON");
   plan->add_option("--width", options->width, "width of the table in characters (default: the terminal's)")
       ->check(CLI::Range(60, 1000));
   add_decoding_option(*plan);
   add_common_options(*plan, options->common);
-  plan->callback([options, exit_code] { *exit_code = run_plan(*options); });
+  // As multum bake takes them; they say what is fitted.
+  add_parameter_options(*plan, options->values);
+  plan->callback([plan, options, exit_code] { *exit_code = run_plan(*plan, *options); });
 }
 
 }  // namespace multum

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: the daemon. multum worker: what it starts, for it alone. multum rescue: its damaged ledger.
+// multum serve: the daemon. multum worker: what it starts, for it alone. multum slurm-task: what Slurm starts for it.
+// multum rescue: its damaged ledger.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -17,6 +18,7 @@
 #include "host/service/files/input_list.h"
 #include "host/service/ledger/ledger_rescue.h"
 #include "host/service/service.h"
+#include "host/service/slurm/slurm_task.h"
 #include "host/service/workers/worker_loop.h"
 #include "tools/multum/commands.h"
 
@@ -103,6 +105,19 @@ int run_worker_process(const WorkerOptions& o) {
                     });
 }
 
+// SLURM_ARRAY_TASK_ID: which task of an array this one is.
+int run_task(const std::string& batch) {
+  const std::string task = variable("SLURM_ARRAY_TASK_ID");
+  std::optional<int> item;
+  if (!task.empty()) item = std::atoi(task.c_str());
+  return run_slurm_task(batch, item, [](const SlurmOrder& order, const std::string& work_folder) {
+    std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(order.threads),
+                                       "--data=" + work_folder};
+    for (const std::string& root : order.roots) worker.push_back("--root=" + root);
+    return worker;
+  });
+}
+
 struct InputsOptions {
   std::string type, parameters;
   std::vector<std::string> roots;
@@ -158,6 +173,12 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   worker->add_option("--data", own->data)->required();
   worker->add_option("--root", own->roots)->allow_extra_args(false);
   worker->callback([own, exit_code] { *exit_code = run_worker_process(*own); });
+
+  auto batch = std::make_shared<std::string>();
+  CLI::App* task = app.add_subcommand("slurm-task", "");
+  task->group("");
+  task->add_option("--batch", *batch)->required();
+  task->callback([batch, exit_code] { *exit_code = run_task(*batch); });
 
   auto list = std::make_shared<InputsOptions>();
   CLI::App* inputs = app.add_subcommand("inputs", "");

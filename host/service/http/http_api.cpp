@@ -100,6 +100,7 @@ struct HttpApi::State {
     SubmitRequest asked = parse_submit(parse_body(request), roots, dispatcher.limits(), wall_clock_ms());
     JobSubmission& submission = asked.job;
     const JobType& type = find_job_type(submission.type);
+    if (dispatcher.goes_to_slurm(submission.queue, submission.type)) check_is_on_nodes(asked, roots);
     if (roots.results.is_inside(submission.output)) co_await beside([&] { data.check_room(0); });
     if (!submission.output.empty() || !type.input.empty()) co_await beside([&] { look_at_files(type, asked); });
     SubmitResult result;
@@ -166,13 +167,38 @@ struct HttpApi::State {
     co_await in_ledger([&](JobQueue& queue) {
       json["attempts"] = Json::array();
       for (const JobAttempt& attempt : queue.attempts(job.id)) json["attempts"].push_back(attempt_json(attempt));
+      json["parts"] = Json::array();
+      for (const SlurmPart& part : queue.slurm().of_job(job.id)) json["parts"].push_back(part_json(part));
     });
     add_progress(json);
+    if (const SlurmPool* slurm = dispatcher.slurm())
+      for (Json& part : json["parts"]) add_view(part, slurm->view({part["batch"], part["item"]}));
     co_return json_response(json);
   }
 
-  asio::awaitable<HttpResponse> cancel(std::string text) {
+  static void add_view(Json& part, const std::optional<SlurmPool::PartView>& view) {
+    if (!view) return;
+    part["slurm_state"] = view->slurm_state;
+    part["node"] = view->node;
+    part["progress"] = {
+        {"stage", view->progress.stage}, {"done", view->progress.done}, {"total", view->progress.total}};
+  }
+
+  // Ends a share's task at Slurm alone; the share is asked for again.
+  asio::awaitable<HttpResponse> cancel_part(Job job, std::string share) {
+    std::vector<SlurmPart> parts;
+    co_await in_ledger([&](JobQueue& queue) { parts = queue.slurm().of_job(job.id); });
+    for (const SlurmPart& part : parts)
+      if (part.share == share && part.state == SlurmPartState::kSent && dispatcher.slurm() != nullptr &&
+          dispatcher.slurm()->cancel_part(job.id, part.batch, part.item))
+        co_return json_response(job_json(job), 202);
+    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' that is with Slurm", job.id, share)};
+  }
+
+  asio::awaitable<HttpResponse> cancel(std::string text, HttpRequest request) {
     const Job job = co_await job_of(std::move(text));
+    if (const std::string share = parse_cancel(parse_body(request)); !share.empty())
+      co_return co_await cancel_part(job, share);
     CancelResult result = CancelResult::kUnknown;
     std::set<std::int64_t> touched;
     co_await in_ledger([&](JobQueue& queue) {
@@ -309,6 +335,7 @@ struct HttpApi::State {
                       {"jobs_max", limits.jobs_max == 1 << 30 ? Json(nullptr) : Json(limits.jobs_max)},
                       {"memory_max", limits.memory_max > 0 ? Json(limits.memory_max) : Json(nullptr)},
                       {"paused", limits.is_paused},
+                      {"slurm", dispatcher.uses_slurm(name)},
                       {"jobs", states}});
     }
     co_return json_response({{"queues", list}, {"workers", dispatcher.workers().live_count()}});
@@ -418,6 +445,9 @@ asio::awaitable<HttpResponse> job_events(HttpApi::State& state, std::string part
 asio::awaitable<HttpResponse> result(HttpApi::State& state, std::string part, HttpRequest request) {
   return state.result(std::move(part), std::move(request));
 }
+asio::awaitable<HttpResponse> cancel(HttpApi::State& state, std::string part, HttpRequest request) {
+  return state.cancel(std::move(part), std::move(request));
+}
 asio::awaitable<HttpResponse> upload(HttpApi::State& state, std::string part, HttpRequest request) {
   return state.upload(std::move(part), std::move(request));
 }
@@ -450,7 +480,7 @@ const std::vector<Route>& route_table() {
       {"POST", {"v1", "jobs"}, false, with_request<&State::submit>},
       {"GET", {"v1", "jobs"}, false, with_request<&State::list>},
       {"GET", {"v1", "jobs", "{}"}, false, with_part<&State::show>},
-      {"POST", {"v1", "jobs", "{}", "cancel"}, false, with_part<&State::cancel>},
+      {"POST", {"v1", "jobs", "{}", "cancel"}, false, cancel},
       {"POST", {"v1", "jobs", "{}", "retry"}, false, with_part<&State::retry>},
       {"GET", {"v1", "jobs", "{}", "log"}, false, with_part<&State::log>},
       {"GET", {"v1", "jobs", "{}", "result"}, false, result},

@@ -170,6 +170,27 @@ JobFilter parse_filter(const HttpRequest& request) {
   return filter;
 }
 
+std::string parse_cancel(const Json& json) {
+  only_keys(json, {"part"}, "the request");
+  return value_of<std::string>(json, "part", "", is_plain, "a part's name, e.g. 3/8");
+}
+
+void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
+  const JobSubmission& job = request.job;
+  const auto check = [&](const std::string& what, const std::string& path) {
+    if (roots.outputs.is_inside(path) && !roots.results.is_inside(path)) return;
+    throw Refusal{400, "usage",
+                  fmt::format("{} is {}, which is the service's own: queue {} is for Slurm, whose nodes see the roots "
+                              "alone; expected a path below a root",
+                              what, path, job.queue)};
+  };
+  if (!job.output.empty()) check("output", job.output);
+  const Json parameters = request.parameters();
+  for (const Parameter& parameter : find_job_type(job.type).table->rows())
+    if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
+      check("parameters." + parameter.name, parameters[parameter.name].get<std::string>());
+}
+
 std::string parse_retry(const Json& json) {
   only_keys(json, {"queue"}, "the request");
   return value_of<std::string>(json, "queue", "", is_plain, "a queue's name");

@@ -35,6 +35,10 @@ SubmitRequest parse_submit(const nlohmann::json& body, const JobRoots& roots, co
 JobFilter parse_filter(const HttpRequest& request);
 
 /// The queue of POST /v1/retry; "": all.
+/// The part that is to be cancelled, "3/8"; "": all of the job.
+std::string parse_cancel(const nlohmann::json& json);
+/// Throws Refusal for a job that nodes of Slurm's are to do, with files in the daemon's data.
+void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots);
 std::string parse_retry(const nlohmann::json& body);
 
 /// POST /v1/purge: jobs, or all that finished so many seconds ago.

@@ -48,6 +48,25 @@ class Text {
   std::string name_, text_;
 };
 
+void add_slurm(Text& text, const SlurmPool& slurm) {
+  const SlurmPool::Counters& c = slurm.counters();
+  text.one("multum_slurm_up", "gauge", "Whether Slurm answered when it was asked last.", slurm.is_up() ? 1 : 0);
+  text.begin("multum_slurm_parts", "gauge", "Parts of jobs that are with Slurm, by the state that it has them in.");
+  for (const auto& [state, count] : slurm.states()) text.add(fmt::format("state=\"{}\"", escaped(state)), count);
+  text.one("multum_slurm_submitted_total", "counter", "Jobs that sbatch accepted.", c.submitted);
+  text.one("multum_slurm_submit_failures_total", "counter", "Calls of sbatch that failed, or orders not written.",
+           c.submit_failures);
+  text.one("multum_slurm_submit_seconds_total", "counter", "Time to write orders and to run sbatch.", c.submit_seconds);
+  text.one("multum_slurm_sent_again_total", "counter", "Jobs that Slurm forgot or did not begin, sent again.",
+           c.forgotten);
+  text.one("multum_slurm_unknown_cancelled_total", "counter", "Jobs of Slurm's that the ledger did not know.",
+           c.cancelled_unknown);
+  text.one("multum_slurm_parts_ended_total", "counter", "Parts that have ended, however.", c.parts_ended);
+  text.one("multum_slurm_parts_lost_total", "counter", "Parts whose task was lost.", c.parts_lost);
+  text.one("multum_slurm_rounds_total", "counter", "Times that missing shares of a map were asked for again.",
+           c.rounds);
+}
+
 }  // namespace
 
 std::string metrics_text(const std::map<std::string, std::map<JobState, std::int64_t>>& jobs,
@@ -71,6 +90,7 @@ std::string metrics_text(const std::map<std::string, std::map<JobState, std::int
            dispatcher.workers().started_count());
   text.one("multum_workers_lost_total", "counter", "Worker processes that died or were killed.",
            dispatcher.workers().lost_count());
+  if (const SlurmPool* slurm = dispatcher.slurm()) add_slurm(text, *slurm);
   text.one("multum_ledger_pending", "gauge", "Requests that wait for the ledger.", ledger_pending);
   text.one("multum_http_connections_total", "counter", "Connections accepted.", http.connections);
   text.one("multum_http_connections_refused_total", "counter", "Connections closed because there were too many.",

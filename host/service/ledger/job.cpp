@@ -9,6 +9,7 @@ namespace multum {
 namespace {
 
 constexpr std::array kStateNames = {"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"};
+constexpr const char* kSlurmSuffix = ":slurm";  // a worker's name ends in a number
 constexpr std::array kOutcomeNames = {"running", "succeeded", "failed", "refused", "lost", "cancelled", "returned"};
 
 }  // namespace
@@ -20,6 +21,9 @@ std::optional<JobState> parse_job_state(const std::string& name) {
     if (name == kStateNames[i]) return static_cast<JobState>(i);
   return std::nullopt;
 }
+
+std::string slurm_owner(const std::string& instance) { return instance + kSlurmSuffix; }
+bool is_slurm_owner(const std::string& owner) { return owner.ends_with(kSlurmSuffix); }
 
 const char* attempt_outcome_name(AttemptOutcome outcome) { return kOutcomeNames.at(static_cast<std::size_t>(outcome)); }
 

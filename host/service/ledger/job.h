@@ -70,6 +70,10 @@ enum class AttemptOutcome {
 
 const char* attempt_outcome_name(AttemptOutcome outcome);
 
+/// Name under which a daemon holds the leases of jobs that it has sent to Slurm: they outlive it.
+std::string slurm_owner(const std::string& instance);
+bool is_slurm_owner(const std::string& owner);
+
 struct JobAttempt {
   int number = 0;
   std::string owner;

@@ -55,6 +55,21 @@ std::string job_text(const Job& job) {
   return job_json(job).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+nlohmann::json part_json(const SlurmPart& part) {
+  return {{"part", part.share},
+          {"attempt", part.attempt},
+          {"round", part.round},
+          {"batch", part.batch},
+          {"item", part.item},
+          {"state", slurm_part_state_name(part.state)},
+          {"slurm_job", or_null(part.slurm_job)},
+          {"slurm_state", ""},
+          {"node", part.node},
+          {"exit_code", or_null(part.exit_code)},
+          {"message", part.message},
+          {"progress", nullptr}};
+}
+
 nlohmann::json attempt_json(const JobAttempt& attempt) {
   return {{"number", attempt.number},
           {"outcome", attempt_outcome_name(attempt.outcome)},

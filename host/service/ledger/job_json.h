@@ -5,12 +5,15 @@
 #include <nlohmann/json.hpp>
 
 #include "host/service/ledger/job.h"
+#include "host/service/ledger/slurm_notes.h"
 
 namespace multum {
 
 nlohmann::json job_json(const Job& job);
 /// A job as events have it, in one line; bytes of names that are no UTF-8 are replaced.
 std::string job_text(const Job& job);
+/// A part as the ledger has it.
+nlohmann::json part_json(const SlurmPart& part);
 nlohmann::json attempt_json(const JobAttempt& attempt);
 
 /// "2026-11-22T07:30:00.123Z".

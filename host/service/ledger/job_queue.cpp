@@ -78,10 +78,13 @@ std::vector<std::int64_t> JobQueue::ids(SqliteStatement& query) {
 }
 
 void JobQueue::count_use(const Job& job, int sign) {
-  for (Use* use : {&use_, &queue_use_[job.queue], &device_use_[job.device]}) {
-    use->jobs += sign;
-    use->memory += sign * job.memory_bytes;
-  }
+  const auto count = [&](Use& use) {
+    use.jobs += sign;
+    use.memory += sign * job.memory_bytes;
+  };
+  count(queue_use_[job.queue]);
+  count(device_use_[job.device]);
+  if (!is_slurm_owner(job.owner)) count(use_);
 }
 
 void JobQueue::resync() {
@@ -142,9 +145,10 @@ std::optional<JobQueue::Candidate> JobQueue::first_candidate(const std::string& 
   const Use& used = queue_use_[queue];
   if (limits.is_paused || used.jobs >= limits.jobs_max) return std::nullopt;
   static const std::string sql = select_jobs(
-      "WHERE queue = ? AND state = 1 AND (not_before IS NULL OR not_before <= ?) ORDER BY priority DESC, id");
+      "WHERE queue = ?1 AND state = 1 AND (not_before IS NULL OR not_before <= ?2) AND (?3 = '' OR (type IN (SELECT "
+      "value FROM json_each(?3))) <> ?4) ORDER BY priority DESC, id");
   SqliteStatement& query = statement(sql.c_str());
-  query.bind(1, queue).bind(2, now);
+  query.bind(1, queue).bind(2, now).bind(3, limits.types).bind(4, limits.are_types_left ? 1 : 0);
   std::optional<Candidate> found;
   while (!found && query.step()) {
     Job job = job_from_row(query);
@@ -280,12 +284,17 @@ void JobQueue::close_attempt(const Job& job, const AttemptResult& result, TimeMs
   statement("UPDATE jobs SET exit_code = ? WHERE id = ?").bind(1, result.exit_code).bind(2, job.id).run();
 }
 
-void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now) {
+// Why it is to be cancelled; "": it is not.
+std::string JobQueue::stop_asked(std::int64_t id) {
   SqliteStatement& asked = statement("SELECT stop_asked FROM jobs WHERE id = ?");
-  asked.bind(1, job.id).step();
-  const std::string why = asked.text(0);
+  asked.bind(1, id).step();
+  std::string why = asked.text(0);
   asked.reset();
-  if (!why.empty()) {
+  return why;
+}
+
+void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now) {
+  if (const std::string why = stop_asked(job.id); !why.empty()) {
     finish(job.id, JobState::kCancelled, why, now);
     fail_dependents(job.id, now);
     return;
@@ -660,7 +669,7 @@ void JobQueue::settle_waiting(TimeMs now) {
   statement("UPDATE jobs SET state = 1 WHERE state = 0 AND needs_left = 0").run();
 }
 
-JobQueue::Recovered JobQueue::recover(TimeMs now) {
+JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
   settle_waiting(now);
   Recovered recovered;
   SqliteStatement& query = statement("SELECT id FROM jobs WHERE state IN (2, 3) ORDER BY id");
@@ -670,11 +679,21 @@ JobQueue::Recovered JobQueue::recover(TimeMs now) {
       recovered.publishing.emplace_back(job, result_identity(id));
       continue;
     }
-    const AttemptResult lost = {AttemptOutcome::kLost, -1, "the daemon ended while it ran"};
+    const bool is_slurm = keeps_slurm && is_slurm_owner(job.owner);
+    // Nobody is left who would stop what was asked to stop: it is cancelled here, and then at Slurm as unknown.
+    if (is_slurm && slurm_.has_sent(id, job.attempt) && stop_asked(id).empty()) {
+      recovered.with_slurm.push_back(job);
+      continue;
+    }
+    // What was on its way to Slurm was not begun.
+    const AttemptResult lost =
+        is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before it was sent to Slurm"}
+                 : AttemptResult{AttemptOutcome::kLost, -1, "the daemon ended while it ran"};
     close_attempt(job, lost, now);
     requeue_or_die(job, lost, now);
     recovered.lost.push_back(id);
   }
+  slurm_.cancel_orphans();
   return recovered;
 }
 

@@ -13,6 +13,7 @@
 
 #include "host/service/ledger/file_notes.h"
 #include "host/service/ledger/job.h"
+#include "host/service/ledger/slurm_notes.h"
 #include "host/service/ledger/sqlite_database.h"
 
 namespace multum {
@@ -23,12 +24,15 @@ struct QueueLimits {
   int jobs_max = 1 << 30;       // running at once
   std::int64_t memory_max = 0;  // of its running jobs together, bytes; 0: any
   bool is_paused = false;
+  // Of whoever claims: only jobs of the types of this JSON list, or of all others; "": of all.
+  std::string types = {};
+  bool are_types_left = false;
 };
 
 struct ClaimLimits {
   std::map<std::string, QueueLimits> queues;  // jobs of others are not claimed
   std::map<std::string, int> device_jobs_max;
-  std::int64_t memory_max = 0;  // of all running jobs together; 0: any
+  std::int64_t memory_max = 0;  // of all jobs together that run on this machine; 0: any
 };
 
 struct RetryPolicy {
@@ -139,9 +143,11 @@ class JobQueue {
   /// identity of its staged result, to be looked after.
   struct Recovered {
     std::vector<std::int64_t> lost;
+    std::vector<Job> with_slurm;
     std::vector<std::pair<Job, std::string>> publishing;
   };
-  Recovered recover(TimeMs now);
+  /// `keeps_slurm`: what is with Slurm runs on.
+  Recovered recover(TimeMs now, bool keeps_slurm = false);
   /// Notes that a job's result could not be published.
   void publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now);
 
@@ -163,10 +169,12 @@ class JobQueue {
 
   SqliteDatabase& database() { return database_; }
   FileNotes& files() { return files_; }
+  SlurmNotes& slurm() { return slurm_; }
   /// Jobs whose state has changed since the last call.
   std::set<std::int64_t> take_changed() { return std::exchange(changed_, {}); }
 
  private:
+  std::string stop_asked(std::int64_t id);
   void requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now);
   void set_state(std::int64_t id, JobState state, const std::string& message);
   void finish(std::int64_t id, JobState state, const std::string& message, TimeMs now);
@@ -202,6 +210,7 @@ class JobQueue {
 
   SqliteDatabase database_;
   FileNotes files_{database_};
+  SlurmNotes slurm_{database_};
   RetryPolicy policy_;
   std::string results_, instance_, numbers_;
   std::int64_t reserved_ = 0;  // numbers_ says so

@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-constexpr std::int64_t kSchemaVersion = 4;
+constexpr std::int64_t kSchemaVersion = 5;
 constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": what `file` and others know a ledger by
 
 // States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered.
@@ -77,6 +77,25 @@ CREATE TABLE left_overs (  -- of purged jobs: what the next sweep of DATA remove
 CREATE TABLE uploads (path TEXT PRIMARY KEY NOT NULL) WITHOUT ROWID;
 )sql";
 
+// Of version 5 on.
+constexpr const char* kSlurmSchema = R"sql(
+CREATE TABLE slurm_parts (  -- what was sent to Slurm for running jobs, and what became of it (slurm_notes.h)
+  batch INTEGER NOT NULL,
+  item INTEGER NOT NULL,
+  job INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
+  attempt INTEGER NOT NULL,
+  share TEXT NOT NULL,
+  round INTEGER NOT NULL,
+  slurm_job INTEGER,  -- NULL: its number is not known here
+  state INTEGER NOT NULL DEFAULT 0,
+  node TEXT NOT NULL DEFAULT '',
+  exit_code INTEGER,
+  message TEXT NOT NULL DEFAULT '',
+  PRIMARY KEY (batch, item)) WITHOUT ROWID;
+CREATE INDEX slurm_parts_job ON slurm_parts (job);
+CREATE INDEX slurm_parts_sent ON slurm_parts (batch) WHERE state = 0;
+)sql";
+
 // From versions 1 and 2, of multum 0.1 before its release.
 constexpr const char* kAddInputs = R"sql(
 ALTER TABLE jobs ADD COLUMN inputs TEXT NOT NULL DEFAULT '';
@@ -133,10 +152,13 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
     if (found == 0) database.execute(kSchema);
     if (found == 1) database.execute(kAddInputs);
     if (found == 1 || found == 2) database.execute(kAddStopAsked);
-    if (found != 0) database.execute(kKeepNeeds);
-    database.execute(kNeedsSchema);
-    if (found != 0) database.execute(kMoveNeeds);
-    database.execute(kFilesSchema);
+    if (found < 4) {
+      if (found != 0) database.execute(kKeepNeeds);
+      database.execute(kNeedsSchema);
+      if (found != 0) database.execute(kMoveNeeds);
+      database.execute(kFilesSchema);
+    }
+    database.execute(kSlurmSchema);
     database.execute(
         fmt::format("PRAGMA user_version = {}; PRAGMA application_id = {}", kSchemaVersion, kApplicationId));
     transaction.commit();

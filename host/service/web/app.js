@@ -16,7 +16,7 @@ const SAY_MS = 2000; // between two words to who listens rather than looks
 let queues = [];
 
 const list = new JobList({ open: (id) => { location.hash = `job-${id}`; } });
-const detail = new JobDetail({ close: closeDetail, cancel, retry });
+const detail = new JobDetail({ close: closeDetail, cancel, cancelPart, retry });
 const form = new SubmitForm((job) => {
   list.loadSoon(0);
   location.hash = `job-${job.id}`;
@@ -110,6 +110,12 @@ async function cancel(job) {
   back?.focus();
   if (isSure) await act(ask("POST", `/v1/jobs/${job.id}/cancel`), (now) =>
     now.state === "cancelled" ? `Job ${job.id} is cancelled.` : `Job ${job.id} is asked to stop.`);
+}
+
+/** The share of a map; the merge asks for it again. */
+async function cancelPart(job, part) {
+  await act(ask("POST", `/v1/jobs/${job.id}/cancel`, { part }),
+    () => `Part ${part} of job ${job.id} is cancelled at Slurm, and asked for again.`);
 }
 
 async function retry(job) {

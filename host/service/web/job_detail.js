@@ -17,10 +17,17 @@ const facts = (pairs) => node("dl", { class: "facts" },
   ...pairs.filter(([, value]) => value !== null && value !== "").flatMap(([name, value]) =>
     [node("dt", {}, name), node("dd", {}, ...[value].flat())]));
 
+// Until it has ended: what Slurm calls it, and how far it is.
+function partState({ state, slurm_state: slurmState, progress }) {
+  if (state !== "sent") return state;
+  const share = progress && progress.total ? ` ${Math.floor((100 * progress.done) / progress.total)} %` : "";
+  return `${(slurmState || "sent").toLowerCase()}${slurmState === "RUNNING" ? share : ""}`;
+}
+
 const jobLink = (id) => node("a", { href: `#job-${id}` }, `job ${id}`);
 
 export class JobDetail {
-  /** `on` has close(), cancel(job) and retry(job). */
+  /** `on` has close(), cancel(job), cancelPart(job, part) and retry(job). */
   constructor(on) {
     this.on = on;
     this.root = byId("detail");
@@ -82,6 +89,9 @@ export class JobDetail {
       this.pictures);
     this.facts = node("div");
     this.attempts = node("div");
+    this.parts = node("div");
+    this.partsPart = node("section", { "aria-label": "Parts", hidden: true }, node("h3", {}, "Parts, with Slurm"),
+      this.parts);
     this.logNote = node("p", { class: "soft" });
     this.log = node("pre", { class: "log", tabindex: 0, role: "log", "aria-label": "Log", "aria-live": "off" });
     this.root.replaceChildren(
@@ -91,9 +101,10 @@ export class JobDetail {
       node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download, this.player),
       this.picturesPart,
       node("h3", {}, "Job"), this.facts,
-      node("h3", {}, "Attempts"), this.attempts,
+      node("h3", {}, "Attempts"), this.attempts, this.partsPart,
       node("h3", {}, "Log"), this.logNote, this.log);
     this.logSize = -1;
+    this.ticks = 0;
     this.show(job);
   }
 
@@ -126,6 +137,17 @@ export class JobDetail {
     this.attempts.replaceChildren(rows.length
       ? table(["number", "outcome", "started", "took", "exit code", "message"], rows)
       : node("p", { class: "soft" }, `None yet, of ${job.attempt_max} at most.`));
+    this.showParts(job.parts ?? []);
+  }
+
+  showParts(parts) {
+    this.partsPart.hidden = parts.length === 0;
+    const stop = (one) => node("button", { class: "danger", "aria-label": `Cancel part ${one.part}`,
+      onclick: () => this.on.cancelPart(this.job, one.part) }, "Cancel");
+    this.parts.replaceChildren(table(["part", "attempt", "state", "node", "Slurm's job", "message", ""],
+      parts.map((one) => [one.part || "all", one.round > 1 ? `${one.attempt}, round ${one.round}` : String(one.attempt),
+        partState(one), one.node, one.slurm_job === null ? "" : String(one.slurm_job), one.message,
+        one.state === "sent" && one.part ? stop(one) : ""])));
   }
 
   showTook() {
@@ -140,7 +162,7 @@ export class JobDetail {
     if (job.id !== this.job?.id) return;
     const wasFinal = isFinal(this.job.state);
     const progress = job.attempt === this.job.attempt ? this.job.progress : null;
-    this.show({ ...job, attempts: this.job.attempts, progress });
+    this.show({ ...job, attempts: this.job.attempts, parts: this.job.parts, progress });
     clearTimeout(this.reload);
     this.reload = setTimeout(() => this.refresh(), 200);
     if (isFinal(job.state) && !wasFinal) this.loadPictures();
@@ -168,6 +190,8 @@ export class JobDetail {
 
   tick() {
     if (!this.job) return;
+    // Parts have no events of their own.
+    if (this.job.parts?.some((one) => one.state === "sent") && ++this.ticks % 3 === 0) this.refresh();
     refreshTimes(this.root);
     this.showTook();
   }

@@ -21,6 +21,8 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
+constexpr int kSlurmClaimsMax = 200;  // in one commit
+
 // Exit codes of multum (docs/SERVICE.md): what of them is worth trying again.
 AttemptOutcome outcome_of(int code) {
   switch (code) {
@@ -31,6 +33,10 @@ AttemptOutcome outcome_of(int code) {
     case 5: return AttemptOutcome::kRefused;
     default: return AttemptOutcome::kFailed;
   }
+}
+
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 AttemptResult result_of(const Error& error) {
@@ -96,7 +102,19 @@ Dispatcher::Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHu
                on_ended(id, owner, attempt, result);
              }}),
       due_timer_(io),
-      drain_timer_(io) {}
+      drain_timer_(io) {
+  if (!settings_.slurm.is_on()) return;
+  std::vector<std::string> on_nodes;
+  for (const std::string& root : settings_.roots) on_nodes.push_back(std::filesystem::absolute(root).string());
+  slurm_ = std::make_unique<SlurmPool>(
+      io_, ledger_,
+      SlurmPoolSettings{settings_.slurm, instance_, on_nodes, settings_.lease, settings_.no_progress,
+                        settings_.cancel_grace},
+      SlurmPool::Events{[this](std::int64_t id, const JobProgress& progress) { on_progress(id, progress); },
+                        [this](std::int64_t id, int attempt, const WorkResult& result) {
+                          on_ended(id, slurm_owner(instance_), attempt, result);
+                        }});
+}
 
 std::string Dispatcher::log_path(std::int64_t id) const { return fmt::format("{}/logs/{}.log", settings_.data, id); }
 
@@ -112,8 +130,14 @@ void Dispatcher::remove_logs(const std::vector<std::int64_t>& ids) const {
 void Dispatcher::recover() {
   std::vector<std::string> folders;
   JobQueue::Numbers numbers;
+  std::vector<Job> with_slurm;
+  std::vector<SlurmPart> parts;
+  std::int64_t last_batch = 0;
   ledger_.run_now([&](JobQueue& queue) {
-    const JobQueue::Recovered recovered = queue.recover(wall_clock_ms());
+    const JobQueue::Recovered recovered = queue.recover(wall_clock_ms(), slurm_ != nullptr);
+    with_slurm = recovered.with_slurm;
+    parts = queue.slurm().sent();
+    last_batch = queue.slurm().last_batch();
     for (const auto& [job, identity] : recovered.publishing) {
       try {
         publish(job, identity);
@@ -137,10 +161,28 @@ void Dispatcher::recover() {
   const auto is_finished_with = [&](std::int64_t id) { return numbers.is_finished_with(id); };
   for (const std::string& path : sweep_staging(roots_.outputs, folders, instance_, is_finished_with))
     service_log(LogSeverity::kInfo, 0, "removed what an earlier daemon left: " + path);
+  if (slurm_) adopt(with_slurm, parts, last_batch);
+}
+
+void Dispatcher::adopt(const std::vector<Job>& jobs, const std::vector<SlurmPart>& parts, std::int64_t last_batch) {
+  std::vector<SlurmWork> works;
+  for (const Job& job : jobs) {
+    running_[job.id] = {job, Clock::now(), std::nullopt};
+    try {
+      std::string made;
+      WorkOrder order = order_of(job, made);
+      works.push_back(slurm_work(job, std::move(order), std::move(made)));
+      service_log(LogSeverity::kInfo, job.id, "is with Slurm");
+    } catch (const std::exception& error) {
+      note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kRefused, 2, error.what()});
+    }
+  }
+  slurm_->adopt(works, parts, last_batch);
 }
 
 void Dispatcher::start() {
   pool_.start();
+  if (slurm_) slurm_->start();
   on_due();
 }
 
@@ -148,25 +190,63 @@ void Dispatcher::start() {
 
 void Dispatcher::pump() {
   if (is_draining_) return;
-  wants_claim_ = true;
-  if (is_claiming_) return;
-  const std::vector<std::string> owners = reserve(pool_.idle());
+  wants_claim_ = wants_slurm_claim_ = true;
+  if (!is_claiming_) claim(reserve(pool_.idle()), limits_here(), &is_claiming_, &wants_claim_);
+  if (!slurm_ || is_claiming_slurm_) return;
+  const auto room = static_cast<std::size_t>(std::min(slurm_->room(), kSlurmClaimsMax));
+  claim(std::vector<std::string>(room, slurm_owner(instance_)), limits_of_slurm(), &is_claiming_slurm_,
+        &wants_slurm_claim_);
+}
+
+void Dispatcher::claim(std::vector<std::string> owners, ClaimLimits limits, bool* is_claiming, bool* wants_claim) {
   if (owners.empty()) return;
-  is_claiming_ = true;
-  wants_claim_ = false;
+  *is_claiming = true;
+  *wants_claim = false;
   const auto outcome = std::make_shared<Outcome>();
-  ledger_.run([outcome, owners, limits = limits_](JobQueue& queue) { settle(queue, limits, owners, *outcome); },
-              [this, outcome, owners](const std::exception_ptr& error) {
-                is_claiming_ = false;
-                if (error) {
-                  if (!ledger_.is_lost())
-                    service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
-                  for (const std::string& owner : owners) reserved_.erase(owner);
-                  return wake_at(wall_clock_ms() + 5000);
-                }
-                take(owners, *outcome);
-                if (wants_claim_ || !outcome->claimed.empty()) pump();
-              });
+  ledger_.run(
+      [outcome, owners, limits = std::move(limits)](JobQueue& queue) { settle(queue, limits, owners, *outcome); },
+      [=, this](const std::exception_ptr& error) {
+        *is_claiming = false;
+        if (error) {
+          if (!ledger_.is_lost()) service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
+          for (const std::string& owner : owners) reserved_.erase(owner);
+          return wake_at(wall_clock_ms() + 5000);
+        }
+        take(owners, *outcome);
+        if (*wants_claim || !outcome->claimed.empty()) pump();
+      });
+}
+
+bool Dispatcher::uses_slurm(const std::string& queue) const { return slurm_ && has(settings_.slurm.queues, queue); }
+
+bool Dispatcher::goes_to_slurm(const std::string& queue, const std::string& type) const {
+  return uses_slurm(queue) && (settings_.slurm.types.empty() || has(settings_.slurm.types, type));
+}
+
+ClaimLimits Dispatcher::limits_here() const {
+  ClaimLimits limits = limits_;
+  if (!slurm_) return limits;
+  for (const std::string& name : settings_.slurm.queues) {
+    const auto queue = limits.queues.find(name);
+    if (queue == limits.queues.end()) continue;
+    if (settings_.slurm.types.empty()) {
+      limits.queues.erase(queue);
+    } else {
+      queue->second.types = Json(settings_.slurm.types).dump();
+      queue->second.are_types_left = true;
+    }
+  }
+  return limits;
+}
+
+// This machine's memory is no limit of theirs.
+ClaimLimits Dispatcher::limits_of_slurm() const {
+  ClaimLimits limits = limits_;
+  limits.memory_max = 0;
+  std::erase_if(limits.queues, [&](const auto& queue) { return !uses_slurm(queue.first); });
+  for (auto& [name, queue] : limits.queues)
+    if (!settings_.slurm.types.empty()) queue.types = Json(settings_.slurm.types).dump();
+  return limits;
 }
 
 std::vector<std::string> Dispatcher::reserve(const std::vector<std::string>& owners) {
@@ -193,6 +273,7 @@ void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& out
   for (const std::string& owner : owners) reserved_.erase(owner);
   wake_at(outcome.due);
   give_out(outcome.claimed);  // first: a claimed job is nobody else's to start
+  if (slurm_) slurm_->flush();
   for (const Job& job : outcome.touched) events_.publish("job", job.id, job_text(job));
   end_drain_if_idle();
 }
@@ -221,21 +302,35 @@ void Dispatcher::give_out(const std::vector<Claimed>& claimed) {
   }
 }
 
+WorkOrder Dispatcher::order_of(const Job& job, std::string& made) const {
+  WorkOrder order{job.id, job.attempt, {}, "", "", log_path(job.id), job.type, job.parameters, job.inputs, "", ""};
+  if (!job.output.empty()) {
+    order.output = job.output;
+    order.folder = staging_folder(job.output, instance_, job.id);
+    made = staged_path(job.output, instance_, job.id);
+  }
+  order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), made);
+  return order;
+}
+
+SlurmWork Dispatcher::slurm_work(const Job& job, WorkOrder order, std::string made) const {
+  const auto queue = limits_.queues.find(job.queue);
+  const int of_queue = queue == limits_.queues.end() ? 0 : queue->second.priority;
+  return {std::move(order), std::move(made), job.memory_bytes, of_queue + job.priority};
+}
+
 void Dispatcher::start_job(const Claimed& claimed) {
   const Job& job = claimed.job;
-  WorkOrder order{job.id, job.attempt, {}, "", "", log_path(job.id), job.type, job.parameters, job.inputs, "", ""};
+  const bool is_for_slurm = is_slurm_owner(job.owner);
+  WorkOrder order;
+  std::string made;
   if (data_.is_full() && roots_.results.is_inside(job.output))
     return note_end(job.id, job.owner, job.attempt,
                     {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for its result"});
   try {
-    std::string made;
-    if (!job.output.empty()) {
-      order.output = job.output;
-      order.folder = staging_folder(job.output, instance_, job.id);
-      made = staged_path(job.output, instance_, job.id);
-    }
-    order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), made);
-    if (!claimed.copy_from.empty()) {
+    order = order_of(job, made);
+    // Nodes do not see what lies in the daemon's data.
+    if (!claimed.copy_from.empty() && !(is_for_slurm && roots_.results.is_inside(claimed.copy_from))) {
       order.copy_from = claimed.copy_from;
       order.copy_to = made;
       ++counters_.reused;
@@ -245,6 +340,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
   } catch (const std::exception& error) {
     return note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kRefused, 2, error.what()});
   }
+  if (is_for_slurm) return slurm_->order(slurm_work(job, std::move(order), std::move(made)));
   if (!pool_.order(job.owner, order))
     note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kReturned, -1, "its worker was gone before it began"});
 }
@@ -304,7 +400,7 @@ void Dispatcher::finish_publishing(const Job& job, const std::string& identity) 
   const std::vector<std::string> owners = reserve({job.owner});
   note(
       job.id,
-      [=, this, limits = limits_](JobQueue& queue) {
+      [=, this, limits = limits_here()](JobQueue& queue) {
         queue.take_changed();
         trouble->reset();
         try {
@@ -364,7 +460,7 @@ void Dispatcher::remove_staging(const Job& job) const {
 
 void Dispatcher::forget_running(std::int64_t id, AttemptOutcome outcome) {
   const auto found = running_.find(id);
-  if (found != running_.end())
+  if (found != running_.end() && !is_slurm_owner(found->second.job.owner))
     counters_.busy_seconds += std::chrono::duration<double>(Clock::now() - found->second.since).count();
   counters_.succeeded += outcome == AttemptOutcome::kSucceeded ? 1 : 0;
   counters_.lost += outcome == AttemptOutcome::kLost ? 1 : 0;
@@ -380,7 +476,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
   const std::vector<std::string> owners = reserve({owner});
   note(
       id,
-      [=, limits = limits_](JobQueue& queue) {
+      [=, limits = limits_here()](JobQueue& queue) {
         queue.take_changed();
         queue.ended(id, owner, attempt, result, wall_clock_ms());
         const std::optional<Job> job = queue.find(id);
@@ -416,7 +512,7 @@ void Dispatcher::stop_job(std::int64_t id, const std::string& why, AttemptOutcom
   const auto found = running_.find(id);
   if (found == running_.end()) return;
   if (!found->second.stop) found->second.stop = AttemptResult{outcome, 130, why};
-  pool_.cancel(id);
+  if (!pool_.cancel(id) && slurm_) slurm_->cancel(id);
 }
 
 void Dispatcher::set_paused(const std::string& queue, bool is_paused) {
@@ -474,6 +570,11 @@ void Dispatcher::drain(std::function<void()> done) {
   is_draining_ = true;
   drained_ = std::move(done);
   pool_.close();
+  if (slurm_) {
+    // What Slurm has goes on, and is found again by the next daemon.
+    slurm_->close();
+    std::erase_if(running_, [](const auto& one) { return is_slurm_owner(one.second.job.owner); });
+  }
   drain_timer_.expires_after(settings_.shutdown_grace);
   drain_timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;

@@ -16,6 +16,7 @@
 #include "host/service/ledger/job_queue.h"
 #include "host/service/ledger/queue_thread.h"
 #include "host/service/service_settings.h"
+#include "host/service/slurm/slurm_pool.h"
 #include "host/service/workers/worker_pool.h"
 
 namespace multum {
@@ -57,6 +58,10 @@ class Dispatcher {
   const std::map<std::int64_t, JobProgress>& progress() const { return progress_; }
   const Counters& counters() const { return counters_; }
   const WorkerPool& workers() const { return pool_; }
+  /// Null: nothing is sent to Slurm.
+  SlurmPool* slurm() const { return slurm_.get(); }
+  bool uses_slurm(const std::string& queue) const;  // for some types at least
+  bool goes_to_slurm(const std::string& queue, const std::string& type) const;
   const ClaimLimits& limits() const { return limits_; }
   bool is_draining() const { return is_draining_; }
   std::string log_path(std::int64_t id) const;
@@ -88,6 +93,12 @@ class Dispatcher {
   std::vector<std::string> reserve(const std::vector<std::string>& owners);
   void give_out(const std::vector<Claimed>& claimed);
   void start_job(const Claimed& claimed);
+  WorkOrder order_of(const Job& job, std::string& made) const;
+  SlurmWork slurm_work(const Job& job, WorkOrder order, std::string made) const;
+  void adopt(const std::vector<Job>& jobs, const std::vector<SlurmPart>& parts, std::int64_t last_batch);
+  ClaimLimits limits_here() const;
+  ClaimLimits limits_of_slurm() const;
+  void claim(std::vector<std::string> owners, ClaimLimits limits, bool* is_claiming, bool* wants_claim);
   void on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result);
   void publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed);
   /// On the ledger's thread. Throws as StagedResult::publish() does.
@@ -108,6 +119,7 @@ class Dispatcher {
   std::string instance_;
   ClaimLimits limits_;
   WorkerPool pool_;
+  std::unique_ptr<SlurmPool> slurm_;
   boost::asio::steady_timer due_timer_, drain_timer_;
   std::map<std::int64_t, JobProgress> progress_;
   struct Running {
@@ -117,7 +129,9 @@ class Dispatcher {
   };
   std::map<std::int64_t, Running> running_;
   std::set<std::string> reserved_;  // workers that a claim is on its way for
-  bool is_claiming_ = false, wants_claim_ = false, is_draining_ = false;
+  // Of workers here, and for Slurm.
+  bool is_claiming_ = false, wants_claim_ = false, is_claiming_slurm_ = false, wants_slurm_claim_ = false;
+  bool is_draining_ = false;
   int unsettled_ = 0;  // ends and publications on their way into the ledger
   std::function<void()> drained_;
   Counters counters_;

@@ -5,6 +5,7 @@ and repetition; shares that are missing, damaged or of another bake are named an
 
   tests/cli/farms/map_shard_test.py --programs FOLDER
 """
+import json
 import pathlib
 import shutil
 import subprocess
@@ -130,6 +131,37 @@ class MapShardTest(unittest.TestCase):
                 self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
                 self.assertIn(expected, done.stderr)
                 self.assertFalse(list(self.folder.iterdir()))
+
+    def plan(self, *words, size=256):
+        return farm_programs.run("plan", self.maps / f"map{size}_normal.png", *words)
+
+    def test_times_of_shares_are_planned(self):
+        done = self.plan("--shards", 3, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        plan = json.loads(done.stdout)
+        self.assertEqual((plan["width"], plan["height"], plan["shares"], len(plan["band_seconds"])), (256, 256, 3, 3))
+        for seconds in (plan["coarse_seconds"], plan["merge_seconds"], *plan["band_seconds"]):
+            self.assertTrue(0.0 < seconds < plan["processor_seconds"], plan)
+        fewer = json.loads(self.plan("--shards", 3, "--json", "--lobes", 2, "--no-measure").stdout)
+        self.assertLess(fewer["merge_seconds"], plan["merge_seconds"])
+        self.assertLess(fewer["band_seconds"][1], plan["band_seconds"][1])
+        text = self.plan("--shards", 3).stdout
+        for words in ("--shard 0/3", "--shard 3/3", "--merge 3", "one process"):
+            self.assertIn(words, text)
+
+    def test_as_many_shares_are_planned_as_are_worth_it(self):
+        whole = json.loads(self.plan("--share-seconds", 0, "--json").stdout)
+        self.assertEqual((whole["shares"], "band_seconds" in whole), (0, False))
+        half = 0.6 * whole["processor_seconds"]
+        self.assertEqual(json.loads(self.plan("--share-seconds", half, "--json").stdout)["shares"], 2)
+        # No more than the map has room for; and none of what is not divided.
+        many = json.loads(self.plan("--share-seconds", 0.001, "--json").stdout)["shares"]
+        self.assertEqual(self.plan("--shards", many).returncode, 0)
+        self.assertEqual(self.plan("--shards", many + 1).returncode, 2)
+        for words in (("--refine",), ("--ndf", "sh"), ("--lobes", 1), ("--target-error", "0.1")):
+            plan = json.loads(self.plan("--share-seconds", half, "--json", *words).stdout)
+            self.assertEqual(plan["shares"], 0, words)
+            self.assertEqual(self.plan("--shards", 2, *words).returncode, 2, words)
 
     def test_a_share_that_is_killed_leaves_nothing_in_the_way(self):
         shutil.copy(self.maps / "map256_normal.png", self.folder / "a.png")

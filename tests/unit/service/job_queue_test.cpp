@@ -378,7 +378,8 @@ TEST_F(JobQueueTest, AChainOfThousandsDiesAndIsTriedAgainAtOnce) {
 
 // As version 3 left it.
 const char* const kBackToVersion3 =
-    "DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; ALTER TABLE needs RENAME TO n; DROP INDEX needs_of; "
+    "DROP TABLE slurm_parts; DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; ALTER TABLE needs RENAME TO "
+    "n; DROP INDEX needs_of; "
     "CREATE TABLE needs (job INTEGER NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, needs INTEGER NOT NULL "
     "REFERENCES "
     "jobs (id) ON DELETE CASCADE, PRIMARY KEY (job, needs)) WITHOUT ROWID; CREATE INDEX needs_of ON needs (needs); "

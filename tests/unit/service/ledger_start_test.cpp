@@ -122,7 +122,9 @@ TEST_F(LedgerStartTest, ALedgerOfBeforeTakesTheFoldersName) {
   {
     JobQueue queue(find_ledger(folder_.path(), {}, false));
     queue.database().execute(
-        "DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; PRAGMA application_id = 0; PRAGMA user_version = "
+        "DROP TABLE slurm_parts; DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; PRAGMA application_id = "
+        "0; "
+        "PRAGMA user_version = "
         "3");
   }
   const std::string before = instance_;

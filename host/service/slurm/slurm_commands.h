@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Speaks with Slurm by its commands, sbatch, squeue and scancel, as they are found in PATH: words, no shell. All of it
+// blocks.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/service/slurm/slurm_settings.h"
+
+namespace multum {
+
+struct SlurmSubmission {
+  std::string name, comment;
+  std::string script;                 // that runs the words behind it
+  std::vector<std::string> command;   // these words
+  std::string output;                 // file of what a task prints, with Slurm's marks
+  std::vector<int> array;             // numbers of its tasks; none: one task without a number
+  std::optional<std::int64_t> after;  // begins when that job has ended, however
+  std::int64_t memory_bytes = 0;      // 0: Slurm's default
+  int nice = 0;
+  std::chrono::seconds time_max{0};
+};
+
+/// A task as Slurm has it.
+struct SlurmTask {
+  std::int64_t job = 0;
+  int item = -1;  // its number in the array; -1: none
+  std::string name, state, reason, node;
+
+  /// It will run no more.
+  bool is_over() const;
+  /// It will not run unless somebody intervenes.
+  bool is_stuck() const;
+};
+
+/// How sbatch, scancel and scontrol name it: "12" or "12_3".
+std::string slurm_task_name(std::int64_t job, int item);
+
+class SlurmCommands {
+ public:
+  /// `is_stopped`: asked while a command runs, which is killed then.
+  SlurmCommands(SlurmSettings settings, std::function<bool()> is_stopped);
+
+  /// Number of Slurm's job. Throws Error(kEnvironment) with what sbatch says.
+  std::int64_t submit(const SlurmSubmission& submission) const;
+  /// Tasks of this user whose names begin so, those that have ended some minutes ago too. Throws Error(kEnvironment)
+  /// when Slurm does not answer.
+  std::vector<SlurmTask> list(const std::string& prefix) const;
+  /// Those that are not there are passed over. Throws as list() does.
+  void cancel(const std::vector<std::string>& names) const;
+
+ private:
+  std::string run(const std::vector<std::string>& words) const;
+  SlurmSettings settings_;
+  std::function<bool()> is_stopped_;
+};
+
+/// Of `squeue --format=%F|%K|%T|%N|%j|%r`, a line a task; lines of other kinds are passed over.
+std::vector<SlurmTask> parse_squeue(const std::string& text);
+
+}  // namespace multum
