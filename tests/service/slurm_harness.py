@@ -185,6 +185,12 @@ class Slurm:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
 
+    def return_node(self, node):
+        """One that had crashed: known to be down first, or what it ran stays "completing" for minutes."""
+        self.run("scontrol", "update", f"NodeName={node}", "State=DOWN", "Reason=crashed")
+        self.start_node(node)
+        self.run("scontrol", "update", f"NodeName={node}", "State=RESUME")
+
     def starter_node(self, pid):
         """A slurmstepd's, by a task that it has started."""
         for child in descendants(pid):

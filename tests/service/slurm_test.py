@@ -329,7 +329,7 @@ class SlurmTest(ClientCase):
         job = self.succeed(number, "moved", attempts=2)
         self.assertIn("it was silent", job["attempts"][0]["message"])
         self.assertNotEqual(job["parts"][-1]["node"], node)
-        self.slurm.start_node(node)
+        self.slurm.return_node(node)
         self.slurm.wait_for_nodes()
         self.nothing_is_left()
         self.assertEqual(service.job(number)["state"], "succeeded")

@@ -42,9 +42,9 @@ bool SlurmTask::is_over() const {
 }
 
 bool SlurmTask::is_stuck() const {
-  // A node that cannot start a task has it held; what it waits for may have become impossible.
+  // A node that cannot start a task has it held; what it waits for may have become impossible. What people hold waits.
   return state == "PENDING" && (reason == "launch_failed_requeued_held" || reason == "launch failed requeued held" ||
-                                reason == "JobHeldAdmin" || reason == "DependencyNeverSatisfied");
+                                reason == "DependencyNeverSatisfied");
 }
 
 std::string slurm_task_name(std::int64_t job, int item) {

@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/service/files/path_roots.h"
 
 namespace multum {
 namespace {
@@ -176,11 +177,12 @@ void SlurmBatchFolder::move_log(int work_item, int item, const std::string& to, 
   const std::string noted = fmt::format("{}/moved-{}", path_, item);
   std::int64_t begin = 0;
   std::ifstream(noted) >> begin;
-  const int file = ::open(log(work_item, item).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  if (file < 0) return;
+  const OpenFile folder(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const OpenFile file = open_beneath_folder(folder, fmt::format("work-{}/logs/{}.log", work_item, item),
+                                            O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (!folder.is_open() || !file.is_open()) return;
   std::string text(kLogBytesAtOnce, '\0');
-  const ssize_t count = ::pread(file, text.data(), text.size(), begin);
-  ::close(file);
+  const ssize_t count = ::pread(file.descriptor(), text.data(), text.size(), begin);
   if (count <= 0) return;
   text.resize(static_cast<std::size_t>(count));
   const std::size_t whole = text.rfind('\n') + 1;

@@ -71,17 +71,18 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
   std::vector<std::int64_t> to_send_again;
   for (auto& [number, batch] : batches_) {
     follow_submission(batch);
-    bool wants_again = false;
+    bool wants_again = false, has_task = false;
     for (auto& [item, part] : batch.parts) {
       const auto seen = look.parts.find({number, item});
       if (seen == look.parts.end()) continue;  // sent since
       const auto task = batch.slurm_job ? tasks.find({*batch.slurm_job, batch.is_array ? item : -1}) : tasks.end();
+      has_task = has_task || (task != tasks.end() && !task->second->is_over());
       const Fate fate =
           follow(batch, part, seen->second, task == tasks.end() ? nullptr : task->second, look_number, to_cancel);
       if (fate == Fate::kEnded) ended.push_back(part.row);
       wants_again = wants_again || fate == Fate::kAgain;
     }
-    if (wants_again) to_send_again.push_back(number);
+    if (wants_again && !has_task) to_send_again.push_back(number);
   }
   cancel_tasks(std::move(to_cancel));
   for (const SlurmPart& part : ended) batches_.at(part.batch).parts.erase(part.item);

@@ -7,6 +7,7 @@ clock is an hour fast, and the shared folder is full for a while. Every result i
   fault_injection/slurm_farm.py MULTUM [--jobs 500] [--map 8192] [--faults 3]
 
 It needs root and Debian's slurmctld, slurmd, slurm-client and munge; faketime for the clock; and may mount a tmpfs.
+Exit code 77: no Slurm can be started here.
 """
 import argparse
 import collections
@@ -114,7 +115,7 @@ class Farm:
     def crash_node(self):
         self.slurm.crash_node("bake2")
         time.sleep(4)
-        self.slurm.start_node("bake2")
+        self.slurm.return_node("bake2")
         self.done["nodes crashed"] += 1
 
     def kill_daemon(self):
@@ -224,7 +225,8 @@ def main():
     parser.add_argument("--timeout", type=float, default=540.0)
     options = parser.parse_args()
     if why_not():
-        sys.exit(f"skipped: {why_not()}")
+        print(f"skipped: {why_not()}")
+        sys.exit(77)
     folder = tempfile.mkdtemp()
     farm = Farm(options, folder)
     try:
