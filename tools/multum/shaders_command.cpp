@@ -11,7 +11,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/shown_text.h"
 #include "host/brdf/ggx_lobe.h"
-#include "host/export/ktx2_file.h"
+#include "host/export/texture_file.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/shading_files.h"
 
@@ -37,9 +37,9 @@ std::string javascript_module() {
 }
 
 void write_table(const std::string& path) {
-  Ktx2File file(path, {Ktx2Format::kRgba16f, kGgxLobeTableSide, kGgxLobeTableSide, 1});
-  file.write_rows(0, kGgxLobeTableSide, ggx_lobe_table().data());
-  file.finish();
+  const auto file = make_ktx2_file(path, {TexelFormat::kRgba16f, kGgxLobeTableSide, kGgxLobeTableSide, 1});
+  file->write_rows(0, kGgxLobeTableSide, ggx_lobe_table().data());
+  file->finish();
 }
 
 int run_shaders(const ShadersOptions& o) {
