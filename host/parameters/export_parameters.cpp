@@ -82,10 +82,10 @@ Rows export_rows() {
        .surfaces = kOnCommandLine},
       {.name = "zstd",
        .kind = Kind::kInteger,
-       .help = "supercompress the levels of KTX2 files by Zstandard of this level, without loss",
+       .help = "supercompress the levels of KTX2 files by Zstandard of this level, without loss; by default "
+               "they are not",
        .low = 1,
        .high = 19,
-       .default_text = "not at all",
        .group = kStorageGroup,
        .surfaces = kOnCommandLine},
       std::move(roughness_alone)};

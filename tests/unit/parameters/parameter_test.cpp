@@ -14,6 +14,7 @@
 #include "host/bake/output_state.h"
 #include "host/manifest/bake_manifest.h"
 #include "host/parameters/export_parameters.h"
+#include "host/parameters/gltf_parameters.h"
 #include "host/parameters/infer_parameters.h"
 #include "host/parameters/pack_parameters.h"
 #include "host/parameters/pyramid_parameters.h"
@@ -29,8 +30,8 @@ namespace {
 using Json = nlohmann::json;
 
 std::vector<const ParameterTable*> all_tables() {
-  return {&bake_parameters(),   &scene_parameters(), &infer_parameters(),       &pack_parameters(),
-          &export_parameters(), &mip_parameters(),   &reflectance_parameters(), &lod_parameters()};
+  return {&bake_parameters(), &scene_parameters(), &infer_parameters(),       &pack_parameters(), &export_parameters(),
+          &gltf_parameters(), &mip_parameters(),   &reflectance_parameters(), &lod_parameters()};
 }
 
 // A value as each surface writes it, and whether it is to be taken.
