@@ -130,6 +130,7 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
 
   export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--anisotropy"});
   export_material({path("tiny.png"), "--fast"});
+  export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--format", "ktx2", "--texels", "bc"});
 
   make_pyramid({"mip", path("odd_albedo.png")});
   make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});

@@ -196,9 +196,9 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> cancel(std::string text, HttpRequest request) {
+    const std::string share = parse_cancel(parse_body(request));
     const Job job = co_await job_of(std::move(text));
-    if (const std::string share = parse_cancel(parse_body(request)); !share.empty())
-      co_return co_await cancel_part(job, share);
+    if (!share.empty()) co_return co_await cancel_part(job, share);
     CancelResult result = CancelResult::kUnknown;
     std::set<std::int64_t> touched;
     co_await in_ledger([&](JobQueue& queue) {
