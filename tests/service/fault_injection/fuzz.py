@@ -149,9 +149,10 @@ class Fuzzer:
             return method.upper(), target, None, (200, 202, 404, 409) if "{" in path else (200,)
         body, is_taken = self.body(operation)
         if not is_taken:
-            return method.upper(), target, body, (400,) if len(body) <= 1 << 20 else (413,)
+            refused = (400, 404) if "{" in path else (400,)  # a target may name nothing
+            return method.upper(), target, body, refused if len(body) <= 1 << 20 else (413,)
         right = tuple(int(one) for one in operation["responses"] if one.isdigit() and one < "300")
-        return method.upper(), target, body, right + ((400, 404) if "{" in path else (REASONS,))
+        return method.upper(), target, body, right + ((400, 404, 409) if "{" in path else (REASONS,))
 
 
 def main():
