@@ -32,6 +32,11 @@ Rows export_rows() {
   Parameter gloss = channel_parameter("gloss", "the same by a gloss map: roughness = 1 - gloss");
   roughness.excludes = {"gloss", "base_roughness"};
   gloss.excludes = {"roughness", "base_roughness"};
+  Parameter occlusion =
+      channel_parameter("occlusion", "average this map of the same size along; of several channels red");
+  Parameter metalness =
+      channel_parameter("metalness", "average this map of the same size along; of several channels blue");
+  occlusion.excludes = metalness.excludes = {"roughness_alone"};
   Parameter roughness_alone = {
       .name = "roughness_alone",
       .help =
@@ -52,8 +57,8 @@ Rows export_rows() {
        .surfaces = kOnCommandLine},
       std::move(roughness),
       std::move(gloss),
-      channel_parameter("occlusion", "average this map of the same size along; of several channels red"),
-      channel_parameter("metalness", "average this map of the same size along; of several channels blue"),
+      std::move(occlusion),
+      std::move(metalness),
       {.name = "anisotropy",
        .help = "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
                "tangents to the normal map's normal",
