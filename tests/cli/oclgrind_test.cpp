@@ -48,11 +48,11 @@ class OclgrindTest : public CliTest {
   }
 
   // The same of an export.
-  void export_material(std::vector<std::string> options) {
+  void export_material(std::vector<std::string> options, const std::vector<std::string>& of_oclgrind = {}) {
     options.insert(options.begin(), "export");
     options.insert(options.end(),
                    {"--bumpformat", "normal", "--no-measure", "--report", path("report.json"), "-o", path("material")});
-    simulate(multum_command(options));
+    simulate(multum_command(options), of_oclgrind);
     const auto report = nlohmann::json::parse(read_bytes(path("report.json")));
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
@@ -130,7 +130,9 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
 
   export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--anisotropy"});
   export_material({path("tiny.png"), "--fast"});
-  export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--format", "ktx2", "--texels", "bc"});
+  // Inlined functions that return structs leave llvm.experimental.noalias.scope.decl, which Oclgrind does not know.
+  export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--format", "ktx2", "--texels", "bc"},
+                  {"--build-options", "-cl-opt-disable"});
 
   make_pyramid({"mip", path("odd_albedo.png")});
   make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});
