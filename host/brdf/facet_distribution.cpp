@@ -22,21 +22,20 @@ double vmf(double kappa, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2)
-double ggx(double alpha, double e) {
+}  // namespace
+
+double ggx_density(double alpha, double e) {
   if (e >= 1.0) return 0.0;
   const double square = alpha * alpha, t = 1.0 - e, y = square * t * t + e * (2.0 - e);
   return square / (std::numbers::pi * y * y);
 }
-
-}  // namespace
 
 glm::dvec3 facet_density(const Brdf& brdf, double e) {
   switch (brdf.kind) {
     case BrdfKind::kBlinnPhong: return glm::dvec3(blinn_phong(static_cast<double>(brdf.exponent), e));
     case BrdfKind::kTorranceSparrow:
     case BrdfKind::kCookTorrance: return glm::dvec3(vmf(equivalent_exponent(brdf), e));
-    case BrdfKind::kGgx: return glm::dvec3(ggx(static_cast<double>(ggx_alpha(brdf)), e));
+    case BrdfKind::kGgx: return glm::dvec3(ggx_density(static_cast<double>(ggx_alpha(brdf)), e));
     case BrdfKind::kMeasured: return measured_facets(*brdf.measured, e);
     case BrdfKind::kLambert: break;
   }

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host/brdf/facet_distribution.h"
 #include "host/brdf/vmf_terms.h"
 
 namespace multum {
@@ -47,11 +48,6 @@ Rule gauss_legendre(int count) {
 double versine(double angle) {  // 1 - cos
   const double half = std::sin(0.5 * angle);
   return 2.0 * half * half;
-}
-
-double ggx(double alpha, double e) {
-  const double square = alpha * alpha, t = 1.0 - e, y = square * t * t + e * (2.0 - e);
-  return square / (kPi * y * y);
 }
 
 // begin, begin q, ... end.
@@ -167,7 +163,8 @@ double convolved_ggx_facets(double alpha, double kappa, double theta) {
       const double exponent = kappa * versine(theta - ring);
       if (exponent > 60.0) continue;
       const double around = Eigen::numext::bessel_i0e(kappa * std::sin(theta) * std::sin(ring));
-      sum += half * rule.weights[j] * ggx(alpha, versine(ring)) * std::sin(ring) * scale * around * std::exp(-exponent);
+      sum += half * rule.weights[j] * ggx_density(alpha, versine(ring)) * std::sin(ring) * scale * around *
+             std::exp(-exponent);
     }
   return sum;
 }

@@ -93,10 +93,9 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
 // A URI's bytes: its own, or a file's.
 std::string uri_bytes(const GltfAsset& asset, const GltfJson& uri, const std::string& what) {
   if (!uri.is_string()) asset.refuse(what + " has a URI that is no text");
-  const GltfDocument place{asset.path, {}, ""};
   std::string bytes;
   if (decode_data_uri(uri.get_ref<const std::string&>(), asset.path, bytes)) return bytes;
-  return read_whole_file(uri_path(place, uri.get_ref<const std::string&>()));
+  return read_whole_file(uri_path(asset.path, uri.get_ref<const std::string&>()));
 }
 
 void read_buffers(GltfAsset& asset, bool is_glb, std::optional<std::string_view> binary) {

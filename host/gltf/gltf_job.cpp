@@ -31,7 +31,7 @@ std::vector<std::string> input_files(const GltfAsset& asset) {
     for (const GltfJson& object : asset.array(name)) {
       const std::string uri = object.value("uri", "");
       if (uri.empty() || uri.starts_with("data:")) continue;
-      files.push_back(uri_path({asset.path, {}, ""}, uri));
+      files.push_back(uri_path(asset.path, uri));
     }
   std::sort(files.begin() + 1, files.end());
   files.erase(std::unique(files.begin() + 1, files.end()), files.end());

@@ -83,8 +83,8 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
   return true;
 }
 
-std::string uri_path(const GltfDocument& document, const std::string& uri) {
-  if (uri.find("://") != std::string::npos) refuse_file(document.path, "names " + uri + ", expected a file beside it");
+std::string uri_path(const std::string& path, const std::string& uri) {
+  if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file beside it");
   std::string name;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     const bool is_code = uri[i] == '%' && i + 2 < uri.size() &&
@@ -96,8 +96,8 @@ std::string uri_path(const GltfDocument& document, const std::string& uri) {
   // A model that came from somebody else must not bring in files of this machine.
   const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
   if (relative.is_absolute() || *relative.begin() == "..")
-    refuse_file(document.path, "names " + name + ", which is not in its folder; expected a file beside it or below");
-  return (std::filesystem::path(document.path).parent_path() / relative).string();
+    refuse_file(path, "names " + name + ", which is not in its folder; expected a file beside it or below");
+  return (std::filesystem::path(path).parent_path() / relative).string();
 }
 
 std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
@@ -110,7 +110,7 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
     std::string bytes;
     if (!from.contains("uri")) bytes = document.binary;
     else if (const auto uri = from.at("uri").get<std::string>(); !decode_data_uri(uri, document.path, bytes))
-      bytes = read_file(uri_path(document, uri));
+      bytes = read_file(uri_path(document.path, uri));
     if (offset > bytes.size() || length > bytes.size() - offset)
       refuse_file(document.path, what + " goes beyond its buffer");
     return bytes.substr(offset, length);

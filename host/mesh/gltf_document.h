@@ -25,8 +25,8 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view);
 /// A base64 data URI's bytes; false where it is none. Throws Error(kInput) for a damaged one.
 bool decode_data_uri(const std::string& uri, const std::string& path, std::string& bytes);
 
-/// A relative URI as a path beside the file or below, %20 and the like decoded. Throws Error(kInput) for other schemes,
-/// and for what is elsewhere.
-std::string uri_path(const GltfDocument& document, const std::string& uri);
+/// A relative URI in the file `path` as a path beside that or below, %20 and the like decoded. Throws Error(kInput) for
+/// other schemes, and for what is elsewhere.
+std::string uri_path(const std::string& path, const std::string& uri);
 
 }  // namespace multum

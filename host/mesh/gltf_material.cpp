@@ -59,7 +59,7 @@ class MaterialReader {
     if (image.contains("bufferView"))
       made.bytes = buffer_view_bytes(document_, image.at("bufferView").get<std::size_t>());
     else if (uri.empty()) refuse(number + " has neither a URI nor a buffer view");
-    else if (!decode_data_uri(uri, document_.path, made.bytes)) made.file = uri_path(document_, uri);
+    else if (!decode_data_uri(uri, document_.path, made.bytes)) made.file = uri_path(document_.path, uri);
     made.name = unique(image.value("name", "").empty() ? number : safe_file_name(image.value("name", "")), names);
     if (made.file.empty()) made.extension = extension_of(made.bytes, number);
     return made;

@@ -35,7 +35,7 @@ std::uint64_t buffer_bytes(const std::string& path) {
     const GltfDocument document = read_gltf_document(path);
     for (const nlohmann::json& buffer : document.json.value("buffers", nlohmann::json::array()))
       if (const std::string uri = buffer.value("uri", ""); !uri.empty() && !uri.starts_with("data:"))
-        bytes += file_bytes(uri_path(document, uri));
+        bytes += file_bytes(uri_path(document.path, uri));
   } catch (const Error&) {
   } catch (const nlohmann::json::exception&) {
   }

@@ -12,7 +12,6 @@ namespace {
 using Kind = ParameterKind;
 using Rows = std::vector<Parameter>;
 
-constexpr const char kLobeGroup[] = "The lobe";
 constexpr const char kExportRunGroup[] = "Running the export";
 
 Parameter channel_parameter(const char* name, const char* help) {
@@ -59,15 +58,8 @@ Rows export_rows() {
       std::move(gloss),
       std::move(occlusion),
       std::move(metalness),
-      {.name = "anisotropy",
-       .help = "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
-               "tangents to the normal map's normal",
-       .group = kLobeGroup,
-       .surfaces = kOnCommandLine},
-      {.name = "fast",
-       .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
-       .group = kLobeGroup,
-       .surfaces = kOnCommandLine},
+      lobe_anisotropy_parameter(),
+      fast_lobe_parameter(),
       {.name = "format",
        .kind = Kind::kChoice,
        .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2 and "

@@ -35,15 +35,8 @@ std::vector<Parameter> gltf_rows() {
            .default_text = "where Node.js looks for packages",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
-          {.name = "anisotropy",
-           .help = "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
-                   "tangents to the normal map's normal",
-           .group = "The lobe",
-           .surfaces = kOnCommandLine},
-          {.name = "fast",
-           .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
-           .group = "The lobe",
-           .surfaces = kOnCommandLine}};
+          lobe_anisotropy_parameter(),
+          fast_lobe_parameter()};
 }
 
 std::vector<Parameter> gltf_run_rows() {

@@ -5,6 +5,8 @@ namespace multum {
 
 namespace {
 
+constexpr const char kOneLobeGroup[] = "The lobe";
+
 std::vector<std::string> compressions() {
   std::vector<std::string> names = {"none", "rle", "zips", "zip", "piz"};
   for (const char* name : {"zip:", "zips:"})
@@ -30,6 +32,22 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
           .unit = "bytes",
           .default_text = default_text,
           .surfaces = surfaces};
+}
+
+Parameter lobe_anisotropy_parameter() {
+  return {.name = "anisotropy",
+          .help =
+              "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
+              "tangents to the normal map's normal",
+          .group = kOneLobeGroup,
+          .surfaces = kOnCommandLine};
+}
+
+Parameter fast_lobe_parameter() {
+  return {.name = "fast",
+          .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
+          .group = kOneLobeGroup,
+          .surfaces = kOnCommandLine};
 }
 
 Parameter compression_parameter(unsigned surfaces) {

@@ -17,7 +17,7 @@ const server = createServer((request, response) => {
 await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
 
 function runWebgl({ side, table, count, cases }, source) {
-  const gl = Object.assign(document.createElement("canvas")).getContext("webgl2");
+  const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl || !gl.getExtension("EXT_color_buffer_float")) return "no WebGL 2 that draws into floats";
   const compiled = (kind, text) => {
     const shader = gl.createShader(kind);

@@ -68,12 +68,8 @@ void multum_draw_lobe(inout MultumSurface surface) {
     MULTUM_EACH_PART(j) total += surface.lobes[j].w;
   }
   float left = multum_random(0) * total;
-  int drawn = MULTUM_PART_COUNT - 1;
-  for (int j = MULTUM_PART_COUNT - 1; j >= 0; --j) {  // of those that end above it the first
-    float end = 0.0;
-    for (int k = 0; k <= j; ++k) end += surface.lobes[k].w;
-    if (left < end) drawn = j;
-  }
+  int drawn = 0;
+  for (; drawn < MULTUM_PART_COUNT - 1 && left >= surface.lobes[drawn].w; ++drawn) left -= surface.lobes[drawn].w;
   vec4 lobe = surface.lobes[drawn];
   vec3 normal = multum_movmf_drawn_normal(lobe, vec2(multum_random(1), multum_random(2)));
   {
