@@ -49,7 +49,9 @@ int run_shaders(const ShadersOptions& o) {
   std::filesystem::create_directories(folder, failure);
   if (!std::filesystem::is_directory(folder))
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: found {}, expected a folder", o.folder, failure ? failure.message() : "a file"));
+                std::filesystem::exists(folder)
+                    ? o.folder + ": is a file, expected a folder"
+                    : fmt::format("{}: the folder cannot be made: {}", o.folder, failure.message()));
   for (const auto& [name, text] : shading_files()) write_text_file((folder / name).string(), text);
   write_text_file((folder / "multum_lobes.js").string(), javascript_module());
   write_table((folder / "ggx_lobe_table.ktx2").string());
