@@ -27,9 +27,22 @@ float DctStreamEncoder::bits_of(Values& values, const BlockSurroundings& around)
   return port.bits();
 }
 
-/// The values written for a block; `constant` is added to the first by the decoder.
+/// What it takes to say that a group has something, and not that it has nothing.
+float DctStreamEncoder::opening_bits(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane,
+                                     std::size_t group) {
+  const auto around = groups_.surroundings(image, place.parent, place.before, plane, group, place.level);
+  CountingPort some, none;
+  SymbolCoder<CountingPort> of_some(some), of_none(none);
+  syntax_.group(of_some, true, around);
+  syntax_.group(of_none, false, around);
+  return some.bits() - none.bits();
+}
+
+/// The values written for a block; `constant` is added to the first by the decoder. Unless they are all zero they take
+/// `bits_if_any` more than the block itself.
 DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target, std::size_t plane, std::size_t number,
-                                                         int constant, const BlockSurroundings& around) {
+                                                         int constant, const BlockSurroundings& around,
+                                                         float bits_if_any) {
   const std::size_t size = grid_.side * grid_.side;
   const float* wanted = target.coefficients[plane].data() + number * size;
   const float* weights = target.weights.data() + number * size;
@@ -81,38 +94,60 @@ DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target
     for (const std::uint16_t at : syntax_.band(k)) candidate[at] = 0;
     if (candidate != values) keep_if_better(candidate);
   }
+  least += target.lambda * bits_if_any;
   Values none(size);
   keep_if_better(none);
   return values;
 }
 
-void DctStreamEncoder::add_plane(CoefficientBlocks& image, const DctTarget& target, const CoefficientBlocks* parent,
-                                 std::size_t plane, std::size_t level) {
-  bool is_open = false;  // the plane's first blocks are held back until one has something
-  for (std::size_t number = 0; number < grid_.count(); ++number) {
-    const int constant = parent == nullptr ? predicted_constant(image, grid_, plane, number) : 0;
-    const BlockSurroundings around = surroundings(image, parent, grid_, plane, number, level);
-    Values values = chosen_values(target, plane, number, constant, around);
-    if (!is_open) {
-      if (all_zero(values)) continue;
-      is_open = true;
-      coder_.bit(false, empty_plane_);
-      Values none(values.size());
-      for (std::size_t before = 0; before < number; ++before)
-        syntax_.block(coder_, none, surroundings(image, parent, grid_, plane, before, level));
+void DctStreamEncoder::add_empty_group(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane,
+                                       std::size_t group) {
+  syntax_.group(coder_, false, groups_.surroundings(image, place.parent, place.before, plane, group, place.level));
+}
+
+void DctStreamEncoder::add_plane(CoefficientBlocks& image, const DctTarget& target, const ImagePlace& place,
+                                 std::size_t plane) {
+  const auto around = [&](std::size_t number) {
+    return surroundings(image, place.parent, grid_, plane, number, place.level);
+  };
+  Values none(grid_.side * grid_.side);
+  bool is_plane_open = false;  // the plane's first groups, and a group's first blocks, are held back until one has
+  for (std::size_t group = 0; group < groups_.count(); ++group) {  // something
+    const auto numbers = groups_.blocks(group);
+    const auto group_around = groups_.surroundings(image, place.parent, place.before, plane, group, place.level);
+    const float opening = opening_bits(image, place, plane, group);
+    bool is_open = false;
+    for (const std::size_t number : numbers) {
+      const int constant = place.parent == nullptr ? predicted_constant(image, grid_, plane, number) : 0;
+      Values values = chosen_values(target, plane, number, constant, around(number), is_open ? 0.0f : opening);
+      if (!is_open && !all_zero(values)) {
+        if (!is_plane_open) {
+          coder_.bit(false, empty_plane_);
+          for (std::size_t before = 0; before < group; ++before) add_empty_group(image, place, plane, before);
+        }
+        is_plane_open = true;
+        syntax_.group(coder_, true, group_around);
+        for (const std::size_t before : numbers.first(
+                 static_cast<std::size_t>(std::find(numbers.begin(), numbers.end(), number) - numbers.begin())))
+          syntax_.block(coder_, none, around(before));
+        syntax_.block(coder_, values, around(number), number == numbers.back());
+        is_open = true;
+      } else if (is_open) {
+        syntax_.block(coder_, values, around(number));
+      }
+      values[0] = static_cast<std::int16_t>(values[0] + constant);
+      if (!all_zero(values)) std::copy(values.begin(), values.end(), image.make(plane, number).begin());
     }
-    syntax_.block(coder_, values, around);
-    values[0] = static_cast<std::int16_t>(values[0] + constant);
-    if (!all_zero(values)) std::copy(values.begin(), values.end(), image.make(plane, number).begin());
+    if (!is_open && is_plane_open) syntax_.group(coder_, false, group_around);
   }
-  if (!is_open) coder_.bit(true, empty_plane_);
+  if (!is_plane_open) coder_.bit(true, empty_plane_);
 }
 
 CoefficientBlocks DctStreamEncoder::add_image(const DctTarget& target, const CoefficientBlocks* parent,
-                                              std::size_t level) {
+                                              const CoefficientBlocks* before, std::size_t level) {
   CoefficientBlocks image(grid_.count(), grid_.side * grid_.side);
   for (std::size_t plane = 0; plane < CoefficientBlocks::kPlanes; ++plane)
-    add_plane(image, target, parent, plane, level);
+    add_plane(image, target, {parent, before, level}, plane);
   return image;
 }
 

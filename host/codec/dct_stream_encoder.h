@@ -22,12 +22,14 @@ struct DctTarget {
 
 class DctStreamEncoder {
  public:
-  explicit DctStreamEncoder(const BlockGrid& grid) : grid_(grid), syntax_(static_cast<int>(grid.side)), coder_(port_) {}
+  explicit DctStreamEncoder(const BlockGrid& grid)
+      : grid_(grid), groups_(grid), syntax_(static_cast<int>(grid.side)), coder_(port_) {}
   DctStreamEncoder(const DctStreamEncoder&) = delete;
   DctStreamEncoder& operator=(const DctStreamEncoder&) = delete;
 
-  /// Codes the next image; what the decoder will have is returned. `parent` and `level` as in the decoder.
-  CoefficientBlocks add_image(const DctTarget& target, const CoefficientBlocks* parent, std::size_t level);
+  /// Codes the next image; what the decoder will have is returned. `parent`, `before` and `level` as in the decoder.
+  CoefficientBlocks add_image(const DctTarget& target, const CoefficientBlocks* parent, const CoefficientBlocks* before,
+                              std::size_t level);
 
   std::size_t bits() const { return port_.bits(); }
   /// Ends the stream; nothing may be added afterwards.
@@ -36,13 +38,21 @@ class DctStreamEncoder {
  private:
   using Values = std::vector<std::int16_t>;
 
-  void add_plane(CoefficientBlocks& image, const DctTarget& target, const CoefficientBlocks* parent, std::size_t plane,
-                 std::size_t level);
+  /// Where an image stands among others.
+  struct ImagePlace {
+    const CoefficientBlocks *parent, *before;
+    std::size_t level;
+  };
+
+  void add_plane(CoefficientBlocks& image, const DctTarget& target, const ImagePlace& place, std::size_t plane);
+  void add_empty_group(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane, std::size_t group);
   Values chosen_values(const DctTarget& target, std::size_t plane, std::size_t number, int constant,
-                       const BlockSurroundings& around);
+                       const BlockSurroundings& around, float bits_if_any);
+  float opening_bits(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane, std::size_t group);
   float bits_of(Values& values, const BlockSurroundings& around);
 
   BlockGrid grid_;
+  BlockGroups groups_;
   DctSyntax syntax_;
   EncodingPort port_;
   SymbolCoder<EncodingPort> coder_;

@@ -2,6 +2,7 @@
 #include "host/codec/packed_file.h"
 
 #include "host/codec/byte_writer.h"
+#include "host/codec/decoder/packed_index.h"
 #include "host/codec/decoder/section_checksum.h"
 
 namespace multum {
@@ -18,7 +19,7 @@ std::vector<std::uint8_t> packed_file(const std::vector<SectionSource>& sections
   }
   ByteWriter file;
   for (const char letter : {'M', 'P', 'T', 'F'}) file.byte(static_cast<std::uint8_t>(letter));
-  file.byte(1);
+  file.byte(PackedIndex::kVersion);
   file.fixed(index.written().size(), 4);
   file.bytes(index.written());
   file.fixed(section_checksum(file.written()), 4);

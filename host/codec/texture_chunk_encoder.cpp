@@ -60,7 +60,9 @@ class DctCoding : public ImageCoding {
   std::array<std::vector<float>, 3> add(std::array<std::vector<float>, 3> wanted, std::vector<float> weights,
                                         std::optional<std::size_t> parent, std::size_t level, float scale) override {
     const DctTarget target{std::move(wanted), std::move(weights), steps_, scale, lambda_};
-    images_.push_back(encoder_.add_image(target, parent ? &images_[*parent] : nullptr, level));
+    const CoefficientBlocks* before = images_.empty() ? nullptr : &images_.back();
+    CoefficientBlocks image = encoder_.add_image(target, parent ? &images_[*parent] : nullptr, before, level);
+    images_.push_back(std::move(image));
     std::array<std::vector<float>, 3> decoded;
     for (std::size_t p = 0; p < 3; ++p) {
       decoded[p].resize(target.weights.size());

@@ -9,7 +9,8 @@
 // needs while it works, what the caller draws with - and never exceeds memory_max. Not counted: the description and the
 // index.
 //
-// One thread calls all of this; workers are inside.
+// One thread calls all of this; workers are inside. In three files: what a point needs and what is there of it;
+// _forgetting, what is forgotten, and for what; _decoding, what is asked for and how workers decode it.
 #pragma once
 
 #include <array>
@@ -28,21 +29,12 @@
 #include <vector>
 
 #include "host/codec/field_unpacking.h"
+#include "host/playback/decoded_image.h"
 #include "host/playback/field_point.h"
 #include "host/playback/image_key.h"
 #include "host/playback/memory_account.h"
 
 namespace multum {
-
-/// What is decoded of a chunk and kept.
-enum class DecodedKind {
-  kImages,  // of which samples are the sum, shared by neighbouring samples
-  /// The same, and the sum of a sample's images at once, for the price of one, where two or more are missing now: after
-  /// a jump textures are whole sooner. Which images a frame is made of then depends on time, and so does their
-  /// rounding.
-  kImagesAndSums,
-  kTextures,  // of single samples, whole: radiance with all mip levels. For points without shares of several samples
-};
 
 struct PlaybackSettings {
   std::size_t memory_max = std::size_t{256} << 20;  // bytes, at least 2^20
@@ -50,13 +42,6 @@ struct PlaybackSettings {
   double lifetime = 20.0;        // a: frames that an image of a single sample is kept unused; 0 to 1e6
   double lifetime_factor = 4.0;  // b, 1 to 64
   DecodedKind kind = DecodedKind::kImages;
-};
-
-/// RGBA halves, [height][width][4], in the units of TextureChunk::image; or radiance, [texel][4] of all mip levels, the
-/// finest first. Alpha 0.
-struct DecodedImage {
-  std::size_t width = 0, height = 0;  // of the finest level
-  std::vector<std::uint16_t> halves;
 };
 
 struct NeededImage {
@@ -126,6 +111,10 @@ class FieldPlayback {
   std::vector<std::string> damaged() const;
 
  private:
+  // A chunk may take so much of the memory for its coefficients, and as much for its head: several fit, and no file of
+  // a stranger's gets all.
+  static constexpr std::size_t kChunkShare = 4;
+
   struct Rank {
     std::uint64_t frame = 0;   // at which it was last wanted
     std::size_t distance = 0;  // how many frames ahead, 0 is now

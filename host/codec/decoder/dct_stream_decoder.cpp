@@ -5,33 +5,45 @@
 
 namespace multum {
 
-namespace {
+BlockGroups::BlockGroups(const BlockGrid& grid) : columns_((grid.columns() + kSide - 1) / kSide) {
+  numbers_.resize(columns_ * ((grid.rows() + kSide - 1) / kSide));
+  for (std::size_t number = 0; number < grid.count(); ++number)
+    numbers_[number / grid.columns() / kSide * columns_ + number % grid.columns() / kSide].push_back(number);
+}
 
-struct BlockPlace {
-  std::size_t number, column, columns;  // columns in all
-};
+bool BlockGroups::has_any(const CoefficientBlocks* image, std::size_t plane, std::size_t group) const {
+  if (image == nullptr || !image->has_plane(plane)) return false;
+  const auto blocks = this->blocks(group);
+  return std::any_of(blocks.begin(), blocks.end(), [&](auto number) { return !image->block(plane, number).empty(); });
+}
 
-/// `surroundings` without its divisions, which take longer than a block of zeros otherwise does.
-BlockSurroundings surroundings_at(const CoefficientBlocks& image, const CoefficientBlocks* parent,
-                                  const BlockPlace& place, std::size_t plane, std::size_t level) {
-  const std::size_t number = place.number;
+GroupSurroundings BlockGroups::surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent,
+                                            const CoefficientBlocks* before, std::size_t plane, std::size_t group,
+                                            std::size_t level) const {
+  GroupSurroundings around;
+  around.beside = (group % columns_ > 0 && has_any(&image, plane, group - 1) ? 1u : 0u) +
+                  (group >= columns_ && has_any(&image, plane, group - columns_) ? 1u : 0u);
+  around.has_parent = parent != nullptr;
+  around.parent = has_any(parent, plane, group);
+  around.before = has_any(before, plane, group);
+  around.luma = plane > 0 && has_any(&image, 0, group);
+  around.plane = plane;
+  around.level = level;
+  return around;
+}
+
+BlockSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent, const BlockGrid& grid,
+                               std::size_t plane, std::size_t number, std::size_t level) {
+  const std::size_t columns = grid.columns();
   BlockSurroundings around;
-  if (place.column > 0) around.left = image.block(plane, number - 1);
-  if (number >= place.columns) around.up = image.block(plane, number - place.columns);
+  if (number % columns > 0) around.left = image.block(plane, number - 1);
+  if (number >= columns) around.up = image.block(plane, number - columns);
   if (parent != nullptr) around.parent = parent->block(plane, number);
   if (plane > 0) around.luma = image.block(0, number);
   around.has_parent = parent != nullptr;
   around.plane = plane;
   around.level = level;
   return around;
-}
-
-}  // namespace
-
-BlockSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent, const BlockGrid& grid,
-                               std::size_t plane, std::size_t number, std::size_t level) {
-  const std::size_t columns = grid.columns();
-  return surroundings_at(image, parent, {number, number % columns, columns}, plane, level);
 }
 
 int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::size_t number) {
@@ -45,18 +57,23 @@ int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, st
   return has_up ? constant(number - grid.columns()) : 0;
 }
 
-CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, std::size_t level) {
-  CoefficientBlocks image(grid_.count(), grid_.side * grid_.side);
+bool DctStreamDecoder::add_plane(CoefficientBlocks& image, const CoefficientBlocks* parent,
+                                 const CoefficientBlocks* before, std::size_t plane, std::size_t level) {
+  if (coder_.bit(false, empty_plane_)) return true;
   std::vector<std::int16_t> values(grid_.side * grid_.side);
-  for (std::size_t plane = 0; plane < CoefficientBlocks::kPlanes; ++plane) {
-    if (coder_.bit(false, empty_plane_)) continue;
-    const std::size_t columns = grid_.columns(), count = grid_.count();
-    for (std::size_t number = 0, column = 0; number < count; ++number, column = column + 1 < columns ? column + 1 : 0) {
+  for (std::size_t group = 0; group < groups_.count(); ++group) {
+    const bool has_any = syntax_.group(coder_, false, groups_.surroundings(image, parent, before, plane, group, level));
+    if (port_.exhausted()) return false;
+    if (!has_any && parent != nullptr) continue;
+    bool any_yet = false;
+    for (const std::size_t number : groups_.blocks(group)) {
       // Three times: a vector that grows holds its old and its new room, twice as large, for a moment.
-      if (account_ != nullptr && account_->is_over(3 * image.memory_bytes())) return image;
+      if (account_ != nullptr && account_->is_over(3 * image.memory_bytes())) return false;
+      const bool is_only = !any_yet && number == groups_.blocks(group).back();
       const bool is_coded =
-          syntax_.block(coder_, values, surroundings_at(image, parent, {number, column, columns}, plane, level));
-      if (port_.exhausted()) return image;  // of this block something may be made up
+          has_any && syntax_.block(coder_, values, surroundings(image, parent, grid_, plane, number, level), is_only);
+      if (port_.exhausted()) return false;  // of this block something may be made up
+      any_yet |= is_coded;
       if (!is_coded && parent != nullptr) continue;
       if (parent == nullptr)
         values[0] =
@@ -67,28 +84,51 @@ CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, 
       std::fill(values.begin(), values.end(), std::int16_t{0});
     }
   }
+  return true;
+}
+
+CoefficientBlocks DctStreamDecoder::next_image(const CoefficientBlocks* parent, const CoefficientBlocks* before,
+                                               std::size_t level) {
+  CoefficientBlocks image(grid_.count(), grid_.side * grid_.side);
+  for (std::size_t plane = 0; plane < CoefficientBlocks::kPlanes; ++plane)
+    if (!add_plane(image, parent, before, plane, level)) break;
   return image;
 }
 
-void add_samples(std::span<const WeighedImage> images, const BlockGrid& grid, std::size_t plane,
-                 std::span<const float> steps, std::span<float> samples) {
+namespace {
+
+/// The block's samples of a plane of the images' sum. False: nothing but zeros, `samples` are left alone.
+bool summed_block(std::span<const WeighedImage> images, const BlockGrid& grid, std::size_t plane, std::size_t number,
+                  std::span<const float> steps, std::span<float> samples) {
+  bool is_zero = true;
+  for (const WeighedImage& weighed : images) {
+    const auto values = weighed.image->block(plane, number);
+    if (values.empty()) continue;
+    if (is_zero) std::fill(samples.begin(), samples.end(), 0.0f);
+    is_zero = false;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      samples[i] += weighed.scale * steps[i] * static_cast<float>(values[i]);
+  }
+  if (!is_zero) inverse_dct(static_cast<int>(grid.side), samples, samples);
+  return !is_zero;
+}
+
+}  // namespace
+
+void add_colours(std::span<const WeighedImage> images, const BlockGrid& grid, std::span<const float> steps,
+                 const std::array<std::array<float, 3>, 3>& rows, std::span<float> colours) {
   std::vector<float> block(grid.side * grid.side);
   for (std::size_t number = 0; number < grid.count(); ++number) {
-    bool is_zero = true;
-    for (const WeighedImage& weighed : images) {
-      const auto values = weighed.image->block(plane, number);
-      if (values.empty()) continue;
-      if (is_zero) std::fill(block.begin(), block.end(), 0.0f);
-      is_zero = false;
-      for (std::size_t i = 0; i < block.size(); ++i)
-        block[i] += weighed.scale * steps[i] * static_cast<float>(values[i]);
-    }
-    if (is_zero) continue;
-    inverse_dct(static_cast<int>(grid.side), block, block);
     const std::size_t left = number % grid.columns() * grid.side, top = number / grid.columns() * grid.side;
-    for (std::size_t y = 0; y < std::min(grid.side, grid.height - top); ++y)
-      for (std::size_t x = 0; x < std::min(grid.side, grid.width - left); ++x)
-        samples[(top + y) * grid.width + left + x] += block[y * grid.side + x];
+    const std::size_t width = std::min(grid.side, grid.width - left), height = std::min(grid.side, grid.height - top);
+    for (std::size_t p = 0; p < CoefficientBlocks::kPlanes; ++p) {
+      if (!summed_block(images, grid, p, number, steps, block)) continue;
+      for (std::size_t y = 0; y < height; ++y) {
+        const std::span<float> line = colours.subspan(3 * ((top + y) * grid.width + left), 3 * width);
+        for (std::size_t x = 0; x < width; ++x)
+          for (std::size_t c = 0; c < 3; ++c) line[3 * x + c] += rows[p][c] * block[y * grid.side + x];
+      }
+    }
   }
 }
 

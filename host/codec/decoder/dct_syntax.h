@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes the quantized cosine coefficients of an image's blocks. A block: whether it has any; for each band
-// from the lowest whether it has any; in such a band each coefficient's significance, magnitude and sign. Band 0 is the
-// constant, band k the frequencies whose larger index lies in [2^(k-1), 2^k):
+// Codes the quantized cosine coefficients of an image's blocks, 4 x 4 of them together: a group. A group: whether any
+// of its blocks has any; then its blocks. A block: whether it has any; for each band from the lowest whether it has
+// any; in such a band each coefficient's significance, magnitude and sign. Band 0 is the constant, band k the
+// frequencies whose larger index lies in [2^(k-1), 2^k):
 //
 //      0 1 2 2 3 ...      u
 //      1 1 2 2 3
@@ -29,6 +30,14 @@ struct BlockSurroundings {
   std::size_t level = 0;  // of the pyramid, the coarsest 0
 };
 
+/// What has been coded around a group of blocks.
+struct GroupSurroundings {
+  std::size_t beside = 0;  // of the groups to the left and above, how many have something
+  bool has_parent = false;
+  bool parent = false, before = false, luma = false;  // the same group of these has something
+  std::size_t plane = 0, level = 0;                   // as a block has them
+};
+
 class DctSyntax {
  public:
   /// `side` as is_dct_side has it.
@@ -46,20 +55,34 @@ class DctSyntax {
   /// Places of band k, v * side + u.
   std::span<const std::uint16_t> band(std::size_t k) const { return order_[k]; }
 
-  /// `values` of side * side: written, or read into; then all zero before. Returns whether any is coded.
+  /// Whether any block of a group is coded.
   template <class Port>
-  bool block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around) {
+  bool group(SymbolCoder<Port>& coder, bool any, const GroupSurroundings& around) {
+    const std::size_t chroma = around.plane > 0 ? 1 : 0, level = std::min<std::size_t>(around.level, 3);
+    const std::size_t parent = !around.has_parent ? 2 : around.parent ? 1 : 0, before = around.before ? 1 : 0;
+    return coder.bit(any,
+                     {&group_a_[chroma][around.beside][parent][before],
+                      &group_b_[around.plane][level][around.luma ? 1 : 0], &group_c_[chroma][level][around.beside]},
+                     group_mixer_[chroma]);
+  }
+
+  /// `values` of side * side: written, or read into; then all zero before. Returns whether any is coded; with
+  /// `is_coded` that is known to be so.
+  template <class Port>
+  bool block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around,
+             bool is_coded = false) {
     const std::size_t chroma = around.plane > 0 ? 1 : 0, level = std::min<std::size_t>(around.level, 3);
     const std::size_t parent = !around.has_parent ? 2 : around.parent.empty() ? 0 : 1;
     const std::size_t beside = (around.left.empty() ? 0u : 1u) + (around.up.empty() ? 0u : 1u);
     std::array<bool, kBands> has{};
-    bool any = false;
+    bool any = is_coded;
     if constexpr (!Port::kDecodes)
       for (std::size_t k = 0; k < band_count_; ++k) any |= has[k] = has_band(values, k);
-    any = coder.bit(any,
-                    {&coded_a_[chroma][beside][parent], &coded_b_[around.plane][level][around.luma.empty() ? 0 : 1],
-                     &coded_c_[chroma][level][beside]},
-                    coded_mixer_[chroma]);
+    if (!is_coded)
+      any = coder.bit(any,
+                      {&coded_a_[chroma][beside][parent], &coded_b_[around.plane][level][around.luma.empty() ? 0 : 1],
+                       &coded_c_[chroma][level][beside]},
+                      coded_mixer_[chroma]);
     if (!any) return false;
     bool before = false;
     for (std::size_t k = 0; k < band_count_; ++k) {
@@ -166,6 +189,9 @@ class DctSyntax {
   std::size_t band_count_;
   std::array<std::vector<std::uint16_t>, kBands> order_;
 
+  ContextTable<2, 3, 3, 2> group_a_;
+  ContextTable<3, 4, 2> group_b_;
+  ContextTable<2, 4, 3> group_c_;
   ContextTable<2, 3, 3> coded_a_;
   ContextTable<3, 4, 2> coded_b_;
   ContextTable<2, 4, 3> coded_c_;
@@ -180,7 +206,7 @@ class DctSyntax {
   ContextTable<5, kUnary> larger_c_;
   ContextTable<2, 3, 3> sign_;
   std::array<AdaptiveBit, 17> escape_;
-  std::array<BitMixer, 2> coded_mixer_;
+  std::array<BitMixer, 2> group_mixer_, coded_mixer_;
   std::array<std::array<BitMixer, kBands>, 2> band_mixer_, significant_mixer_;
   BitMixer larger_mixer_;
 };

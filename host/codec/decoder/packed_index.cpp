@@ -10,7 +10,6 @@ namespace multum {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic = {'M', 'P', 'T', 'F'};
-constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kChecksumBytes = 4;
 constexpr std::size_t kSectionBytesLeast = 4 + kChecksumBytes;  // of the index, for each
 
@@ -29,8 +28,9 @@ std::optional<std::size_t> PackedIndex::bytes_needed(std::span<const std::uint8_
     problem = "cut short within its first 9 bytes";
     return {};
   }
-  if (version != kVersion) {
-    problem = "a packed field of version " + std::to_string(version) + ", expected 1";
+  if (version != PackedIndex::kVersion) {
+    problem =
+        "a packed field of version " + std::to_string(version) + ", expected " + std::to_string(PackedIndex::kVersion);
     return {};
   }
   if (length > kIndexBytesMax) {

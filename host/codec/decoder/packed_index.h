@@ -3,7 +3,7 @@
 // its range of bytes.
 //
 //      "MPTF"      4 bytes
-//      version     1 byte: 1
+//      version     1 byte: 2
 //      length      4 bytes, of the index that follows, without its checksum
 //      index       number of sections; of each: kind, layer, block, length (numbers of ByteReader), checksum (4 bytes)
 //      checksum    4 bytes: section_checksum of all bytes before it
@@ -33,6 +33,7 @@ struct PackedSection {
 
 class PackedIndex {
  public:
+  static constexpr std::uint8_t kVersion = 2;  // 1 had no groups of blocks and was not released
   static constexpr std::size_t kHeadBytes = 9;
   static constexpr std::size_t kIndexBytesMax = std::size_t{1} << 26;
   static constexpr std::uint64_t kSectionBytesMax = std::uint64_t{1} << 32;

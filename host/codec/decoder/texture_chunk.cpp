@@ -21,7 +21,8 @@ bool TextureChunk::decode_cosines(std::span<const std::uint8_t> coded, DecodingA
   std::size_t kept = 0;
   for (std::size_t i = 0; i < plan_.image_count() && !decoder.exhausted(); ++i) {
     const auto parent = plan_.parents[i];
-    dct_images_.push_back(decoder.next_image(parent ? &dct_images_[*parent] : nullptr, plan_.levels[i]));
+    const CoefficientBlocks* before = i > 0 ? &dct_images_[i - 1] : nullptr;
+    dct_images_.push_back(decoder.next_image(parent ? &dct_images_[*parent] : nullptr, before, plan_.levels[i]));
     dct_images_.back().shrink();
     account.set_kept(kept += dct_images_.back().memory_bytes());
     if (account.is_over(0)) return false;
@@ -75,38 +76,31 @@ std::unique_ptr<TextureChunk> TextureChunk::decode(std::span<const std::uint8_t>
   return nullptr;
 }
 
-bool TextureChunk::add_plane(std::span<const ParameterPyramid::Term> terms, std::size_t plane,
-                             std::span<const float> steps, std::span<float> samples) const {
+void TextureChunk::add_colours(std::span<const ParameterPyramid::Term> terms, std::span<float> colours) const {
+  const auto rows = format_.rotation_rows();
+  const std::vector<float> steps = format_.steps();
   const auto scale_of = [&](const auto& term) { return term.weight * format_.level_scale(plan_.levels[term.image]); };
   // Coefficients are summed, not images: one transform for all.
   if (format_.coder == ImageCoder::kDct) {
     std::vector<WeighedImage> images;
     for (const auto& term : terms)
-      if (dct_images_[term.image].has_plane(plane)) images.push_back({&dct_images_[term.image], scale_of(term)});
-    if (!images.empty()) add_samples(images, grid_of(format_), plane, steps, samples);
-    return !images.empty();
+      if (!dct_images_[term.image].is_empty()) images.push_back({&dct_images_[term.image], scale_of(term)});
+    multum::add_colours(images, grid_of(format_), steps, rows, colours);
+    return;
   }
-  bool is_zero = true;
-  for (const auto& term : terms) {
-    const SparseWaveletPlane& coefficients = wavelet_images_[term.image][plane];
-    is_zero = is_zero && coefficients.is_empty();
-    coefficients.add_coefficients(steps, scale_of(term), samples);
-  }
-  if (!is_zero) inverse_wavelet(format_.width, format_.height, samples);
-  return !is_zero;
-}
-
-void TextureChunk::add_colours(std::span<const ParameterPyramid::Term> terms, std::span<float> colours) const {
-  const std::size_t texels = format_.width * format_.height;
-  const auto rows = format_.rotation_rows();
-  const std::vector<float> steps = format_.steps();
-  std::vector<float> samples(texels);
-  bool is_used = false;
+  std::vector<float> samples(format_.width * format_.height);
   for (std::size_t p = 0; p < 3; ++p) {
-    if (is_used) std::fill(samples.begin(), samples.end(), 0.0f);
-    is_used = add_plane(terms, p, steps, samples);
-    for (std::size_t i = 0; i < texels && is_used; ++i)
+    bool is_zero = true;
+    for (const auto& term : terms) {
+      const SparseWaveletPlane& coefficients = wavelet_images_[term.image][p];
+      is_zero = is_zero && coefficients.is_empty();
+      coefficients.add_coefficients(steps, scale_of(term), samples);
+    }
+    if (is_zero) continue;
+    inverse_wavelet(format_.width, format_.height, samples);
+    for (std::size_t i = 0; i < samples.size(); ++i)
       for (std::size_t c = 0; c < 3; ++c) colours[3 * i + c] += rows[p][c] * samples[i];
+    std::fill(samples.begin(), samples.end(), 0.0f);
   }
 }
 

@@ -53,10 +53,7 @@ class TextureChunk {
 
   bool decode_cosines(std::span<const std::uint8_t> coded, DecodingAccount& account);
   bool decode_wavelets(std::span<const std::uint8_t> coded, DecodingAccount& account);
-  /// The plane's samples of the sum of these images, weighed; `samples` are 0 before. False: nothing but zeros.
-  bool add_plane(std::span<const ParameterPyramid::Term> terms, std::size_t plane, std::span<const float> steps,
-                 std::span<float> samples) const;
-  /// The sum added to `colours`.
+  /// The sum of these images, weighed, added to `colours`.
   void add_colours(std::span<const ParameterPyramid::Term> terms, std::span<float> colours) const;
 
   TextureChunkFormat format_;

@@ -72,8 +72,8 @@ class PackedField:
 
     def __init__(self, data):
         self.data, reader = data, ByteReader(data)
-        if reader.bytes(4) != b"MPTF" or reader.fixed("B") != 1:
-            raise ValueError("no packed field of version 1")
+        if reader.bytes(4) != b"MPTF" or reader.fixed("B") != 2:
+            raise ValueError("no packed field of version 2")
         index_end = 9 + reader.fixed("I")
         index = ByteReader(reader.bytes(index_end - 9))
         if reader.fixed("I") != checksum(data[:index_end]):
@@ -247,6 +247,12 @@ class CosineStream:
                 self.bands[band_of(max(u, v))].append(v * side + u)
         for band in self.bands:
             band.sort(key=lambda at: at // side + at % side)  # stable
+        self.group_columns = -(-self.columns // 4)
+        self.groups = [[] for _ in range(self.group_columns * -(-self.rows // 4))]
+        for number in range(self.columns * self.rows):
+            row, column = divmod(number, self.columns)
+            self.groups[row // 4 * self.group_columns + column // 4].append(number)
+        self.before = None  # the image decoded last
 
     def image(self, parent, level):
         """[plane]{block number: values}; blocks of zeros are left out."""
@@ -254,17 +260,38 @@ class CosineStream:
         for p, blocks in enumerate(planes):
             if self.coder.bit(("plane",)):
                 continue
-            for number in range(self.columns * self.rows):
-                left = blocks.get(number - 1) if number % self.columns else None
-                up = blocks.get(number - self.columns)
-                luma = planes[0].get(number) if p else None
-                around = (left, up, parent[p].get(number) if parent else None, luma)
-                values = self.block(around, parent is not None, p, level)
-                if parent is None:
-                    values[0] = min(max(values[0] + self.constant(blocks, number), -32767), 32767)
-                if any(values):
-                    blocks[number] = values
+            for group, numbers in enumerate(self.groups):
+                has_any, any_yet = self.group(planes, parent, p, level, group), False
+                for number in numbers:
+                    left = blocks.get(number - 1) if number % self.columns else None
+                    up = blocks.get(number - self.columns)
+                    luma = planes[0].get(number) if p else None
+                    around = (left, up, parent[p].get(number) if parent else None, luma)
+                    values = None
+                    if has_any:
+                        is_only = not any_yet and number == numbers[-1]
+                        values = self.block(around, parent is not None, p, level, is_only)
+                    any_yet = any_yet or values is not None
+                    values = values or [0] * self.side**2
+                    if parent is None:
+                        values[0] = min(max(values[0] + self.constant(blocks, number), -32767), 32767)
+                    if any(values):
+                        blocks[number] = values
+        self.before = planes
         return planes
+
+    def group(self, planes, parent, plane, level, group):
+        def has(blocks, group):
+            return any(number in blocks for number in self.groups[group])
+
+        chroma, level, columns = min(plane, 1), min(level, 3), self.group_columns
+        beside = (group % columns > 0 and has(planes[plane], group - 1)) + (
+            group >= columns and has(planes[plane], group - columns))
+        above = 2 if parent is None else int(has(parent[plane], group))
+        before = int(self.before is not None and has(self.before[plane], group))
+        luma = int(plane > 0 and has(planes[0], group))
+        return self.coder.mixed([("group a", chroma, beside, above, before), ("group b", plane, level, luma),
+                                 ("group c", chroma, level, beside)], ("group", chroma))
 
     def constant(self, blocks, number):
         def first(n):
@@ -278,16 +305,17 @@ class CosineStream:
     def has(self, values, band):
         return values is not None and any(values[at] for at in self.bands[band])
 
-    def block(self, around, has_parent, plane, level):
+    def block(self, around, has_parent, plane, level, is_only):
+        """None where it has nothing."""
         left, up, parent, luma = around
         chroma, level = min(plane, 1), min(level, 3)
         above = 2 if not has_parent else 0 if parent is None else 1
         beside = (left is not None) + (up is not None)
         values = [0] * self.side**2
-        if not self.coder.mixed([("coded a", chroma, beside, above),
-                                 ("coded b", plane, level, 0 if luma is None else 1),
-                                 ("coded c", chroma, level, beside)], ("coded", chroma)):
-            return values
+        if not is_only and not self.coder.mixed([("coded a", chroma, beside, above),
+                                                 ("coded b", plane, level, 0 if luma is None else 1),
+                                                 ("coded c", chroma, level, beside)], ("coded", chroma)):
+            return None
         had, before = 0, 0  # in the band before, in any before
         for k in range(len(self.bands)):
             has = 1

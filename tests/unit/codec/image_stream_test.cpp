@@ -48,7 +48,9 @@ DctResult dct_encoded(const BlockGrid& grid, const std::vector<Picture>& source,
     target.steps.assign(grid.side * grid.side, 1.0f);
     target.scale = scale;
     target.lambda = lambda;
-    result.images.push_back(encoder.add_image(target, k > 0 ? &result.images[0] : nullptr, k));
+    auto& images = result.images;
+    auto image = encoder.add_image(target, k > 0 ? &images[0] : nullptr, k > 0 ? &images[k - 1] : nullptr, k);
+    images.push_back(std::move(image));
   }
   result.bytes = encoder.finish();
   return result;
@@ -71,7 +73,8 @@ TEST(DctStream, DecoderHasWhatTheEncoderSays) {
     DctStreamDecoder decoder(grid, coded.bytes);
     std::vector<CoefficientBlocks> images;
     for (std::size_t k = 0; k < coded.images.size(); ++k) {
-      images.push_back(decoder.next_image(k > 0 ? &images[0] : nullptr, k));
+      auto image = decoder.next_image(k > 0 ? &images[0] : nullptr, k > 0 ? &images[k - 1] : nullptr, k);
+      images.push_back(std::move(image));
       EXPECT_TRUE(same(images[k], coded.images[k])) << side << ' ' << k;
     }
     EXPECT_FALSE(decoder.exhausted());
@@ -80,10 +83,13 @@ TEST(DctStream, DecoderHasWhatTheEncoderSays) {
 
 double dct_error(const BlockGrid& grid, const CoefficientBlocks& image, const Picture& picture, float scale) {
   const std::vector<float> steps(grid.side * grid.side, 1.0f);
+  constexpr std::array<std::array<float, 3>, 3> kPlanesAlone = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  std::vector<float> colours(3 * kTexels);
+  add_colours(std::array{WeighedImage{&image, scale}}, grid, steps, kPlanesAlone, colours);
   double error = 0.0;
   for (std::size_t p = 0; p < 3; ++p) {
     std::vector<float> samples(kTexels);
-    add_samples(std::array{WeighedImage{&image, scale}}, grid, p, steps, samples);
+    for (std::size_t i = 0; i < kTexels; ++i) samples[i] = colours[3 * i + p];
     error += mean_square(samples, picture.planes[p]) / 3.0;
   }
   return error;
@@ -143,8 +149,8 @@ TEST(DctStream, CutAndDamagedStreamsDecode) {
   const auto coded = dct_encoded(grid, pictures(random), 6.0f, 4.0f);
   for (std::size_t cut = 0; cut < coded.bytes.size(); cut += 97) {
     DctStreamDecoder decoder(grid, std::span<const std::uint8_t>(coded.bytes).first(cut));
-    const auto first = decoder.next_image(nullptr, 0);
-    for (std::size_t k = 1; k < 4; ++k) decoder.next_image(&first, k);
+    const auto first = decoder.next_image(nullptr, nullptr, 0);
+    for (std::size_t k = 1; k < 4; ++k) decoder.next_image(&first, &first, k);
     EXPECT_TRUE(decoder.exhausted());
     // Each block is the encoder's or, behind the cut, zero.
     for (std::size_t p = 0; p < 3; ++p)
@@ -158,8 +164,8 @@ TEST(DctStream, CutAndDamagedStreamsDecode) {
   for (int round = 0; round < 100; ++round) {
     const auto bytes = round % 2 == 0 ? damaged(coded.bytes, random) : random_bytes(random, random.next() % 500);
     DctStreamDecoder decoder(grid, bytes);
-    const auto first = decoder.next_image(nullptr, 0);
-    for (std::size_t k = 1; k < 4; ++k) decoder.next_image(&first, k);
+    const auto first = decoder.next_image(nullptr, nullptr, 0);
+    for (std::size_t k = 1; k < 4; ++k) decoder.next_image(&first, &first, k);
   }
 }
 

@@ -76,9 +76,9 @@ TEST(PackedFile, CutAndForeignFilesAreRefused) {
     EXPECT_FALSE(problem.empty());
   }
   auto later = whole;
-  later[4] = 2;
+  later[4] = 3;
   EXPECT_FALSE(PackedIndex::read(later, problem));
-  EXPECT_EQ(problem, "a packed field of version 2, expected 1");
+  EXPECT_EQ(problem, "a packed field of version 3, expected 2");
   for (int round = 0; round < 500; ++round) {
     PackedIndex::read(damaged(whole, random), problem);
     PackedIndex::read(random_bytes(random, random.next() % 100), problem);
