@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/asset/textures/scalar_block.h"
 #include "host/base/error.h"
 #include "host/base/size_of.h"
 #include "kernels/shared/block_encoding.h"
@@ -25,22 +26,6 @@ class BitReader {
   const std::uint8_t* bytes_;
   int at_ = 0;
 };
-
-std::array<float, 16> decode_scalar(const std::uint8_t* block) {
-  BitReader bits(block);
-  const int first = bits.take(8), second = bits.take(8), steps = first > second ? 7 : 5;
-  std::array<float, 16> values{};
-  for (float& value : values) {
-    const int index = bits.take(3);
-    if (steps == 5 && index >= 6) {
-      value = index == 6 ? 0.0f : 1.0f;
-      continue;
-    }
-    const int step = index == 0 ? 0 : index == 1 ? steps : index - 1;
-    value = static_cast<float>((steps - step) * first + step * second) / (255.0f * static_cast<float>(steps));
-  }
-  return values;
-}
 
 constexpr unsigned kPartitionMasks[] = MULTUM_BC7_PARTITION_MASKS;
 constexpr int kAnchors[] = MULTUM_BC7_ANCHORS;
@@ -156,8 +141,9 @@ BlockTexels decode_bc7(const std::uint8_t* block) {
 BlockTexels decode_block(TexelFormat format, const std::uint8_t* block) {
   if (format == TexelFormat::kBc7) return decode_bc7(block);
   MULTUM_CHECK(format == TexelFormat::kBc4 || format == TexelFormat::kBc5);
-  const std::array<float, 16> red = decode_scalar(block);
-  const std::array<float, 16> green = format == TexelFormat::kBc5 ? decode_scalar(block + 8) : std::array<float, 16>{};
+  const std::array<float, 16> red = decode_scalar_block(block);
+  const std::array<float, 16> green =
+      format == TexelFormat::kBc5 ? decode_scalar_block(block + 8) : std::array<float, 16>{};
   BlockTexels texels;
   for (std::size_t i = 0; i < 16; ++i) texels[i] = {red[i], green[i], 0.0f, 1.0f};
   return texels;

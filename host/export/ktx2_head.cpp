@@ -82,6 +82,7 @@ ByteList key_values(const Ktx2Settings& settings) {
   add("KTXorientation", "rd");
   if (!settings.swizzle.empty()) add("KTXswizzle", settings.swizzle);
   add("KTXwriter", settings.writer);
+  for (const Ktx2Key& one : settings.keys) add(one.key, one.value);
   return list;
 }
 
@@ -112,9 +113,9 @@ TextureHead ktx2_head(const LeveledTexture& texture, const Ktx2Settings& setting
   list.bytes.assign(std::begin(kIdentifier), std::end(kIdentifier));
   for (const std::uint64_t value :
        {std::uint64_t{info.vk_format}, std::uint64_t{size_of(info.type_bytes)}, std::uint64_t{size_of(texture.width)},
-        std::uint64_t{size_of(texture.height)}, std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{1},
-        std::uint64_t{size_of(texture.level_count)}, std::uint64_t{is_compressed ? kZstandard : 0u}, descriptor_at,
-        std::uint64_t{descriptor.bytes.size()}, keys_at, std::uint64_t{keys.bytes.size()}})
+        std::uint64_t{size_of(texture.height)}, std::uint64_t{0}, std::uint64_t{size_of(texture.layer_count)},
+        std::uint64_t{1}, std::uint64_t{size_of(texture.level_count)}, std::uint64_t{is_compressed ? kZstandard : 0u},
+        descriptor_at, std::uint64_t{descriptor.bytes.size()}, keys_at, std::uint64_t{keys.bytes.size()}})
     list.add(value, 4);
   list.add(0, 8);  // no global data
   list.add(0, 8);

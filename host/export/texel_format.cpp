@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/export/texel_format.h"
 
+#include <algorithm>
+
 #include "host/asset/baked_file.h"
 #include "host/base/error.h"
 #include "host/base/size_of.h"
@@ -36,7 +38,8 @@ const TexelFormatInfo& info_of(TexelFormat format) {
 }
 
 int block_rows(const LeveledTexture& texture, int level) {
-  return block_count(mip_level_size(texture.height, level), info_of(texture.format).block_side);
+  return block_count(mip_level_size(texture.height, level), info_of(texture.format).block_side) *
+         std::max(texture.layer_count, 1);
 }
 
 std::uint64_t block_row_bytes(const LeveledTexture& texture, int level) {

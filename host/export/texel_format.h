@@ -23,14 +23,15 @@ struct TexelFormatInfo {
 
 const TexelFormatInfo& info_of(TexelFormat format);
 
-/// A 2D texture with levels whose sides are halved and rounded down.
+/// A 2D texture, or an array of them, with levels whose sides are halved and rounded down.
 struct LeveledTexture {
   TexelFormat format = TexelFormat::kRgba8;
   int width = 1, height = 1;
   int level_count = 1;
+  int layer_count = 0;  // 0: no array
 };
 
-/// Rows of blocks of a level, and bytes of one; of texels where blocks are texels.
+/// Rows of blocks of a level, of an array those of all layers, and bytes of one; of texels where blocks are texels.
 int block_rows(const LeveledTexture& texture, int level);
 std::uint64_t block_row_bytes(const LeveledTexture& texture, int level);
 std::uint64_t level_bytes(const LeveledTexture& texture, int level);

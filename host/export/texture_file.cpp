@@ -15,7 +15,6 @@
 #include "host/base/size_of.h"
 #include "host/base/version.h"
 #include "host/export/dds_head.h"
-#include "host/export/ktx2_head.h"
 
 namespace multum {
 namespace {
@@ -140,7 +139,7 @@ class ZstdKtx2File : public TextureFile {
   void finish() override {
     counts_.check_complete();
     OutputFile bytes(file_.temporary_path(), file_.path());
-    Ktx2Settings settings{software_version(), choice_.swizzle, {}};
+    Ktx2Settings settings{software_version(), choice_.swizzle, {}, choice_.keys};
     settings.zstd_lengths.assign(size_of(texture_.level_count), 1);
     bytes.seek(ktx2_head(texture_, settings).bytes.size());
     ZstdFrames frames(choice_.zstd_level);
@@ -170,7 +169,7 @@ std::unique_ptr<TextureFile> make_ktx2_file(const std::string& path, const Level
   MULTUM_CHECK(choice.zstd_level >= 0 && choice.zstd_level <= kZstdLevelMax);
   if (choice.zstd_level > 0) return std::make_unique<ZstdKtx2File>(path, texture, choice);
   return std::make_unique<PlainTextureFile>(path, texture,
-                                            ktx2_head(texture, {software_version(), choice.swizzle, {}}));
+                                            ktx2_head(texture, {software_version(), choice.swizzle, {}, choice.keys}));
 }
 
 std::unique_ptr<TextureFile> make_dds_file(const std::string& path, const LeveledTexture& texture) {

@@ -45,6 +45,14 @@ Rows export_rows() {
       .excludes = {"occlusion", "metalness"},
       .surfaces = kOnCommandLine};
   return {
+      {.name = "lobes",
+       .help =
+           "write the lobes of a baked file, NAME.ndf.exr, as a texture for GPUs, NAME.ktx2, in place of a material "
+           "of one lobe; of the options below --texels, --zstd, --device and --report alone go with it",
+       .group = kStorageGroup,
+       .excludes = {"base_roughness", "roughness", "gloss", "occlusion", "metalness", "anisotropy", "fast", "format",
+                    "roughness_alone", "no_measure", "optimum", "cells", "scratch", "memory"},
+       .surfaces = kOnCommandLine},
       {.name = "base_roughness",
        .kind = Kind::kNumber,
        .help = "perceptual roughness of the surface itself, the same everywhere",
@@ -72,8 +80,8 @@ Rows export_rows() {
        .kind = Kind::kChoice,
        .help = "how KTX2 and DDS store texels: rgba8; rgba16f, half floats; rg8, as rgba8 but of normals x and y "
                "alone, whose z the shader has to rebuild as sqrt(1 - x^2 - y^2); bc, block-compressed: normals as BC5, "
-               "likewise x and y alone, all else as BC7, roughness alone as BC4",
-       .default_text = "rgba16f of exr, else rgba8",
+               "likewise x and y alone, all else as BC7, roughness alone as BC4; lobes as two layers of BC5",
+       .default_text = "rgba16f of exr, bc of lobes, else rgba8",
        .choices = {"rgba8", "rgba16f", "rg8", "bc"},
        .group = kStorageGroup,
        .surfaces = kOnCommandLine},

@@ -30,6 +30,7 @@ namespace multum::gl {
   X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                         \
   X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                         \
   X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                       \
+  X(PFNGLCOMPRESSEDTEXTURESUBIMAGE3DPROC, CompressedTextureSubImage3D)   \
   X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                       \
   X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                       \
   X(PFNGLTEXTUREPARAMETERFPROC, TextureParameterf)                       \

@@ -21,6 +21,8 @@ GLenum internal_format(TexelFormat format) {
     case TexelFormat::kRgba16Snorm: return GL_RGBA16_SNORM;
     case TexelFormat::kRgba16f: return GL_RGBA16F;
     case TexelFormat::kRgba32f: return GL_RGBA32F;
+    case TexelFormat::kRgba8: return GL_RGBA8;
+    case TexelFormat::kBc5: return GL_COMPRESSED_RG_RGTC2;
   }
   return GL_RGBA32F;
 }
@@ -75,6 +77,8 @@ const char* texel_format_name(TexelFormat format) {
     case TexelFormat::kRgba16Snorm: return "RGBA16_SNORM";
     case TexelFormat::kRgba16f: return "RGBA16F";
     case TexelFormat::kRgba32f: return "RGBA32F";
+    case TexelFormat::kRgba8: return "RGBA8";
+    case TexelFormat::kBc5: return "BC5";
   }
   return "?";
 }
@@ -150,6 +154,21 @@ void Texture::upload_rows(int level, int first_row, int row_count, const std::ui
   gl_->TextureSubImage2D(id_, level, 0, first_row, level_size(shape_.width, level), row_count, GL_RGBA, GL_HALF_FLOAT,
                          halves);
   check_gl(*gl_, "uploading rows of " + name_);
+}
+
+void Texture::upload_bytes(int level, const std::vector<std::uint8_t>& bytes) {
+  MULTUM_CHECK(shape_.layer_count > 0 && level >= 0 && level < shape_.level_count);
+  const int width = level_size(shape_.width, level), height = level_size(shape_.height, level);
+  gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  if (shape_.format == TexelFormat::kBc5) {
+    gl_->CompressedTextureSubImage3D(id_, level, 0, 0, 0, width, height, shape_.layer_count, GL_COMPRESSED_RG_RGTC2,
+                                     static_cast<GLsizei>(bytes.size()), bytes.data());
+  } else {
+    MULTUM_CHECK(shape_.format == TexelFormat::kRgba8 || shape_.format == TexelFormat::kRgba16f);
+    gl_->TextureSubImage3D(id_, level, 0, 0, 0, width, height, shape_.layer_count, GL_RGBA,
+                           shape_.format == TexelFormat::kRgba8 ? GL_UNSIGNED_BYTE : GL_HALF_FLOAT, bytes.data());
+  }
+  check_gl(*gl_, "uploading level " + std::to_string(level) + " of " + name_);
 }
 
 std::vector<float> Texture::read_level(int level) const {

@@ -12,8 +12,9 @@
 
 namespace multum::gl {
 
-/// Four channels in every case. 8-bit formats are left out: llvmpipe filters them through 8 bits.
-enum class TexelFormat { kRgba16Snorm, kRgba16f, kRgba32f };
+/// Four channels, but for BC5, which has two. kRgba8 and kBc5 are for textures that come as they lie on a GPU
+/// (upload_bytes()) alone: llvmpipe filters them through 8 bits.
+enum class TexelFormat { kRgba16Snorm, kRgba16f, kRgba32f, kRgba8, kBc5 };
 
 const char* texel_format_name(TexelFormat format);
 
@@ -50,6 +51,8 @@ class Texture {
   void upload_rows(int level, int first_row, int row_count, const std::uint16_t* halves);
   /// All of one layer of an array.
   void upload_layer(int level, int layer, const float* rgba);
+  /// All layers of a level of an array, one behind the other, of kRgba16f, kRgba8 or kBc5, as they lie.
+  void upload_bytes(int level, const std::vector<std::uint8_t>& bytes);
   /// What the texture, which is no array, holds, as floats.
   std::vector<float> read_level(int level) const;
 

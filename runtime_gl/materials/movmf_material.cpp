@@ -69,6 +69,7 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
   const MovmfLevel& finest = mipmap.levels[static_cast<std::size_t>(mipmap.header.first_level)];
   const SamplerSettings sampler{mipmap.header.wrap_s, mipmap.header.wrap_t, true, anisotropy};
   const TextureShape shape{finest.width, finest.height, level_count, texel_format(mipmap.header.encoding)};
+  lobe_count_ = mipmap.lobe_count();
   lobes_.reserve(lobe_count);
   for (std::size_t j = 0; j < lobe_count; ++j) {
     lobes_.emplace_back(gl, "lobe " + std::to_string(j), shape, sampler);
@@ -97,8 +98,24 @@ MovmfMaterial::MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, f
   }
 }
 
+void MovmfMaterial::set_layers(const GlFunctions& gl, const LobeTexture& texture, float anisotropy) {
+  const LobeTextureHeader& header = texture.header;
+  MULTUM_CHECK(static_cast<int>(header.lobes.size()) == lobe_count_ && colours_.empty() && weights_.empty());
+  const TexelFormat format = header.texels == LobeTexels::kBlocks  ? TexelFormat::kBc5
+                             : header.texels == LobeTexels::kRgba8 ? TexelFormat::kRgba8
+                                                                   : TexelFormat::kRgba16f;
+  const TextureShape shape{mip_level_size(header.map.width, header.map.first_level),
+                           mip_level_size(header.map.height, header.map.first_level), header.level_count(), format,
+                           header.layer_count()};
+  layers_.emplace(gl, "layers of lobes", shape,
+                  SamplerSettings{header.map.wrap_s, header.map.wrap_t, true, anisotropy});
+  for (int l = 0; l < shape.level_count; ++l) layers_->upload_bytes(l, texture.levels[static_cast<std::size_t>(l)]);
+  unpacking_ = header.lobes;
+  lobes_.clear();
+}
+
 void MovmfMaterial::set_shade_first(bool shade_first) {
-  MULTUM_CHECK(!shade_first || !finest_.is_used());
+  MULTUM_CHECK(!shade_first || !(finest_.is_used() || layers_));
   shade_first_ = shade_first;
 }
 
@@ -112,6 +129,8 @@ ShaderParts MovmfMaterial::fetch_parts() const {
   if (!colours_.empty()) parts.flags.push_back("MULTUM_COLOURS");
   if (mean_colours_.has_value()) parts.flags.push_back("MULTUM_MEAN_COLOURS");
   if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
+  if (layers_)
+    parts.flags.push_back("MULTUM_LOBE_LAYERS " + std::to_string(layers_->shape().layer_count / lobe_count_));
   MULTUM_CHECK(!is_drawn_ || !shade_first_);
   if (is_drawn_) {
     parts.flags.insert(parts.flags.end(), {"MULTUM_DRAWN_LOBE", "MULTUM_REFERENCE"});
@@ -132,7 +151,17 @@ ShaderParts MovmfMaterial::shader_parts() const {
 
 int MovmfMaterial::bind(const ShaderProgram& shader) const {
   TextureBinder binder(shader);
-  binder.bind("u_lobes", lobes_);
+  if (layers_) {
+    binder.bind("u_lobe_layers", layers_);
+    std::vector<float> numbers;
+    for (const LobeUnpacking& lobe : unpacking_) {
+      for (const glm::vec4& column : lobe.columns) numbers.insert(numbers.end(), &column.x, &column.x + 4);
+      numbers.insert(numbers.end(), &lobe.offset.x, &lobe.offset.x + 4);
+    }
+    shader.set_floats("u_lobe_unpacking", numbers.data(), static_cast<int>(numbers.size()));
+  } else {
+    binder.bind("u_lobes", lobes_);
+  }
   binder.bind("u_colours", colours_);
   if (is_of_basis()) binder.bind("u_weights", weights_);
   if (mean_cosine_) shader.set("u_mean_cosine", *mean_cosine_);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/asset/lobes/movmf_mipmap.h"
+#include "host/asset/textures/lobe_texture.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"
@@ -32,6 +33,9 @@ class MovmfMaterial : public Material {
   MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                 const NormalImage* source = nullptr);
 
+  /// The lobes of `texture`, of which `mipmap` was unpacked, from now on as they lie on a GPU.
+  void set_layers(const GlFunctions& gl, const LobeTexture& texture, float anisotropy);
+
   void set_formula(LobeFormula formula) { formula_ = formula; }
   /// Shades the lobes of each texel of a trilinear footprint and mixes what comes of them, instead of mixing lobes: for
   /// lobes that are not aligned. Of files that begin at level 0.
@@ -50,7 +54,7 @@ class MovmfMaterial : public Material {
   bool samples_light() const override { return is_drawn_; }
   bool samples_footprint() const override { return is_drawn_; }
   int weight_count() const override { return weight_count_; }
-  int lobe_count() const { return static_cast<int>(lobes_.size()); }
+  int lobe_count() const { return lobe_count_; }
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
 
  protected:
@@ -58,7 +62,10 @@ class MovmfMaterial : public Material {
   ShaderParts fetch_parts() const;
 
  private:
-  std::vector<Texture> lobes_;
+  std::vector<Texture> lobes_;  // none where there are layers
+  std::optional<Texture> layers_;
+  std::vector<LobeUnpacking> unpacking_;
+  int lobe_count_ = 0;
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;
   int weight_count_ = 0;

@@ -263,7 +263,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
       multum({}), kUsage,
       {"no command",
        "bake export gltf plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
-       "animation infer openjd pack unpack player shaders serve rescue submit",
+       "animation infer openjd pack unpack player look shaders serve rescue submit",
        "--help"});
   expect_failure(multum({"cook"}), kUsage, {"unknown command 'cook'", ": bake"});
   expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});

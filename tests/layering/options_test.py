@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""docs/OPTIONS.md has every option that `multum bake --help`, `multum export --help`, `multum gltf --help`,
-`multum pack --help`, `multum-view --help` and the help of its subcommands print, with its default, and no other. A
-program that was not built is passed over.
+"""docs/OPTIONS.md has every option that the help of `multum bake`, `export`, `gltf`, `look`, `pack`, of `multum-view`
+and of its subcommands prints, with its default, and no other. A program that was not built is passed over.
 
   tests/layering/options_test.py --programs FOLDER
 """
@@ -16,7 +15,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/OPTIONS.md"
 VIEW_COMMANDS = ("scene", "animate", "sample", "play", "pyramid", "lod", "model", "probe", "thumbnails")
 COMMANDS = {"multum bake": ("multum", "bake"), "multum export": ("multum", "export"),
-            "multum gltf": ("multum", "gltf"), "multum pack": ("multum", "pack"), "multum-view": ("multum-view",),
+            "multum gltf": ("multum", "gltf"), "multum look": ("multum", "look"), "multum pack": ("multum", "pack"),
+            "multum-view": ("multum-view",),
             **{f"multum-view {command}": ("multum-view", command) for command in VIEW_COMMANDS}}
 programs = ROOT / "build/release/bin"
 

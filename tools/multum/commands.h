@@ -45,6 +45,8 @@ void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const
 /// pack, unpack.
 void add_pack_commands(CLI::App& app, int* exit_code);
 void add_player_command(CLI::App& app, int* exit_code);
+/// A page that shows lobes in a browser.
+void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
 /// The shading of lobes in other languages.

@@ -6,6 +6,7 @@
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
 #include "host/export/export_job.h"
+#include "host/export/lobes/lobe_export.h"
 #include "host/image/normals/reading_parameters.h"
 #include "host/parameters/bake_parameters.h"
 #include "host/parameters/export_parameters.h"
@@ -31,6 +32,9 @@ const Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba
                                                  {"rg8", MaterialTexels::kRg8},
                                                  {"bc", MaterialTexels::kBlocks}};
 
+const Choices<LobeTexels> kLobeTexels = {
+    {"rgba8", LobeTexels::kRgba8}, {"rgba16f", LobeTexels::kRgba16f}, {"bc", LobeTexels::kBlocks}};
+
 void apply_to_export(const ParameterValues& values, ExportJob& job) {
   apply_reading(values, job.reading);
   job.lobe.base_roughness = values.number("base_roughness").value_or(job.lobe.base_roughness);
@@ -52,7 +56,43 @@ void apply_to_export(const ParameterValues& values, ExportJob& job) {
   job.scratch_folder = values.text("scratch").value_or("");
 }
 
+// The source options read maps: of a baked file there is nothing to say.
+LobeExportJob lobe_export_job(const ExportOptions& o) {
+  for (const Parameter& row : export_parameters().rows())
+    if (row.group == kSourceGroup && o.values.has(row.name))
+      throw Error(ErrorCode::kUsage,
+                  "--lobes: found --" + row.name + ", expected it for a map: a baked file is read as it is");
+  LobeExportJob job{o.job.input, o.job.output, o.values.text("report").value_or("")};
+  if (!o.job.output.ends_with(".ktx2"))
+    throw Error(ErrorCode::kUsage, o.job.output + ": is no name of a KTX2 file, expected NAME.ktx2 with --lobes");
+  if (const auto name = o.values.text("texels")) {
+    const std::optional<LobeTexels> texels = find_choice(kLobeTexels, *name);
+    if (!texels)
+      throw Error(ErrorCode::kUsage, "--texels: found " + *name + ", expected bc, rgba8 or rgba16f with --lobes");
+    job.texels = *texels;
+  }
+  job.zstd_level = o.values.integer("zstd").value_or(0);
+  return job;
+}
+
+int run_lobe_export(ExportOptions& o) {
+  LobeExportJob job = lobe_export_job(o);
+  job.threads = apply(o.common);
+  Device device = Device::when_needed({o.values.text("device").value_or("")});
+  const auto progress = make_progress(o.common);
+  const LobeExportReport report = export_lobes(job, device, progress.get());
+  if (o.common.quiet) return 0;
+  print_shown(stdout,
+              "%s: written: %zu lobes, %d layers, levels from %d on, %.1f MB on the GPU, %.2f times BC5 and BC4\n",
+              job.output.c_str(), report.header.lobes.size(), report.header.layer_count(),
+              report.header.map.first_level, static_cast<double>(report.gpu_bytes) / 1e6, report.bytes_ratio());
+  for (const auto& [stage, seconds] : report.seconds)
+    if (o.common.verbose) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
+  return 0;
+}
+
 int run_export(ExportOptions& o) {
+  if (o.values.flag("lobes")) return run_lobe_export(o);
   o.job.threads = apply(o.common);
   keep_freed_memory();
   apply_to_export(o.values, o.job);
@@ -77,7 +117,8 @@ void add_export_command(CLI::App& app, int* exit_code) {
   CLI::App* command = app.add_subcommand(
       "export",
       "fit a normal map's mips as materials that engines load: normal, roughness, anisotropy (docs/EXPORT.md)");
-  command->add_option("input", o.job.input, bake_parameters().at("input").help)->required();
+  command->add_option("input", o.job.input, bake_parameters().at("input").help + "; with --lobes a baked file")
+      ->required();
   command
       ->add_option("-o,--output", o.job.output,
                    "folder to write to: an image a texture and level, or a KTX2 or DDS file a texture; or NAME.ktx2, "
@@ -90,6 +131,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  multum export bricks_n.png -o bricks/                      # normal_00.png, orm_00.png and so on\n"
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
+      "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes for GPUs, of multum bake (docs/FORMAT.md)\n"
       "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }

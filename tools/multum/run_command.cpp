@@ -54,6 +54,7 @@ void add_commands(CLI::App& app, int* exit_code) {
   add_openjd_command(app, exit_code, check_words);
   add_pack_commands(app, exit_code);
   add_player_command(app, exit_code);
+  add_look_command(app, exit_code);
   add_shaders_command(app, exit_code);
   add_serve_commands(app, exit_code);
   add_client_commands(app, exit_code);

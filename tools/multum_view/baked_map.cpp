@@ -47,9 +47,11 @@ struct MaterialMaker {
   const gl::GlFunctions& gl;
   const ShadingOptions& options;
   const gl::NormalImage& source;
+  const LobeTexture* texture;  // null: lobes as the baked file has them
 
   std::unique_ptr<gl::Material> operator()(const MovmfMipmap& lobes) const {
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, lobes, options.anisotropy, &source);
+    if (texture != nullptr) material->set_layers(gl, *texture, options.anisotropy);
     material->set_formula(options.formula);
     material->set_shade_first(options.shade_first);
     if (!options.colour_map.empty())
@@ -70,6 +72,12 @@ struct MaterialMaker {
 }  // namespace
 
 BakedMap read_baked_map(const std::string& path) {
+  if (is_ktx2_file(path)) {
+    LobeTexture texture = read_lobe_texture(path);
+    MovmfMipmap lobes = unpacked_mipmap(texture);
+    BakedHeader header = lobes.header;
+    return {std::move(header), std::move(lobes), std::move(texture)};
+  }
   BakedHeader header = read_baked_header(path);
   const Representation representation = header.representation;
   return {std::move(header), read_levels(path, representation)};
@@ -85,7 +93,7 @@ gl::NormalImage finest_normals(const BakedMap& map) {
 
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
                                             const ShadingOptions& options, const gl::NormalImage& source) {
-  return std::visit(MaterialMaker{gl, options, source}, map.levels);
+  return std::visit(MaterialMaker{gl, options, source, map.texture ? &*map.texture : nullptr}, map.levels);
 }
 
 namespace {

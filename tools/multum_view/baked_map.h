@@ -4,12 +4,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "host/asset/averages/moment_mipmap.h"
 #include "host/asset/averages/sh_mipmap.h"
 #include "host/asset/lobes/movmf_mipmap.h"
+#include "host/asset/textures/lobe_texture.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/multum_view/view_scenes.h"
 
@@ -20,6 +22,7 @@ using BakedLevels = std::variant<MovmfMipmap, MomentMipmap, ShMipmap>;  // lobes
 struct BakedMap {
   BakedHeader header;  // as the file has it
   BakedLevels levels;
+  std::optional<LobeTexture> texture = std::nullopt;  // what levels were unpacked from
 };
 
 BakedMap read_baked_map(const std::string& path);

@@ -6,7 +6,16 @@
 // MULTUM_DRAWN_LOBE: one normal alone, drawn from the lobes by amplitude for each of u_sample frames (footprint.glsl).
 // MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
 // lobes that are not aligned need; taps are shaded one by one then, too.
+// MULTUM_LOBE_LAYERS n: lobes come as multum export --lobes writes them, 1 or 2 layers of an array a lobe, from whose
+// four channels (a r, a) is made (docs/FORMAT.md, "Lobes for GPUs").
+#ifdef MULTUM_LOBE_LAYERS
+#define MULTUM_FIRST_LOBES u_lobe_layers
+uniform sampler2DArray u_lobe_layers;
+uniform float u_lobe_unpacking[MULTUM_LOBE_COUNT * 20];  // four columns and an offset, of 4 each
+#else
+#define MULTUM_FIRST_LOBES u_lobes[0]
 uniform sampler2D u_lobes[MULTUM_LOBE_COUNT];
+#endif
 #ifdef MULTUM_COLOURS
 uniform sampler2D u_colours[MULTUM_LOBE_COUNT];
 #endif
@@ -58,7 +67,30 @@ struct MultumSurface {
 #define MULTUM_TINTED(surface, j, light) (light)
 #endif
 
-MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_lobes[0], st); }
+MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(MULTUM_FIRST_LOBES, st); }
+
+ivec2 multum_lobe_map_size() { return textureSize(MULTUM_FIRST_LOBES, 0).xy; }
+
+#ifdef MULTUM_LOBE_LAYERS
+vec4 multum_unpacking(int at) {
+  return vec4(u_lobe_unpacking[at], u_lobe_unpacking[at + 1], u_lobe_unpacking[at + 2], u_lobe_unpacking[at + 3]);
+}
+
+// The map is affine: filtered channels give the filtered lobe.
+vec4 multum_fetch_lobe(int j, vec2 st, MultumFootprint footprint) {
+#if MULTUM_LOBE_LAYERS == 1
+  vec4 texel = multum_filtered(u_lobe_layers, st, float(j), footprint);
+#else
+  vec4 texel = vec4(multum_filtered(u_lobe_layers, st, float(2 * j), footprint).xy,
+                    multum_filtered(u_lobe_layers, st, float(2 * j + 1), footprint).xy);
+#endif
+  vec4 lobe = multum_unpacking(20 * j + 16);
+  for (int c = 0; c < 4; ++c) lobe += texel[c] * multum_unpacking(20 * j + 4 * c);
+  return lobe;
+}
+#elif !defined(MULTUM_SHADE_FIRST)
+vec4 multum_fetch_lobe(int j, vec2 st, MultumFootprint footprint) { return multum_filtered(u_lobes[j], st, footprint); }
+#endif
 
 #ifdef MULTUM_DRAWN_LOBE
 // All amplitude to one normal, which a lobe of no width is.
@@ -80,7 +112,7 @@ void multum_draw_lobe(inout MultumSurface surface) {
 
 #ifdef MULTUM_MEAN_COLOURS
 vec3 multum_mean_colour(vec2 st, MultumFootprint footprint) {
-  ivec2 from = textureSize(u_lobes[0], 0), to = textureSize(u_mean_colours, 0);
+  ivec2 from = multum_lobe_map_size(), to = textureSize(u_mean_colours, 0);
   return multum_filtered(u_mean_colours, st, multum_footprint_on(footprint, from, to)).rgb;
 }
 #endif
@@ -128,7 +160,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
 #endif
 #ifdef MULTUM_NORMAL_MAP
   float share = 1.0;  // of the stored lobes
-  MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_lobes[0], 0), textureSize(u_normal_map, 0));
+  MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), textureSize(u_normal_map, 0));
   vec4 normal = multum_filtered(u_normal_map, st, on_map);
   vec4 finest = multum_movmf_normal_map(normal.xyz, footprint.level);
   share -= finest.w;
@@ -141,7 +173,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   float mean_weight = 0.0;
 #endif
   MULTUM_EACH_LOBE(j) {
-    vec4 lobe = multum_filtered(u_lobes[j], st, footprint);
+    vec4 lobe = multum_fetch_lobe(j, st, footprint);
 #ifdef MULTUM_COLOURS
     // Colours are premultiplied: T(a c) / T(a) is the lobe's colour.
     vec3 colour = multum_filtered(u_colours[j], st, footprint).rgb;

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of multum look: its controls, its view, what is dropped onto it. Texts of strangers become text nodes alone.
+const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["export", "one-lobe export"],
+  ["lobes", "lobes"]];
+const DEGREE = Math.PI / 180;
+const TARGET = [0, 0.76, 0]; // what multum-view's camera looks at on the plane
+const HOME = { left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 21.5,
+  distance: -0.288, exposure: 0, difference: 0, x: 0.303, y: 0.808, z: 0.505 };
+const LIMITS = { split: [0, 1], lock: [-1, 15], azimuth: [-180, 180], elevation: [3, 89], distance: [-2, 5],
+  exposure: [-4, 4], difference: [0, 1], x: [-1, 1], y: [-1, 1], z: [0, 1] };
+
+const byId = (id) => document.getElementById(id);
+const say = (text) => { byId("problem").textContent = text; byId("problem").hidden = text === ""; };
+const bytesOfBase64 = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
+const clamp = (value, [low, high]) => Math.min(high, Math.max(low, value));
+
+/** The view of an address; what is not understood is as at home. */
+function viewOfHash(hash) {
+  const view = { ...HOME };
+  for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
+    if (key in LIMITS && text !== "" && Number.isFinite(Number(text))) view[key] = clamp(Number(text), LIMITS[key]);
+    else if ((key === "left" || key === "right") && METHODS.some(([name]) => name === text)) view[key] = text;
+    else if (key === "rule" && Object.hasOwn(ENGINE_RULES, text)) view.rule = text;
+  }
+  view.lock = Math.round(view.lock);
+  return view;
+}
+
+function hashOfView(view) {
+  const changed = Object.keys(HOME).filter((key) => view[key] !== HOME[key]);
+  const text = (value) => (typeof value === "number" ? Number(value.toFixed(4)) : value);
+  return changed.map((key) => `${key}=${text(view[key])}`).join("&");
+}
+
+function cameraOf(view) {
+  const [a, e, d] = [view.azimuth * DEGREE, view.elevation * DEGREE, 2 ** view.distance];
+  const back = [Math.sin(a) * Math.cos(e), -Math.cos(a) * Math.cos(e), Math.sin(e)];
+  return { eye: TARGET.map((one, i) => one + d * back[i]), target: TARGET, back };
+}
+
+/** Directions across, up and ahead of the picture's middle, column by column; 40 degrees up, as multum-view's. */
+function raysOf({ back }, aspect) {
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const across = cross([0, 0, 1], back);
+  const right = across.map((one) => one / Math.hypot(...across));
+  const half = Math.tan(20 * DEGREE);
+  return [...right.map((one) => one * half * aspect), ...cross(back, right).map((one) => one * half),
+    ...back.map((one) => -one)];
+}
+
+class LookPage {
+  constructor(data) {
+    this.data = data;
+    this.view = viewOfHash(location.hash);
+    byId("title").textContent = data.title;
+    byId("about").textContent = data.about;
+    document.title = data.title;
+    const table = new Uint16Array(bytesOfBase64(data.ggxTable).buffer);
+    this.gl = new LookGl(byId("canvas"), data.shaders, table);
+    const normals = parseKtx2(bytesOfBase64(data.normals));
+    this.setNormals(normals.width, normals.height, normals.levels[0]);
+    this.gl.setMaterial("export", exportedLevels(normals, parseKtx2(bytesOfBase64(data.roughness))));
+    this.setLobes(parseLobes(bytesOfBase64(data.lobes)));
+    this.addControls();
+    this.addPointers();
+    this.addKeys();
+    this.addDrops();
+    byId("main").hidden = false;
+    new ResizeObserver(() => this.change({})).observe(byId("stage"));
+    this.change({});
+  }
+
+  setNormals(width, height, rg) {
+    this.means = meanNormals(width, height, rg);
+    this.gl.setMaterial("mip", ruledLevels(this.means, this.data.baseRoughness, (length, base) => base));
+    this.ruled = null;
+  }
+
+  setLobes(file) {
+    const [found, map] = [`${file.lobes.mapWidth} x ${file.lobes.mapHeight}`,
+      `${this.means[0].width} x ${this.means[0].height}`];
+    if (found !== map) throw new Error(`found lobes of a map of ${found}, expected ${map}, as the normal map has`);
+    this.gl.setLobes(file, this.means);
+    this.file = file;
+  }
+
+  addControls() {
+    const options = (id, list) => byId(id).append(...list.map(([value, text]) => new Option(text, value)));
+    options("left", METHODS);
+    options("right", METHODS);
+    options("rule", Object.entries(ENGINE_RULES).map(([id, [name]]) => [id, name]));
+    options("lock", [[-1, "by distance"], ...this.means.map((_, level) => [level, `level ${level}`])]);
+    for (const id of ["left", "right", "rule"]) byId(id).addEventListener("change", (event) =>
+      this.change({ [id]: event.target.value }));
+    for (const id of ["split", "distance", "exposure"]) byId(id).addEventListener("input", (event) =>
+      this.change({ [id]: Number(event.target.value) }));
+    byId("lock").addEventListener("change", (event) => this.change({ lock: Number(event.target.value) }));
+    byId("difference").addEventListener("change", (event) => this.change({ difference: event.target.checked ? 1 : 0 }));
+    byId("reset").addEventListener("click", () => this.change({ ...HOME }));
+    byId("controls").addEventListener("submit", (event) => event.preventDefault());
+    addEventListener("hashchange", () =>
+      { if (location.hash.slice(1) !== hashOfView(this.view)) this.change(viewOfHash(location.hash)); });
+  }
+
+  addPointers() {
+    const stage = byId("stage");
+    const held = new Map(); // pointers that are down, where they were last
+    stage.addEventListener("pointerdown", (event) => {
+      if (event.target === byId("divider")) return;
+      stage.setPointerCapture(event.pointerId);
+      held.set(event.pointerId, [event.clientX, event.clientY]);
+    });
+    stage.addEventListener("pointermove", (event) => {
+      const now = [event.clientX, event.clientY], before = held.get(event.pointerId);
+      if (before === undefined) {
+        if (byId("light").checked) this.lightAt(...now);
+        return;
+      }
+      const apart = () => { const [a, b] = [...held.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]); };
+      const was = held.size === 2 ? apart() : 0;
+      held.set(event.pointerId, now);
+      if (held.size === 2) this.change({ distance: this.view.distance + Math.log2(Math.max(was,
+        1) / Math.max(apart(), 1)) });
+      else if (byId("light").checked) this.lightAt(...now);
+      else this.change({ azimuth: this.view.azimuth - 0.3 * (now[0] - before[0]),
+        elevation: this.view.elevation + 0.3 * (now[1] - before[1]) });
+    });
+    for (const end of ["pointerup", "pointercancel"]) stage.addEventListener(end, (event) =>
+      held.delete(event.pointerId));
+    stage.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      this.change({ distance: this.view.distance + 0.0015 * event.deltaY });
+    }, { passive: false });
+    const divider = byId("divider");
+    divider.addEventListener("pointerdown", (event) => divider.setPointerCapture(event.pointerId));
+    divider.addEventListener("pointermove", (event) => {
+      const box = stage.getBoundingClientRect();
+      if (divider.hasPointerCapture(event.pointerId)) this.change({ split: (event.clientX - box.left) / box.width });
+    });
+  }
+
+  // The middle of the picture is overhead, its edges near the horizon.
+  lightAt(x, y) {
+    const box = byId("stage").getBoundingClientRect();
+    const right = 2 * (x - box.left) / box.width - 1, up = 1 - 2 * (y - box.top) / box.height;
+    const size = Math.max(1, Math.hypot(right, up) / 0.98), a = this.view.azimuth * DEGREE;
+    const flat = [right / size, up / size];
+    this.change({ x: Math.cos(a) * flat[0] - Math.sin(a) * flat[1], y: Math.sin(a) * flat[0] + Math.cos(a) * flat[1],
+      z: Math.sqrt(Math.max(0.04, 1 - flat[0] ** 2 - flat[1] ** 2)) });
+  }
+
+  addKeys() {
+    const turn = (key, step) => () => this.change({ [key]: this.view[key] + step });
+    const keys = { ArrowLeft: turn("azimuth", 3), ArrowRight: turn("azimuth", -3), ArrowUp: turn("elevation", 2),
+      ArrowDown: turn("elevation", -2), "+": turn("distance", -0.2), "-": turn("distance", 0.2), "[": turn("lock", -1),
+      "]": turn("lock", 1), s: turn("split", 0.02), S: turn("split", -0.02),
+      d: () => this.change({ difference: 1 - this.view.difference }), l: () => byId("light").click() };
+    addEventListener("keydown", (event) => {
+      const acts = Object.hasOwn(keys, event.key) && !event.ctrlKey && !event.metaKey && !event.altKey;
+      if (!acts || (event.target !== byId("stage") && event.target !== document.body)) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+  }
+
+  addDrops() {
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", async (event) => {
+      event.preventDefault();
+      for (const file of event.dataTransfer.files) await this.take(file);
+    });
+  }
+
+  /** A KTX2 of lobes, or a normal map as an image of the browser's. */
+  async take(file) {
+    try {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      if (bytes[1] === KTX2_IDENTIFIER[1] && bytes[2] === KTX2_IDENTIFIER[2]) this.setLobes(parseLobes(bytes));
+      else this.takeImage(await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
+      say("");
+    } catch (error) {
+      say(`${file.name}: ${error.message}`);
+    }
+    this.change({});
+  }
+
+  takeImage(image) {
+    const { width, height } = this.means[0];
+    if (image.width !== width || image.height !== height)
+      throw new Error(`found ${image.width} x ${image.height}, expected ${width} x ${height}, as the lobes have`);
+    const canvas = new OffscreenCanvas(width, height);
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const rgba = context.getImageData(0, 0, width, height).data;
+    this.setNormals(width, height,
+      Uint8Array.from({ length: 2 * width * height }, (_, i) => rgba[4 * (i >> 1) + (i & 1)]));
+    this.gl.setLobes(this.file, this.means);
+  }
+
+  /** Changes the view, and draws it with the next frame. */
+  change(more) {
+    const view = { ...this.view, ...more };
+    view.azimuth = ((view.azimuth + 540) % 360) - 180;
+    for (const [key, limits] of Object.entries(LIMITS)) view[key] = clamp(view[key], limits);
+    view.lock = Math.min(view.lock, this.means.length - 1);
+    this.view = view;
+    if (this.waiting !== undefined) return;
+    this.waiting = new Promise((resolve) => requestAnimationFrame(() => {
+      this.waiting = undefined;
+      this.draw();
+      resolve();
+    }));
+  }
+
+  scene() {
+    const { view, data } = this;
+    const camera = cameraOf(view);
+    const [width, height] = this.gl.size;
+    const size = Math.hypot(view.x, view.y, view.z);
+    return { rays: raysOf(camera, width / height), eye: camera.eye,
+      light: [view.x / size, view.y / size, view.z / size], diffuse: data.diffuse, specular: data.specular, f0: data.f0,
+      alpha: data.baseRoughness ** 2, lock: view.lock < 0 ? null : view.lock, exposure: 2 ** view.exposure,
+      split: view.split, difference: view.difference !== 0 };
+  }
+
+  draw() {
+    const canvas = byId("canvas"), { view } = this;
+    const ratio = this.pixelRatio ?? Math.min(devicePixelRatio, 2);
+    canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    this.gl.resize(canvas.width, canvas.height);
+    if (this.ruled !== view.rule) {
+      this.gl.setMaterial("rule", ruledLevels(this.means, this.data.baseRoughness, ENGINE_RULES[view.rule][1]));
+      this.ruled = view.rule;
+    }
+    const begin = performance.now();
+    this.gl.draw(view.left, view.right, this.scene());
+    this.show();
+    this.timeFrame(begin);
+    const hash = hashOfView(view);
+    if (location.hash.slice(1) !== hash) history.replaceState(null, "", `#${hash}`);
+  }
+
+  // Done when the GPU has passed the fence.
+  timeFrame(begin) {
+    const { gl } = this.gl;
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => {
+      const state = gl.clientWaitSync(fence, 0, 0);
+      if (state === gl.TIMEOUT_EXPIRED) return setTimeout(look, 1);
+      gl.deleteSync(fence);
+      this.frameMs = performance.now() - begin;
+      return this.showFacts();
+    };
+    look();
+  }
+
+  nameOf(method) { return method === "rule" ? ENGINE_RULES[this.view.rule][0] : Object.fromEntries(METHODS)[method]; }
+
+  show() {
+    const { view } = this;
+    for (const id of ["left", "right", "rule", "split", "distance", "exposure", "lock"]) byId(id).value =
+      String(view[id]);
+    byId("difference").checked = view.difference !== 0;
+    byId("left-name").textContent = this.nameOf(view.left);
+    byId("right-name").textContent = this.nameOf(view.right);
+    byId("divider").style.left = `${100 * view.split}%`;
+    byId("divider").hidden = view.difference !== 0;
+    this.showFacts();
+  }
+
+  showFacts() {
+    const megabytes = (method) => `${this.nameOf(method)} ${(this.gl.bytesOf(method) / 1e6).toFixed(2)} MB`;
+    const size = `${this.means[0].width} x ${this.means[0].height}`;
+    byId("facts").textContent = `Map of ${size}, ${this.file.lobes.lobes.length} lobes. On the GPU: ` +
+      `${megabytes(this.view.left)}, ${megabytes(this.view.right)} (one normal: as BC5 and BC4). ` +
+      `A frame of both takes ${this.frameMs === undefined ? "..." : this.frameMs.toFixed(1)} ms.`;
+  }
+}
+
+try {
+  globalThis.multumLook = new LookPage(JSON.parse(byId("look-data").textContent));
+} catch (error) {
+  say(`This page cannot be shown: ${error.message}`);
+}

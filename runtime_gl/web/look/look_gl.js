@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws a plane by WebGL 2 with the shading that multum-view draws with (runtime_gl/shaders), lobes or one normal a
+// texel, each method into a texture; the screen shows one of them left and one right of a divider, or their difference.
+const FILTER = { taps: 2, bias: -0.25 }; // docs/FILTER.md
+
+const SCREEN_VERTEX = `#version 300 es
+void main() {
+  gl_Position = vec4(vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0), 0.0, 1.0);
+}`;
+
+// multum-view's plane has its map once a unit, row 0 at y = 60. The plane is met by rays: polygons that reach from
+// behind the eye to the horizon are drawn up to half a pixel off by SwiftShader.
+const LOOK_MAIN = `
+uniform vec3 u_eye;
+uniform mat3 u_rays;  // of a pixel's place across and up, and of 1, -1 to 1
+uniform vec2 u_size;  // in pixels
+uniform float u_locked_level;  // of the texture of the surface; below -100: none
+layout(location = 0) out vec4 o_colour;
+void main() {
+  vec3 ray = u_rays * vec3(2.0 * gl_FragCoord.xy / u_size - 1.0, 1.0);
+  float reach = u_eye.z / max(-ray.z, 1e-4);
+  vec3 position = vec3((u_eye + reach * ray).xy, 0.0);
+  mat3 to_world = mat3(1.0);
+  vec3 v = normalize(u_eye - position);
+  vec2 st = vec2(position.x + 30.0, 60.0 - position.y);
+  MultumFootprint footprint = multum_surface_footprint(st);
+  if (u_locked_level > -100.0) footprint.level = u_locked_level;
+  MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
+  vec2 place = multum_first_tap(st, footprint);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < footprint.tap_count; ++i)
+    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, position, v);
+  o_colour = vec4(ray.z < 0.0 ? sum / float(footprint.tap_count) : vec3(0.0), 1.0);
+}`;
+
+// One normal and roughness a texel, filtered as an engine does.
+const ONE_NORMAL = `
+uniform sampler2D u_material;
+struct MultumSurface { vec3 n; };
+MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_material, st); }
+MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
+  vec4 texel = multum_filtered(u_material, st, footprint);
+  multum_alpha = max(texel.w * texel.w, 1e-3);
+  return MultumSurface(normalize(2.0 * texel.xyz - 1.0));
+}
+MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
+  float n_l = max(dot(surface.n, l), 0.0), n_v = max(dot(surface.n, v), 0.0);
+  float visibility = multum_visibility(n_l, n_v, max(dot(surface.n, h), 0.0), dot(v, h));
+  return MultumReflection(vec3(n_l), multum_facets(surface.n, h) * visibility * n_l);
+}`;
+
+const SCREEN_FRAGMENT = `#version 300 es
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D u_left, u_right;
+uniform float u_split;  // in pixels
+uniform float u_exposure;
+uniform bool u_difference;
+out vec4 o_colour;
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  vec3 left = texelFetch(u_left, place, 0).rgb, right = texelFetch(u_right, place, 0).rgb;
+  vec3 radiance = u_difference ? 4.0 * abs(left - right) : gl_FragCoord.x < u_split ? left : right;
+  vec3 linear = clamp(u_exposure * radiance, 0.0, 1.0);
+  vec3 curved = 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055;
+  o_colour = vec4(mix(curved, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308))), 1.0);
+}`;
+
+class LookGl {
+  /** Throws Error saying what the browser lacks. `shaders`: texts by name; `table`: halves of GGX over lobes. */
+  constructor(canvas, shaders, table) {
+    const gl = canvas.getContext("webgl2",
+      { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
+    if (gl === null) throw new Error("this browser has no WebGL 2, or it is switched off");
+    if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float"))
+      throw new Error("this WebGL 2 draws no half floats (EXT_color_buffer_half_float)");
+    this.gl = gl;
+    this.rgtc = gl.getExtension("EXT_texture_compression_rgtc");
+    this.shaders = shaders;
+    this.nothing = gl.createVertexArray();
+    gl.bindVertexArray(this.nothing);
+    this.screen = this.program(SCREEN_VERTEX, SCREEN_FRAGMENT);
+    this.oneNormal = this.program(SCREEN_VERTEX,
+      this.fragment(["MULTUM_ROUGHNESS_TEXTURE"], shaders.oneNormal, ONE_NORMAL));
+    this.ggxTable = this.texture(gl.TEXTURE_2D, gl.RGBA16F, { width: 32, height: 32 }, 1, gl.CLAMP_TO_EDGE, () =>
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 32, 32, gl.RGBA, gl.HALF_FLOAT, table));
+    this.materials = new Map(); // { texture, bytes } by method
+    this.targets = [];
+    this.size = [0, 0];
+  }
+
+  fragment(flags, texts, surface) {
+    const all = [`MULTUM_TAPS ${FILTER.taps}`, "MULTUM_SHADE_TAPS", "MULTUM_GGX", "MULTUM_VISIBILITY", "MULTUM_FRESNEL",
+      "MULTUM_FRESNEL_DIFFUSE", "MULTUM_DIRECTIONAL_LIGHTS 1", ...flags];
+    return `#version 300 es\nprecision highp float;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n` +
+      `${all.map((flag) => `#define ${flag}\n`).join("")}${texts}${surface}\n${this.shaders.lights}${LOOK_MAIN}`;
+  }
+
+  program(vertex, fragment) {
+    const { gl } = this;
+    const program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS))
+        throw new Error(`a shader was refused: ${gl.getShaderInfoLog(shader)}`);
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS))
+      throw new Error(`shaders were refused: ${gl.getProgramInfoLog(program)}`);
+    return program;
+  }
+
+  texture(target, format, { width, height, layers = 0 }, levels, wrap, upload) {
+    const { gl } = this;
+    const texture = gl.createTexture();
+    gl.bindTexture(target, texture);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    if (layers > 0) gl.texStorage3D(target, levels, format, width, height, layers);
+    else gl.texStorage2D(target, levels, format, width, height);
+    gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, levels > 1 ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR);
+    gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+    for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(target, axis, wrap);
+    upload();
+    const error = gl.getError();
+    if (error !== gl.NO_ERROR) throw new Error(`a texture of ${width} x ${height} was refused (GL error ${error})`);
+    return texture;
+  }
+
+  /** RGBA8 levels of one normal a texel. */
+  setMaterial(method, levels) {
+    const { gl } = this;
+    gl.deleteTexture(this.materials.get(method)?.texture ?? null);
+    const texture = this.texture(gl.TEXTURE_2D, gl.RGBA8, levels[0], levels.length, gl.REPEAT, () => levels.forEach(
+      (level, l) => gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.UNSIGNED_BYTE,
+        level.bytes)));
+    // As BC5 and BC4, which is what engines keep; here they are RGBA8.
+    this.materials.set(method, { texture, bytes: levels.reduce((sum, { width, height }) =>
+      sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
+  }
+
+  /** parseLobes() of a file; `normals`: mean normals of the finer levels. */
+  setLobes(file, normals) {
+    const { gl } = this;
+    const blocks = file.format === VK_BC5;
+    const [format, kind] = file.format === VK_RGBA16F ? [gl.RGBA16F, gl.HALF_FLOAT]
+      : blocks ? [this.rgtc ? this.rgtc.COMPRESSED_RED_GREEN_RGTC2_EXT : gl.RG8, gl.UNSIGNED_BYTE] : [gl.RGBA8,
+        gl.UNSIGNED_BYTE];
+    const texture = this.texture(gl.TEXTURE_2D_ARRAY, format, file, file.levels.length, gl.REPEAT, () =>
+      file.levels.forEach((bytes, level) => {
+        const size = [levelSize(file.width, level), levelSize(file.height, level), file.layers];
+        const place = [gl.TEXTURE_2D_ARRAY, level, 0, 0, 0, ...size];
+        if (blocks && this.rgtc) gl.compressedTexSubImage3D(...place, format, bytes);
+        else if (blocks) gl.texSubImage3D(...place, gl.RG, kind, decodeBc5(bytes, ...size));
+        else gl.texSubImage3D(...place, gl.RGBA, kind, kind ===
+          gl.HALF_FLOAT ? new Uint16Array(bytes.slice().buffer) : bytes);
+      }));
+    const map = this.texture(gl.TEXTURE_2D, gl.RGBA16F, normals[0], file.lobes.firstLevel, gl.REPEAT, () =>
+      normals.slice(0, file.lobes.firstLevel).forEach((level, l) =>
+        gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.FLOAT, level.texels)));
+    const program = this.program(SCREEN_VERTEX, this.fragment([`MULTUM_LOBE_COUNT ${file.lobes.lobes.length}`,
+      `MULTUM_LOBE_LAYERS ${file.lobes.layersPerLobe}`, "MULTUM_NORMAL_MAP"], this.shaders.lobes, ""));
+    for (const old of [this.lobes?.texture, this.lobes?.map]) gl.deleteTexture(old ?? null);
+    gl.deleteProgram(this.lobes?.program ?? null);
+    this.lobes = { texture, map, program, unpacking: file.unpacking, firstLevel: file.lobes.firstLevel,
+      bytes: file.levels.reduce((sum, level) => sum + level.length, 0) + texelBytes(VK_BC5, normals[0].width,
+        normals[0].height) };
+  }
+
+  bytesOf(method) { return method === "lobes" ? this.lobes.bytes : this.materials.get(method).bytes; }
+
+  resize(width, height) {
+    const { gl } = this;
+    if (this.size[0] === width && this.size[1] === height) return;
+    for (const { texture, frame } of this.targets) { gl.deleteTexture(texture); gl.deleteFramebuffer(frame); }
+    this.targets = [0, 1].map(() => {
+      const texture = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA16F, width, height);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+      const frame = gl.createFramebuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+      return { texture, frame };
+    });
+    this.size = [width, height];
+  }
+
+  /** `scene`: rays, eye, light, diffuse, specular, f0, alpha, lock (a level, or null), exposure,
+    split (0..1). */
+  draw(left, right, scene) {
+    const { gl } = this;
+    const [width, height] = this.size;
+    gl.viewport(0, 0, width, height);
+    [left, right].forEach((method, side) => this.drawMethod(method, this.targets[side].frame, scene));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    const at = this.use(this.screen,
+      [["u_left", gl.TEXTURE_2D, this.targets[0].texture], ["u_right", gl.TEXTURE_2D, this.targets[1].texture]]);
+    gl.uniform1f(at("u_split"), scene.split * width);
+    gl.uniform1f(at("u_exposure"), scene.exposure);
+    gl.uniform1i(at("u_difference"), scene.difference ? 1 : 0);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  use(program, textures) {
+    const { gl } = this;
+    gl.useProgram(program);
+    const at = (name) => gl.getUniformLocation(program, name);
+    textures.forEach(([name, target, texture], unit) => {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(target, texture);
+      gl.uniform1i(at(name), unit);
+    });
+    return at;
+  }
+
+  drawMethod(method, frame, scene) {
+    const { gl } = this;
+    const lobes = method === "lobes" ? this.lobes : null;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    gl.clearColor(0, 0, 0, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    const at = this.use(lobes ? lobes.program : this.oneNormal, lobes
+      ? [["u_lobe_layers", gl.TEXTURE_2D_ARRAY, lobes.texture], ["u_normal_map", gl.TEXTURE_2D, lobes.map],
+        ["u_ggx_lobe_table", gl.TEXTURE_2D, this.ggxTable]]
+      : [["u_material", gl.TEXTURE_2D, this.materials.get(method).texture]]);
+    gl.uniformMatrix3fv(at("u_rays"), false, scene.rays);
+    gl.uniform2f(at("u_size"), ...this.size);
+    gl.uniform3fv(at("u_eye"), scene.eye);
+    gl.uniform3fv(at("u_light_directions"), scene.light);
+    gl.uniform3fv(at("u_light_irradiances"), [Math.PI, Math.PI, Math.PI]);
+    for (const name of ["diffuse", "specular", "f0"]) gl.uniform3fv(at(`u_${name}`), Array(3).fill(scene[name]));
+    gl.uniform1f(at("u_alpha"), scene.alpha);
+    gl.uniform1f(at("u_exponent"), 2 / scene.alpha ** 2);
+    gl.uniform1f(at("u_level_bias"), FILTER.bias);
+    gl.uniform1f(at("u_locked_level"), scene.lock === null ? -1000 : scene.lock - (lobes?.firstLevel ?? 0));
+    if (lobes) gl.uniform1fv(at("u_lobe_unpacking"), lobes.unpacking);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+}

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// Walks through the page of multum look in headless Chromium: pictures beside multum-view's, every control, keys,
+// touch, the address, files that are dropped, damaged ones too, 360 px, light and dark. Exit code 77: skipped.
+//
+//   node look_page_test.mjs BIN_FOLDER SCREENSHOTS
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [bin, screenshots] = process.argv.slice(2);
+const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
+const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium",
+  "/usr/local/bin/chromium"].find(existsSync);
+if (executablePath === undefined) skip("no Chromium (Debian package chromium)");
+if (!existsSync(path.join(bin, "multum-view"))) skip("no multum-view was built");
+const { chromium } = await import("../service/web/node_modules/playwright-core/index.mjs").catch(() =>
+  skip("no playwright-core: tools/install_dependencies test"));
+const { lowContrasts } = await import("../service/page_contrast.mjs");
+
+const folder = mkdtempSync(path.join(os.tmpdir(), "multum-look-"));
+const inFolder = (name) => path.join(folder, name);
+const run = (program, ...words) => execFileSync(path.join(bin, program), words, { cwd: folder, encoding: "utf8",
+  stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, DISPLAY: ":99" } });
+mkdirSync(screenshots, { recursive: true });
+const CLOSE = 8; // of 255: this GL filters blocks and halves with other roundings than llvmpipe
+const MEAN_MOST = 1.5;
+
+let browser;
+const complaints = [];
+try {
+  run("multum", "testmap", "map", "--size", "128");
+  run("multum", "bake", "map_normal.png", "-o", "map.ndf.exr", "--no-measure");
+  run("multum", "look", "map.ndf.exr", "--source", "map_normal.png", "--no-open");
+  run("multum", "export", "map.ndf.exr", "--lobes", "-o", "map.ktx2");
+  run("multum", "export", "map.ndf.exr", "--lobes", "--texels", "rgba16f", "-o", "halves.ktx2");
+  browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new", "--disable-dev-shm-usage",
+    "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+  const url = pathToFileURL(inFolder("map.html")).href;
+
+  const open = async (hash = "", { width = 344, height = 700, ...more } = {}) => {
+    const page = await (await browser.newContext({ viewport: { width, height }, ...more })).newPage();
+    page.setDefaultTimeout(60000);
+    page.on("pageerror", (error) => complaints.push(String(error)));
+    page.on("request", (request) => { if (!/^(data|blob|file):/.test(request.url())) complaints.push(request.url()); });
+    await page.goto(url + hash);
+    await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);
+    return page;
+  };
+  const settled = (page) => page.evaluate(() => new Promise((resolve) =>
+    requestAnimationFrame(() => requestAnimationFrame(resolve))));
+  const view = (page) => page.evaluate(() => ({ ...globalThis.multumLook.view }));
+  const pixels = (page) => page.evaluate(() => document.getElementById("canvas").toDataURL());
+  const changes = async (page, what, act) => {
+    const before = await pixels(page);
+    await act();
+    await settled(page);
+    assert.notEqual(await pixels(page), before, `${what} changes no picture`);
+  };
+
+  // Pictures beside multum-view's of the same file, map, camera and light.
+  const page = await open("#left=lobes&split=1");
+  const [width, height] = await page.evaluate(() => globalThis.multumLook.gl.size);
+  const beside = async (file, hash) => {
+    await page.evaluate((text) => { location.hash = text; }, hash);
+    await settled(page);
+    await settled(page);
+    const camera = await page.evaluate(() => {
+      const { eye, target } = globalThis.cameraOf(globalThis.multumLook.view);
+      return { place: [...eye, ...target, 40].join(","), light: globalThis.multumLook.scene().light.join(",") };
+    });
+    run("multum-view", file, "--source", "map_normal.png", "--size", `${width}x${height}`, "--brdf", "ggx:0.3",
+      "--diffuse", "0.1", "--specular", "1", "--light", camera.light, "--camera", camera.place, "-o", "view.png");
+    return page.evaluate(async (base64) => {
+      const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
+      const rgba = (source) => {
+        const canvas = new OffscreenCanvas(source.width, source.height);
+        canvas.getContext("2d").drawImage(source, 0, 0);
+        return canvas.getContext("2d").getImageData(0, 0, source.width, source.height).data;
+      };
+      const want = rgba(image), found = rgba(document.getElementById("canvas"));
+      const differences = [...want].flatMap((one, i) => (i % 4 === 3 ? [] : [Math.abs(one - found[i])]));
+      return { count: want.length - found.length, mean: differences.reduce((a, b) => a + b) / differences.length,
+        histogram: differences.reduce((list, one) => { list[one] = (list[one] ?? 0) + 1; return list; }, []),
+        brightest: want.reduce((a, b, i) => (i % 4 === 3 ? a : Math.max(a, b)), 0) };
+    }, readFileSync(inFolder("view.png")).toString("base64")).catch((error) => assert.fail(String(error)));
+  };
+  // multum-view's plane begins at y = 0, the page's is endless.
+  for (const [name, hash] of [["lobes", "left=lobes&split=1"],
+    ["steep", "left=lobes&split=1&elevation=75&distance=-0.5"],
+    ["turned", "left=lobes&split=1&azimuth=30&elevation=45&distance=-0.5&exposure=0&x=-0.5&y=0.5&z=0.7071"]]) {
+    const found = await beside("map.ktx2", hash);
+    const total = found.histogram.reduce((sum, one) => sum + (one ?? 0), 0);
+    const close = found.histogram.slice(0, CLOSE + 1).reduce((sum, one) => sum + (one ?? 0), 0) / total;
+    const share = `${(100 * close).toFixed(1)} %`;
+    console.log(`  ${name}: mean difference ${found.mean.toFixed(2)} of 255, within ${CLOSE}: ${share}`);
+    assert.equal(found.count, 0);
+    assert.ok(found.brightest > 100, `${name} is dark`);
+    assert.ok(found.mean <= MEAN_MOST && close > 0.95, `${name}: mean ${found.mean}, within ${CLOSE}: ${close}`);
+  }
+
+  // Controls.
+  await page.evaluate(() => { location.hash = ""; });
+  await settled(page);
+  await settled(page);
+  for (const [id, value] of [["left", "rule"], ["rule", "godot"], ["left", "export"], ["left", "lobes"],
+    ["right", "mip"], ["lock", "3"]])
+    await changes(page, `${id} ${value}`, () => page.selectOption(`#${id}`, value));
+  for (const [id, value] of [["split", "0.25"], ["distance", "1"], ["exposure", "1"]])
+    await changes(page, id, () => page.locator(`#${id}`).fill(value));
+  await changes(page, "difference", () => page.check("#difference"));
+  await changes(page, "reset", () => page.click("#reset"));
+  await page.focus("#stage");
+  for (const key of ["ArrowLeft", "ArrowUp", "+", "-", "]", "[", "s", "S", "d", "d"])
+    await changes(page, `key ${key}`, () => page.keyboard.press(key));
+  const box = await page.locator("#stage").boundingBox();
+  const drag = async (from, to) => {
+    await page.mouse.move(box.x + from[0] * box.width, box.y + from[1] * box.height);
+    await page.mouse.down();
+    await page.mouse.move(box.x + to[0] * box.width, box.y + to[1] * box.height, { steps: 3 });
+    await page.mouse.up();
+  };
+  await changes(page, "a drag", () => drag([0.2, 0.5], [0.4, 0.6]));
+  await changes(page, "the wheel", () => page.mouse.wheel(0, 300));
+  const split = (await view(page)).split;
+  await changes(page, "the divider", () => drag([split, 0.5], [0.8, 0.5]));
+  assert.ok(Math.abs((await view(page)).split - 0.8) < 0.02);
+  await page.check("#light");
+  await changes(page, "the light", () => page.mouse.move(box.x + 0.8 * box.width, box.y + 0.2 * box.height));
+  const facts = await page.textContent("#facts");
+  assert.match(facts, /128 x 128, 4 lobes.*MB.*takes [\d.]+ ms/);
+
+  // The address keeps the view; one of a stranger is clamped.
+  const kept = await page.evaluate(() => location.hash);
+  const again = await open(kept);
+  const [one, other] = [await view(page), await view(again)];
+  for (const key of Object.keys(one)) {
+    if (typeof one[key] === "number") assert.ok(Math.abs(one[key] - other[key]) < 1e-3, key);
+    else assert.equal(one[key], other[key]);
+  }
+  const odd = await open("#left=%3Cscript%3E&rule=__proto__&split=9e99&lock=1e9&azimuth=NaN&distance=-Infinity&x=abc");
+  assert.deepEqual([(await view(odd)).left, (await view(odd)).rule, (await view(odd)).split], ["mip", "unreal", 1]);
+
+  // Files dropped onto it.
+  const drop = (name, bytes) => again.evaluate(async ([file, base64]) => {
+    const data = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    await globalThis.multumLook.take(new File([data], file));
+    return document.getElementById("problem").textContent;
+  }, [name, bytes.toString("base64")]);
+  assert.equal(await drop("halves.ktx2", readFileSync(inFolder("halves.ktx2"))), "");
+  assert.equal(await again.evaluate(() => globalThis.multumLook.file.format), 97);
+  assert.equal(await drop("map_normal.png", readFileSync(inFolder("map_normal.png"))), "");
+  const good = readFileSync(inFolder("map.ktx2"));
+  const changed = (at, value) => { const bytes = Buffer.from(good); bytes[at] = value; return bytes; };
+  for (const [bytes, words] of [[changed(12, 99), "VkFormat 99"], [changed(24, 3), "bytes of level"],
+    [changed(32, 200), "layers"],
+    [changed(40, 30), "levels"], [changed(44, 2), "supercompression"],
+      [good.subarray(0, good.length - 9), "beyond the end"],
+    [good.subarray(0, 90), "cut"], [Buffer.from("no picture"), "odd.ktx2"], [changed(87, 9), "beyond the end"]]) {
+    const said = await drop("odd.ktx2", bytes);
+    assert.ok(said.includes(words), `${words}: ${said}`);
+  }
+  assert.equal(await again.locator("#problem").isVisible(), true);
+
+  // Small, by touch, light and dark.
+  for (const colorScheme of ["light", "dark"]) {
+    const small = await open("", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
+    const [scroll, client] = await small.evaluate(() =>
+      [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
+    assert.ok(scroll <= client, `the page is ${scroll} px wide in ${client}`);
+    await small.screenshot({ path: path.join(screenshots, `look_360_${colorScheme}.png`), fullPage: true });
+    const session = await small.context().newCDPSession(small);
+    const touch = (type, points) =>
+      session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    const at = await small.locator("#stage").boundingBox();
+    const place = (x, y) => [at.x + x * at.width, at.y + y * at.height];
+    const before = await view(small);
+    await touch("touchStart", [place(0.2, 0.5), place(0.3, 0.5)]);
+    await touch("touchMove", [place(0.1, 0.5), place(0.45, 0.5)]);
+    await touch("touchEnd", []);
+    await settled(small);
+    assert.ok((await view(small)).distance < before.distance - 0.5, "a pinch comes no nearer");
+    assert.deepEqual((await lowContrasts(small)).found, []);
+  }
+  const wide = await open("#left=export&right=lobes&distance=0.5", { width: 1280, height: 900 });
+  await wide.screenshot({ path: path.join(screenshots, "look.png") });
+  assert.deepEqual(complaints, []);
+} finally {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+}
