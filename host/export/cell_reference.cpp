@@ -201,12 +201,12 @@ ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, st
   return lights;
 }
 
-LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points) {
+LobeError error_of_highlights(const ReferenceLights& lights, const HighlightsOf& highlights_of, std::size_t points) {
   double difference = 0.0, energy = 0.0;
   std::vector<double> values;
   for (std::size_t v = 0; v < lights.views.size(); ++v) {
     const LightSet& set = lights.views[v];
-    highlights(set, lobe, values);
+    highlights_of(set, values);
     for (std::size_t i = 0; i < values.size(); i += points) {
       double of_light = 0.0;
       for (std::size_t k = i; k < i + points; ++k) {
@@ -218,6 +218,11 @@ LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std:
   }
   if (lights.total <= 0.0) return {};
   return {difference / lights.total, energy / lights.total};
+}
+
+LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points) {
+  return error_of_highlights(
+      lights, [&](const LightSet& set, std::vector<double>& values) { highlights(set, lobe, values); }, points);
 }
 
 }  // namespace multum

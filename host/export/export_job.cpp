@@ -12,6 +12,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/stopwatch.h"
+#include "host/export/baked_lobes.h"
 
 namespace multum {
 namespace {
@@ -29,7 +30,27 @@ std::vector<std::string> export_inputs(const ExportJob& job) {
   const LobeMaterialFiles files = material_files_of(job);
   for (const ChannelFile& file : {files.roughness, files.occlusion, files.metalness})
     if (!file.path.empty()) inputs.push_back(file.path);
+  if (!job.lobes.empty()) inputs.push_back(job.lobes);
   return inputs;
+}
+
+// The lobes that are measured beside the export. Of an input that has none of vMF, or starts at another level, there
+// are none; a file that was named for it has to have them.
+std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMapRows& map, InputHashes& hashes) {
+  if (!job.measure || (job.lobes.empty() && !is_baked_name(job.input))) return nullptr;
+  if (job.lobes.empty()) {
+    if (read_baked_header(job.input).representation != Representation::kMovmf) return nullptr;
+    return std::make_unique<BakedLobes>(job.input, job.accuracy.levels);
+  }
+  auto lobes = std::make_unique<BakedLobes>(job.lobes, job.accuracy.levels);
+  const int width = map.normals.width(), height = map.normals.height();
+  if (lobes->width() != width || lobes->height() != height)
+    throw Error(ErrorCode::kInput, fmt::format("{}: was baked from a map of {} x {} texels, expected {} x {} as {} has",
+                                               job.lobes, lobes->width(), lobes->height(), width, height, job.input));
+  if (!is_baked_name(job.input) && lobes->source_hash() != hashes.hash(job.input))
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: was baked from another map than {}; expected a bake of it", job.lobes, job.input));
+  return lobes;
 }
 
 // What `output` names: a folder, or files whose names begin alike.
@@ -90,6 +111,7 @@ void check_export_job(const ExportJob& job) {
 struct ExportSource {
   NormalMapRows map;
   std::optional<LobeMaterial> material;
+  std::unique_ptr<BakedLobes> lobes;  // null: none to compare with
 
   OneLobeInputs inputs(const ExportJob& job) const {
     OneLobeInputs inputs;
@@ -109,8 +131,12 @@ ExportSource read_export_source(const ExportJob& job, const std::string& folder,
   for (const std::string& file : export_inputs(job)) hashes.note(file);
   const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
                              static_cast<std::int64_t>(job.memory_bytes / 4)};
-  ExportSource source{read_normal_map_rows(job.input, job.reading, spill, job.threads, progress), std::nullopt};
-  if (export_inputs(job).size() > 1)
+  ExportSource source{is_baked_name(job.input)
+                          ? read_baked_normals(job.input, spill, progress)
+                          : read_normal_map_rows(job.input, job.reading, spill, job.threads, progress),
+                      std::nullopt, nullptr};
+  source.lobes = compared_lobes(job, source.map, hashes);
+  if (!job.roughness.empty() || !job.occlusion.empty() || !job.metalness.empty())
     source.material = read_lobe_material(material_files_of(job), source.map.normals.width(),
                                          source.map.normals.height(), spill, job.threads);
   for (const std::string& file : export_inputs(job)) hashes.check_unchanged(file);
@@ -181,7 +207,7 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
   report.device = device.info().name;
   std::optional<ExportMeter> meter;
-  if (job.measure) meter.emplace(report.width, report.height, job.accuracy);
+  if (job.measure) meter.emplace(report.width, report.height, job.accuracy, source.lobes.get());
   std::optional<MeterSink> stored;
   if (meter) stored.emplace(*meter);
   const std::unique_ptr<MaterialWriter> writer =

@@ -23,7 +23,8 @@
 namespace multum {
 
 struct ExportJob {
-  std::string input;
+  std::string input;  // a normal map or height field; or NAME.ndf.exr, whose level 0 is the map
+  std::string lobes;  // a baked file of the map, whose lobes are measured beside; empty: `input` where it is one
   std::string roughness, occlusion, metalness;  // FILE or FILE:CHANNEL; empty: none
   bool roughness_is_gloss = false;
   std::string output;  // a folder; or NAME.ktx2, NAME.dds for files NAME_normal.ktx2 and so on

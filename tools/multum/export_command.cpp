@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <memory>
 
+#include "host/base/error.h"
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
+#include "host/export/baked_lobes.h"
 #include "host/export/export_job.h"
 #include "host/image/normals/reading_parameters.h"
 #include "host/parameters/bake_parameters.h"
@@ -45,6 +47,7 @@ void apply_to_export(const ParameterValues& values, ExportJob& job) {
   job.zstd_level = values.integer("zstd").value_or(job.zstd_level);
   job.has_roughness_alone = values.flag("roughness_alone");
   if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
+  job.lobes = values.text("lobes").value_or("");
   job.measure = !values.flag("no_measure");
   job.accuracy.finds_optimum = values.flag("optimum");
   job.accuracy.cells_per_level = values.integer("cells").value_or(job.accuracy.cells_per_level);
@@ -52,9 +55,18 @@ void apply_to_export(const ParameterValues& values, ExportJob& job) {
   job.scratch_folder = values.text("scratch").value_or("");
 }
 
+// A baked file has its normals as they are; how a map is to be read says nothing of them.
+void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
+  for (const Parameter& row : export_parameters().rows())
+    if (row.group == kSourceGroup && values.has(row.name))
+      throw Error(ErrorCode::kUsage,
+                  input + ": is a baked file, whose normals are decoded; expected no " + row.option());
+}
+
 int run_export(ExportOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
+  if (is_baked_name(o.job.input)) check_no_reading_is_given(o.job.input, o.values);
   apply_to_export(o.values, o.job);
   Device device = Device::when_needed({o.values.text("device").value_or("")});
   const auto progress = make_progress(o.common);
@@ -77,7 +89,10 @@ void add_export_command(CLI::App& app, int* exit_code) {
   CLI::App* command = app.add_subcommand(
       "export",
       "fit a normal map's mips as materials that engines load: normal, roughness, anisotropy (docs/EXPORT.md)");
-  command->add_option("input", o.job.input, bake_parameters().at("input").help)->required();
+  command
+      ->add_option("input", o.job.input,
+                   bake_parameters().at("input").help + "; or a baked file, NAME.ndf.exr, whose level 0 is its map")
+      ->required();
   command
       ->add_option("-o,--output", o.job.output,
                    "folder to write to: an image a texture and level, or a KTX2 or DDS file a texture; or NAME.ktx2, "
