@@ -41,7 +41,8 @@ the map's normals to 16 bits, and what is exported of them is what the map itsel
 apart (files without level 0, with roughness in their lobes, or without lobes are refused).
 
 FOLDER gets an image a texture and mip level, level 0 first: `normal_00.png`, green up; `orm_00.png`, occlusion,
-roughness and metalness as glTF packs them, 1 where no map was given; with `--anisotropy` `anisotropy_00.png`, direction and strength as KHR_materials_anisotropy has them.
+roughness and metalness as glTF packs them, 1 where no map was given; with `--anisotropy` `anisotropy_00.png`,
+direction and strength as KHR_materials_anisotropy has them.
 `--format exr` writes half floats. With `--roughness-alone` there is a texture `roughness` instead of `orm`.
 
 `-o rock.ktx2` writes a KTX2 file a texture with all its levels, `rock_normal.ktx2`, `rock_orm.ktx2`, and `-o rock.dds`
@@ -80,7 +81,8 @@ A texel far away covers facets that no single lobe resembles: at base roughness 
 is still wrong by the last two rows of the table below. The row above them is what four baked lobes a texel are off by,
 drawn as [INTEGRATION](INTEGRATION.md) has it: where a renderer can be changed, take those. Relative L1 above 100 % is
 worse than black: at base roughness 0.1 judge by the energy, and by the error under lights 20 degrees across, which
-stands in brackets. Every export prints such a table of its own map; `--lobes NAME.ndf.exr` adds the lobes of a bake.
+stands in brackets. Every export prints such a table of its own map; `--lobes NAME.ndf.exr` adds the lobes of a bake,
+and `--page FILE.html` draws all of them from three distances and in motion.
 
 """
 

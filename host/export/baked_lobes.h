@@ -11,6 +11,7 @@
 #include "host/asset/lobes/movmf_reader.h"
 #include "host/base/files/spill_policy.h"
 #include "host/base/progress.h"
+#include "host/base/size_of.h"
 #include "host/export/cell_reference.h"
 #include "host/export/lobe_shading.h"
 #include "host/image/normals/normal_map.h"
@@ -34,8 +35,11 @@ class BakedLobes {
   int height() const { return reader_.header().height(); }
   /// SHA-256 of the map that was baked.
   const std::string& source_hash() const { return reader_.header().header.provenance.source_hash; }
-  /// "4 lobes a texel".
+  int count() const { return reader_.header().lobe_count(); }
+  /// "4 baked lobes".
   std::string name() const;
+  /// All texels of a level that the file has.
+  MovmfLevel level(int level) { return reader_.read_level(level, 0, reader_.header().levels[size_of(level)].height); }
   /// (a r, a), one a lobe. From one thread at a time.
   std::vector<glm::dvec4> texel(int level, int x, int y);
 

@@ -14,6 +14,9 @@
 
 namespace multum {
 
+/// Length of finest texel [index, index + 1) within texel `texel` of a side of `to` texels; the finest has `from`.
+double covered_length(int index, int texel, int from, int to);
+
 /// Finest texels under a texel, and their means.
 struct CoveredFacets {
   std::vector<glm::dvec3> normals;    // unit

@@ -43,10 +43,10 @@ std::vector<std::string> rule_names(const BakedLobes* baked, bool finds_optimum)
   return names;
 }
 
-nlohmann::json json_of(const LobeError& error) { return {{"error", error.error}, {"energy", error.energy}}; }
+nlohmann::ordered_json json_of(const LobeError& error) { return {{"error", error.error}, {"energy", error.energy}}; }
 
-nlohmann::json json_of(const std::vector<std::string>& ids, const std::vector<RuleError>& errors) {
-  nlohmann::json json = nlohmann::json::object();
+nlohmann::ordered_json json_of(const std::vector<std::string>& ids, const std::vector<RuleError>& errors) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     json[ids[i]] = json_of(errors[i].point);
     json[ids[i]]["wide"] = json_of(errors[i].wide);
@@ -178,10 +178,10 @@ std::string ExportAccuracy::to_text() const {
 }
 
 std::string ExportAccuracy::to_json() const {
-  nlohmann::json json = {{"lights_per_view", lights_per_view},
-                         {"names", nlohmann::json::object()},
-                         {"levels", nlohmann::json::array()},
-                         {"cells", nlohmann::json::array()}};
+  nlohmann::ordered_json json = {{"lights_per_view", lights_per_view},
+                                 {"names", nlohmann::ordered_json::object()},
+                                 {"levels", nlohmann::ordered_json::array()},
+                                 {"cells", nlohmann::ordered_json::array()}};
   for (std::size_t i = 0; i < ids.size(); ++i) json["names"][ids[i]] = names[i];
   for (const LevelAccuracy& level : levels)
     json["levels"].push_back({{"level", level.level}, {"noise", level.noise}, {"rules", json_of(ids, level.errors)}});

@@ -42,6 +42,21 @@ struct ExportJob {
   int threads = 1;
 };
 
+/// Maps beside the normals, and a bake of them.
+constexpr std::string ExportJob::*kExportMapsBeside[] = {&ExportJob::roughness, &ExportJob::occlusion,
+                                                         &ExportJob::metalness, &ExportJob::lobes};
+
+/// The files that an export reads, the map first; of FILE:CHANNEL the file.
+std::vector<std::string> input_files(const ExportJob& job);
+
+/// What ExportJob::output names: files in a folder, whose names begin with "STEM_" where it is NAME.ktx2 or NAME.dds.
+struct ExportPlace {
+  std::string folder, stem;
+  std::optional<MaterialFormat> format;  // by the name
+};
+/// Throws Error(kUsage) for the name of one image.
+ExportPlace export_place(const std::string& output);
+
 struct ExportReport {
   int width = 0, height = 0, level_count = 0;
   NormalMapReport input;

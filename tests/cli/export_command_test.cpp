@@ -442,6 +442,40 @@ TEST_F(ExportCommandTest, TakesABakedFile) {
   EXPECT_EQ(reports["map"]["accuracy"]["names"]["baked"], "4 baked lobes");
 }
 
+// All ways to filter, with pictures and numbers; lobes are nearest and flicker least.
+TEST_F(ExportCommandTest, WritesAPage) {
+  make_map("big", 128);
+  const ProgramResult result = multum({"export", path("big_normal.png"), "-o", path("out"), "--base-roughness", "0.3",
+                                       "--page", path("page.html"), "--cells", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string page = read_bytes(path("page.html"));
+  const auto begin = page.find('{', page.find("id=\"data\"")), end = page.find("</script", begin);
+  const auto data = nlohmann::json::parse(page.substr(begin, end - begin));
+  ASSERT_EQ(data["distances"].size(), 3u);
+  for (const auto& distance : data["distances"]) {
+    EXPECT_EQ(distance["pictures"].size(), 9u);
+    EXPECT_EQ(decode_base64(distance["pictures"]["reference"])->substr(1, 3), "PNG");
+    const auto& models = distance["models"];
+    EXPECT_LT(models["baked"]["error"], models["isotropic"]["error"]);
+    EXPECT_LT(models["isotropic"]["error"], models["averaged"]["error"]);
+    EXPECT_NEAR(models["isotropic"]["energy"].get<double>(), 1.0, 0.15);
+  }
+  for (const auto& motion : data["motions"]) {
+    EXPECT_LT(motion["models"]["baked"]["flicker"], motion["models"]["averaged"]["flicker"]) << motion["id"];
+    EXPECT_LT(motion["models"]["isotropic"]["flicker"], motion["models"]["averaged"]["flicker"]) << motion["id"];
+    EXPECT_GT(motion["reference_change"], 0.0);
+  }
+  EXPECT_EQ(data["report"]["accuracy"]["names"]["baked"], "4 baked lobes");
+  if (program_works("ffmpeg", "-version")) EXPECT_EQ(decode_base64(data["video"])->substr(0, 4), "\x1a\x45\xdf\xa3");
+  else expect_says(result.err, {"ffmpeg", "no moving pictures"});
+  // Nothing else is left beside it.
+  for (const auto& entry : std::filesystem::directory_iterator(path("")))
+    EXPECT_FALSE(entry.path().filename().string().starts_with(".multum")) << entry.path();
+  expect_refusal(multum({"export", path("big_normal.png"), "-o", path("new"), "--page", path("none/page.html")}),
+                 kEnvironment, {"none"});
+  EXPECT_FALSE(std::filesystem::exists(path("new")));
+}
+
 TEST_F(ExportCommandTest, RefusesBakedFilesThatItCannotUse) {
   make_map("big", 64);
   const std::string map = path("big_normal.png");
