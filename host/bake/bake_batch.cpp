@@ -1,69 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/bake_batch.h"
 
-#include <algorithm>
-#include <filesystem>
 #include <map>
 
 #include "host/base/error.h"
+#include "host/base/files/udim_set.h"
 
 namespace multum {
-namespace {
-
-namespace fs = std::filesystem;
-
-constexpr char kUdim[] = "<UDIM>";
-constexpr std::size_t kTileDigits = 4;
-
-bool is_tile(const std::string& text) {
-  return text.size() == kTileDigits &&
-         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }) && text > "1000";
-}
-
-// Where a file of one map goes: `pattern` is a folder, or holds <UDIM>.
-std::string place(const std::string& pattern, const std::string& input, const std::string& tile,
-                  const std::string& suffix) {
-  if (pattern.empty()) return "";
-  if (has_udim(pattern)) {
-    if (tile.empty())
-      throw Error(ErrorCode::kUsage, pattern + ": holds <UDIM>, but " + input + " is not a set: expected a folder");
-    return with_tile(pattern, tile);
-  }
-  std::error_code error;
-  if (!fs::is_directory(pattern, error))
-    throw Error(ErrorCode::kUsage,
-                pattern + ": one name for several maps, expected a folder that exists, or <UDIM> in the name");
-  return (fs::path(pattern) / (fs::path(input).stem().string() + suffix)).string();
-}
-
-}  // namespace
-
-bool has_udim(const std::string& path) { return path.find(kUdim) != std::string::npos; }
-
-std::string with_tile(std::string path, const std::string& tile) {
-  for (std::size_t at = path.find(kUdim); at != std::string::npos; at = path.find(kUdim, at))
-    path.replace(at, sizeof(kUdim) - 1, tile);
-  return path;
-}
-
-std::vector<std::string> find_tiles(const std::string& set) {
-  const fs::path path(set);
-  const std::string name = path.filename().string();
-  const std::size_t at = name.find(kUdim);
-  if (at == std::string::npos)
-    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in a folder's name, expected it in the file's");
-  std::vector<std::string> tiles;
-  std::error_code none;
-  for (const fs::directory_entry& entry :
-       fs::directory_iterator(path.has_parent_path() ? path.parent_path() : fs::path("."), none)) {
-    const std::string found = entry.path().filename().string();
-    if (found.size() < at + kTileDigits) continue;
-    const std::string tile = found.substr(at, kTileDigits);
-    if (is_tile(tile) && found == with_tile(name, tile)) tiles.push_back(tile);
-  }
-  std::sort(tiles.begin(), tiles.end());
-  return tiles;
-}
 
 std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<std::string>& inputs) {
   MULTUM_CHECK(!inputs.empty());
@@ -74,28 +17,17 @@ std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<st
     return jobs;
   }
   std::map<std::string, std::string> taken;  // output -> input
-  const auto add = [&](const std::string& input, const std::string& tile) {
+  for (const SetMap& map : maps_of_names(inputs)) {
     BakeJob job = pattern;
-    job.input = input;
-    for (std::string BakeJob::*map : kMaterialMaps)
-      if (!tile.empty()) job.*map = with_tile(pattern.*map, tile);
-    job.output = place(pattern.output, input, tile, ".ndf.exr");
-    job.report = place(pattern.report, input, tile, ".json");
-    const auto [other, is_new] = taken.emplace(job.output, input);
+    job.input = map.path;
+    for (std::string BakeJob::*material : kMaterialMaps)
+      if (!map.tile.empty()) job.*material = with_tile(pattern.*material, map.tile);
+    job.output = place_of_map(pattern.output, map, ".ndf.exr");
+    job.report = place_of_map(pattern.report, map, ".json");
+    const auto [other, is_new] = taken.emplace(job.output, map.path);
     if (!is_new)
-      throw Error(ErrorCode::kUsage, job.output + ": both " + other->second + " and " + input + " would go there");
+      throw Error(ErrorCode::kUsage, job.output + ": both " + other->second + " and " + map.path + " would go there");
     jobs.push_back(std::move(job));
-  };
-  for (const std::string& input : inputs) {
-    if (!has_udim(input)) {
-      add(input, "");
-    } else {
-      const std::vector<std::string> tiles = find_tiles(input);
-      if (tiles.empty())
-        throw Error(ErrorCode::kInput,
-                    input + ": found no file of this set, expected " + with_tile(input, "1001") + " or others");
-      for (const std::string& tile : tiles) add(with_tile(input, tile), tile);
-    }
   }
   return jobs;
 }

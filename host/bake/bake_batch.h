@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the jobs of a run over several maps: names given one by one, and UDIM sets, whose tiles are named by `<UDIM>`
-// in a path, e.g. rock_<UDIM>.png for rock_1001.png, rock_1002.png ... (four digits, 1001 to 9999).
+// Makes the jobs of a run over several maps: names given one by one, and UDIM sets (host/base/files/udim_set.h).
 #pragma once
 
 #include <string>
@@ -9,14 +8,6 @@
 #include "host/bake/bake_job.h"
 
 namespace multum {
-
-/// Does a path name a set?
-bool has_udim(const std::string& path);
-
-/// The tiles that a set has files of, "1001" and so on, in order. Throws Error(kUsage) when `<UDIM>` is in a folder's
-/// name.
-std::vector<std::string> find_tiles(const std::string& set);
-std::string with_tile(std::string path, const std::string& tile);
 
 /// One job a map, in the order given, tiles in the order of their numbers; each is `pattern` with its own paths.
 /// Where there is one map and no `<UDIM>`, that is `pattern` with its input. Else pattern.output, and pattern.report if

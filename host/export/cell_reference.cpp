@@ -18,12 +18,6 @@ constexpr double kViewAngles[] = {0.0, 17.5, 35.0, 52.5, 70.0};  // from the map
 constexpr double kWideLightAngle = 10.0;                         // half of what it is across, degrees
 constexpr double kWideShare = 0.25;                              // of point lights, drawn from the wide lobe
 
-// Length of [index, index + 1) within [texel from/to, (texel + 1) from/to).
-double covered_length(int index, int texel, int from, int to) {
-  const double step = static_cast<double>(from) / to;
-  return std::min(index + 1.0, (texel + 1) * step) - std::max<double>(index, texel * step);
-}
-
 struct Frame3 {
   explicit Frame3(const glm::dvec3& normal) : x(tangent_about(normal)), y(glm::cross(normal, x)), z(normal) {}
   glm::dvec3 at(double a, double b, double c) const { return a * x + b * y + c * z; }
@@ -92,6 +86,11 @@ void add_totals(ReferenceLights& lights, std::size_t points) {
 }
 
 }  // namespace
+
+double covered_length(int index, int texel, int from, int to) {
+  const double step = static_cast<double>(from) / to;
+  return std::min(index + 1.0, (texel + 1) * step) - std::max<double>(index, texel * step);
+}
 
 CoveredFacets covered_facets(const PlaneStore& normals, const PlaneStore* material, double alpha_squared, int width,
                              int height, int x, int y) {
@@ -201,12 +200,12 @@ ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, st
   return lights;
 }
 
-LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points) {
+LobeError error_of_highlights(const ReferenceLights& lights, const HighlightsOf& highlights_of, std::size_t points) {
   double difference = 0.0, energy = 0.0;
   std::vector<double> values;
   for (std::size_t v = 0; v < lights.views.size(); ++v) {
     const LightSet& set = lights.views[v];
-    highlights(set, lobe, values);
+    highlights_of(set, values);
     for (std::size_t i = 0; i < values.size(); i += points) {
       double of_light = 0.0;
       for (std::size_t k = i; k < i + points; ++k) {
@@ -218,6 +217,11 @@ LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std:
   }
   if (lights.total <= 0.0) return {};
   return {difference / lights.total, energy / lights.total};
+}
+
+LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points) {
+  return error_of_highlights(
+      lights, [&](const LightSet& set, std::vector<double>& values) { highlights(set, lobe, values); }, points);
 }
 
 }  // namespace multum

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -12,6 +13,9 @@
 #include "host/image/plane_store.h"
 
 namespace multum {
+
+/// Length of finest texel [index, index + 1) within texel `texel` of a side of `to` texels; the finest has `from`.
+double covered_length(int index, int texel, int from, int to);
 
 /// Finest texels under a texel, and their means.
 struct CoveredFacets {
@@ -50,7 +54,11 @@ struct LobeError {
   double energy = 0.0;  // the integral of the lobe over that of the reference
 };
 
+/// Highlights of a view's lights, light by light.
+using HighlightsOf = std::function<void(const LightSet& lights, std::vector<double>& values)>;
+
 /// `points`: neighbours that make one light: 1, or kWideLightPoints.
+LobeError error_of_highlights(const ReferenceLights& lights, const HighlightsOf& highlights_of, std::size_t points = 1);
 LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points = 1);
 
 }  // namespace multum

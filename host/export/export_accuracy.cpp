@@ -27,24 +27,26 @@ Place spread_place(int k, int width, int height) {
   return {static_cast<int>((s - std::floor(s)) * width), static_cast<int>((t - std::floor(t)) * height)};
 }
 
-std::vector<std::string> rule_ids(bool finds_optimum) {
+std::vector<std::string> rule_ids(const BakedLobes* baked, bool finds_optimum) {
   std::vector<std::string> ids = {"export"};
   for (const EngineRule& rule : engine_rules()) ids.emplace_back(rule.id);
+  if (baked != nullptr) ids.emplace_back("baked");
   if (finds_optimum) ids.insert(ids.end(), {"optimum_isotropic", "optimum_anisotropic"});
   return ids;
 }
 
-std::vector<std::string> rule_names(bool finds_optimum) {
+std::vector<std::string> rule_names(const BakedLobes* baked, bool finds_optimum) {
   std::vector<std::string> names = {"this export"};
   for (const EngineRule& rule : engine_rules()) names.emplace_back(rule.name);
+  if (baked != nullptr) names.push_back(baked->name());
   if (finds_optimum) names.insert(names.end(), {"best found, isotropic", "best found, anisotropic"});
   return names;
 }
 
-nlohmann::json json_of(const LobeError& error) { return {{"error", error.error}, {"energy", error.energy}}; }
+nlohmann::ordered_json json_of(const LobeError& error) { return {{"error", error.error}, {"energy", error.energy}}; }
 
-nlohmann::json json_of(const std::vector<std::string>& ids, const std::vector<RuleError>& errors) {
-  nlohmann::json json = nlohmann::json::object();
+nlohmann::ordered_json json_of(const std::vector<std::string>& ids, const std::vector<RuleError>& errors) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     json[ids[i]] = json_of(errors[i].point);
     json[ids[i]]["wide"] = json_of(errors[i].wide);
@@ -71,7 +73,8 @@ GgxLobe lobe_of_texel(const MaterialRows& rows, std::size_t i) {
   return lobe;
 }
 
-ExportMeter::ExportMeter(int width, int height, const ExportAccuracySettings& settings) : settings_(settings) {
+ExportMeter::ExportMeter(int width, int height, const ExportAccuracySettings& settings, BakedLobes* baked)
+    : settings_(settings), baked_(baked) {
   for (const int level : settings.levels) {
     if (level >= mip_level_count(width, height)) continue;
     const int w = mip_level_size(width, level), h = mip_level_size(height, level);
@@ -80,7 +83,7 @@ ExportMeter::ExportMeter(int width, int height, const ExportAccuracySettings& se
       const Place place = spread_place(k, w, h);
       const auto same = [&](const Cell& c) { return c.level == level && c.x == place.x && c.y == place.y; };
       if (std::any_of(cells_.begin(), cells_.end(), same)) continue;
-      cells_.push_back({level, place.x, place.y, w, h, {}});
+      cells_.push_back({level, place.x, place.y, w, h, {}, {}});
       ++found;
     }
   }
@@ -107,25 +110,37 @@ CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
   std::vector<GgxLobe> lobes = {cell.lobe};
   for (const EngineRule& rule : engine_rules())
     lobes.push_back(lobe_of_rule(rule, {facets.mean_normal, facets.mean_roughness}));
+  // One lobe of GGX under point lights and wide ones.
+  const auto of_lobe = [&](const GgxLobe& lobe) {
+    return RuleError{error_of_lobe(points, lobe), error_of_lobe(wide, lobe, kWideLightPoints)};
+  };
+  for (const GgxLobe& lobe : lobes) measured.errors.push_back(of_lobe(lobe));
+  if (baked_ != nullptr) {
+    const auto of_baked = [&](const LightSet& set, std::vector<double>& values) {
+      lobe_highlights(set, cell.baked, facets.mean_roughness * facets.mean_roughness, values);
+    };
+    measured.errors.push_back(
+        {error_of_highlights(points, of_baked), error_of_highlights(wide, of_baked, kWideLightPoints)});
+  }
   if (settings_.finds_optimum) {
     const ReferenceLights seen = point_lights(facets, settings_.lights_per_view, 2 * seed + 1);
     const double alpha_round = std::sqrt(cell.lobe.alpha_wide * cell.lobe.alpha_narrow);
     const GgxLobe round{cell.lobe.normal, alpha_round, alpha_round, cell.lobe.axis};
-    lobes.push_back(find_lobe_optimum(seen, round, false, kAlphaMin));
-    lobes.push_back(find_lobe_optimum(seen, cell.lobe, true, kAlphaMin));
+    measured.errors.push_back(of_lobe(find_lobe_optimum(seen, round, false, kAlphaMin)));
+    measured.errors.push_back(of_lobe(find_lobe_optimum(seen, cell.lobe, true, kAlphaMin)));
   }
-  for (const GgxLobe& lobe : lobes)
-    measured.errors.push_back({error_of_lobe(points, lobe), error_of_lobe(wide, lobe, kWideLightPoints)});
   return measured;
 }
 
 ExportAccuracy ExportMeter::run(const OneLobeInputs& inputs, const OneLobeSettings& settings, Progress* progress) {
   ExportAccuracy accuracy;
   accuracy.lights_per_view = settings_.lights_per_view;
-  accuracy.ids = rule_ids(settings_.finds_optimum);
-  accuracy.names = rule_names(settings_.finds_optimum);
+  accuracy.ids = rule_ids(baked_, settings_.finds_optimum);
+  accuracy.names = rule_names(baked_, settings_.finds_optimum);
   accuracy.cells.resize(cells_.size());
   progress_stage(progress, "measure");
+  if (baked_ != nullptr)
+    for (Cell& cell : cells_) cell.baked = baked_->texel(cell.level, cell.x, cell.y);
   const auto measure_one = [&](int, int i, int) {
     accuracy.cells[size_of(i)] = measure(cells_[size_of(i)], inputs, settings);
   };
@@ -163,8 +178,11 @@ std::string ExportAccuracy::to_text() const {
 }
 
 std::string ExportAccuracy::to_json() const {
-  nlohmann::json json = {
-      {"lights_per_view", lights_per_view}, {"levels", nlohmann::json::array()}, {"cells", nlohmann::json::array()}};
+  nlohmann::ordered_json json = {{"lights_per_view", lights_per_view},
+                                 {"names", nlohmann::ordered_json::object()},
+                                 {"levels", nlohmann::ordered_json::array()},
+                                 {"cells", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < ids.size(); ++i) json["names"][ids[i]] = names[i];
   for (const LevelAccuracy& level : levels)
     json["levels"].push_back({{"level", level.level}, {"noise", level.noise}, {"rules", json_of(ids, level.errors)}});
   for (const CellAccuracy& cell : cells)

@@ -12,56 +12,18 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/stopwatch.h"
+#include "host/export/export_source.h"
 
 namespace multum {
 namespace {
 
-ChannelFile channel_file(const std::string& text) { return text.empty() ? ChannelFile{} : parse_channel_file(text); }
-
-LobeMaterialFiles material_files_of(const ExportJob& job) {
-  LobeMaterialFiles files{channel_file(job.roughness), channel_file(job.occlusion), channel_file(job.metalness)};
-  files.roughness.is_gloss = job.roughness_is_gloss;
-  return files;
-}
-
-std::vector<std::string> export_inputs(const ExportJob& job) {
-  std::vector<std::string> inputs = {job.input};
-  const LobeMaterialFiles files = material_files_of(job);
-  for (const ChannelFile& file : {files.roughness, files.occlusion, files.metalness})
-    if (!file.path.empty()) inputs.push_back(file.path);
-  return inputs;
-}
-
-// What `output` names: a folder, or files whose names begin alike.
-struct OutputName {
-  std::string folder, name_prefix;
-  std::optional<MaterialFormat> format;
-};
-
-OutputName output_name(const std::string& output) {
-  const std::filesystem::path path(output);
-  const std::string extension = path.extension().string();
-  std::error_code error;
-  for (const char* other : {".png", ".exr", ".glb", ".gltf"})
-    if (extension == other)
-      throw Error(ErrorCode::kUsage,
-                  output +
-                      ": is a name of one file, expected a folder, NAME.ktx2 or NAME.dds: a material is several "
-                      "textures; --format says of which kind");
-  if ((extension != ".ktx2" && extension != ".dds") || std::filesystem::is_directory(path, error))
-    return {output, "", std::nullopt};
-  const std::string folder = path.parent_path().string();
-  return {folder.empty() ? "." : folder, path.stem().string() + "_",
-          extension == ".dds" ? MaterialFormat::kDds : MaterialFormat::kKtx2};
-}
-
 MaterialFolderSettings output_of(const ExportJob& job) {
-  const OutputName name = output_name(job.output);
+  const ExportPlace name = export_place(job.output);
   if (name.format && job.format && *name.format != *job.format)
     throw Error(ErrorCode::kUsage, job.output + ": --format names another kind of file than the output's name does");
   MaterialFolderSettings settings;
   settings.folder = name.folder;
-  settings.name_prefix = name.name_prefix;
+  settings.name_prefix = name.stem.empty() ? "" : name.stem + "_";
   settings.format = name.format.value_or(job.format.value_or(MaterialFormat::kPng));
   settings.texels =
       job.texels.value_or(settings.format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8);
@@ -79,50 +41,11 @@ MaterialFolderSettings output_of(const ExportJob& job) {
 
 void check_export_job(const ExportJob& job) {
   validate(job.lobe);
-  check_paths_differ(export_inputs(job), {job.report});
+  check_paths_differ(input_files(job), {job.report});
   if (!job.report.empty()) check_writable(job.report);
   std::error_code error;
   if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
-}
-
-// What an export reads.
-struct ExportSource {
-  NormalMapRows map;
-  std::optional<LobeMaterial> material;
-
-  OneLobeInputs inputs(const ExportJob& job) const {
-    OneLobeInputs inputs;
-    inputs.normals = &map.normals;
-    if (material) inputs.material = &material->planes;
-    inputs.has_roughness = !job.roughness.empty();
-    inputs.has_occlusion = !job.occlusion.empty();
-    inputs.has_metalness = !job.metalness.empty();
-    inputs.memory_bytes = job.memory_bytes / 2;
-    inputs.threads = job.threads;
-    return inputs;
-  }
-};
-
-ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress) {
-  InputHashes hashes;
-  for (const std::string& file : export_inputs(job)) hashes.note(file);
-  const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
-                             static_cast<std::int64_t>(job.memory_bytes / 4)};
-  ExportSource source{read_normal_map_rows(job.input, job.reading, spill, job.threads, progress), std::nullopt};
-  if (export_inputs(job).size() > 1)
-    source.material = read_lobe_material(material_files_of(job), source.map.normals.width(),
-                                         source.map.normals.height(), spill, job.threads);
-  for (const std::string& file : export_inputs(job)) hashes.check_unchanged(file);
-  const NormalMapReport& found = source.map.report;
-  log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
-                       found.encoding, found.encoding_reason));
-  for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
-  if (source.material && source.material->roughness) {
-    log_info(fmt::format("{}: {}", material_files_of(job).roughness.path, source.material->roughness->to_text()));
-    for (const std::string& warning : source.material->roughness->warnings) log_warning(warning);
-  }
-  return source;
 }
 
 // Shows stored rows to the measurement.
@@ -136,6 +59,23 @@ class MeterSink : public MaterialSink {
 };
 
 }  // namespace
+
+ExportPlace export_place(const std::string& output) {
+  const std::filesystem::path path(output);
+  const std::string extension = path.extension().string();
+  std::error_code error;
+  for (const char* other : {".png", ".exr", ".glb", ".gltf"})
+    if (extension == other)
+      throw Error(ErrorCode::kUsage,
+                  output +
+                      ": is a name of one file, expected a folder, NAME.ktx2 or NAME.dds: a material is several "
+                      "textures; --format says of which kind");
+  if ((extension != ".ktx2" && extension != ".dds") || std::filesystem::is_directory(path, error))
+    return {output, "", std::nullopt};
+  const std::string folder = path.parent_path().string();
+  return {folder.empty() ? "." : folder, path.stem().string(),
+          extension == ".dds" ? MaterialFormat::kDds : MaterialFormat::kKtx2};
+}
 
 std::string ExportReport::to_json(const ExportJob& job) const {
   nlohmann::ordered_json json = {{"width", width},
@@ -175,13 +115,13 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   report.files = material_files(output, report.width, report.height);
   report.side_warnings = side_warnings(output, report.width, report.height);
   for (const std::string& warning : report.side_warnings) log_warning(warning);
-  check_paths_differ(export_inputs(job), report.files);
+  check_paths_differ(input_files(job), report.files);
   report.seconds.emplace_back("read", stopwatch.lap());
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
   report.device = device.info().name;
   std::optional<ExportMeter> meter;
-  if (job.measure) meter.emplace(report.width, report.height, job.accuracy);
+  if (job.measure) meter.emplace(report.width, report.height, job.accuracy, source.lobes.get());
   std::optional<MeterSink> stored;
   if (meter) stored.emplace(*meter);
   const std::unique_ptr<MaterialWriter> writer =

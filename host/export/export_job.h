@@ -23,7 +23,8 @@
 namespace multum {
 
 struct ExportJob {
-  std::string input;
+  std::string input;  // a normal map or height field; or NAME.ndf.exr, whose level 0 is the map
+  std::string lobes;  // a baked file of the map, whose lobes are measured beside; empty: `input` where it is one
   std::string roughness, occlusion, metalness;  // FILE or FILE:CHANNEL; empty: none
   bool roughness_is_gloss = false;
   std::string output;  // a folder; or NAME.ktx2, NAME.dds for files NAME_normal.ktx2 and so on
@@ -40,6 +41,21 @@ struct ExportJob {
   std::string scratch_folder;                             // for what does not fit; empty: the output's
   int threads = 1;
 };
+
+/// Maps beside the normals, and a bake of them.
+constexpr std::string ExportJob::*kExportMapsBeside[] = {&ExportJob::roughness, &ExportJob::occlusion,
+                                                         &ExportJob::metalness, &ExportJob::lobes};
+
+/// The files that an export reads, the map first; of FILE:CHANNEL the file.
+std::vector<std::string> input_files(const ExportJob& job);
+
+/// What ExportJob::output names: files in a folder, whose names begin with "STEM_" where it is NAME.ktx2 or NAME.dds.
+struct ExportPlace {
+  std::string folder, stem;
+  std::optional<MaterialFormat> format;  // by the name
+};
+/// Throws Error(kUsage) for the name of one image.
+ExportPlace export_place(const std::string& output);
 
 struct ExportReport {
   int width = 0, height = 0, level_count = 0;

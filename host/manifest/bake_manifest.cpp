@@ -14,6 +14,7 @@
 #include "host/bake/bake_batch.h"
 #include "host/bake/job_parameters.h"
 #include "host/base/error.h"
+#include "host/base/files/udim_set.h"
 #include "host/brdf/brdf_text.h"
 #include "host/toml/parameter_keys.h"
 #include "host/toml/strict_toml.h"

@@ -13,6 +13,7 @@ using Kind = ParameterKind;
 using Rows = std::vector<Parameter>;
 
 constexpr const char kExportRunGroup[] = "Running the export";
+constexpr unsigned kExportJob = kOnCommandLine | kInManifest | kInService;
 
 Parameter channel_parameter(const char* name, const char* help) {
   return {.name = name,
@@ -20,7 +21,7 @@ Parameter channel_parameter(const char* name, const char* help) {
           .help = help,
           .unit = "FILE[:CHANNEL]",
           .group = kMaterialGroup,
-          .surfaces = kOnCommandLine};
+          .surfaces = kExportJob};
 }
 
 Rows export_rows() {
@@ -43,7 +44,7 @@ Rows export_rows() {
           "occlusion, roughness and metalness",
       .group = kStorageGroup,
       .excludes = {"occlusion", "metalness"},
-      .surfaces = kOnCommandLine};
+      .surfaces = kExportJob};
   return {
       {.name = "lobes",
        .help =
@@ -51,7 +52,7 @@ Rows export_rows() {
            "of one lobe; of the options below --texels, --zstd, --device and --report alone go with it",
        .group = kStorageGroup,
        .excludes = {"base_roughness", "roughness", "gloss", "occlusion", "metalness", "anisotropy", "fast", "format",
-                    "roughness_alone", "no_measure", "optimum", "cells", "scratch", "memory"},
+                    "roughness_alone", "no_measure", "optimum", "beside", "cells", "page", "scratch", "memory"},
        .surfaces = kOnCommandLine},
       {.name = "base_roughness",
        .kind = Kind::kNumber,
@@ -61,13 +62,13 @@ Rows export_rows() {
        .default_text = "0.5",
        .group = kMaterialGroup,
        .excludes = {"roughness", "gloss"},
-       .surfaces = kOnCommandLine},
+       .surfaces = kExportJob},
       std::move(roughness),
       std::move(gloss),
       std::move(occlusion),
       std::move(metalness),
-      lobe_anisotropy_parameter(),
-      fast_lobe_parameter(),
+      lobe_anisotropy_parameter(kExportJob),
+      fast_lobe_parameter(kExportJob),
       {.name = "format",
        .kind = Kind::kChoice,
        .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2 and "
@@ -75,7 +76,7 @@ Rows export_rows() {
        .default_text = "by the output's name, else png",
        .choices = {"png", "exr", "ktx2", "dds"},
        .group = kStorageGroup,
-       .surfaces = kOnCommandLine},
+       .surfaces = kExportJob},
       {.name = "texels",
        .kind = Kind::kChoice,
        .help = "how KTX2 and DDS store texels: rgba8; rgba16f, half floats; rg8, as rgba8 but of normals x and y "
@@ -84,7 +85,7 @@ Rows export_rows() {
        .default_text = "rgba16f of exr, bc of lobes, else rgba8",
        .choices = {"rgba8", "rgba16f", "rg8", "bc"},
        .group = kStorageGroup,
-       .surfaces = kOnCommandLine},
+       .surfaces = kExportJob},
       {.name = "zstd",
        .kind = Kind::kInteger,
        .help = "supercompress the levels of KTX2 files by Zstandard of this level, without loss; by default "
@@ -92,20 +93,26 @@ Rows export_rows() {
        .low = 1,
        .high = 19,
        .group = kStorageGroup,
-       .surfaces = kOnCommandLine},
+       .surfaces = kExportJob},
       std::move(roughness_alone)};
 }
 
 Rows export_run_rows() {
   Rows rows = {
       memory_parameter("memory for buffers and maps; larger maps go by way of a scratch file", 1.0, "256M",
-                       kOnCommandLine),
-      device_parameter(kOnCommandLine),
+                       kOnCommandLine | kInService),
+      device_parameter(kOnCommandLine | kInService),
       {.name = "no_measure", .help = "skip measuring the error", .excludes = {"optimum"}, .surfaces = kOnCommandLine},
       {.name = "optimum",
        .help = "search the least error that any one lobe has, too: seconds a map",
        .excludes = {"no_measure"},
        .surfaces = kOnCommandLine},
+      {.name = "beside",
+       .kind = Kind::kFile,
+       .help = "measure the lobes of this baked file of the same map, too; those of a baked input are anyway",
+       .unit = "NAME.ndf.exr",
+       .excludes = {"no_measure"},
+       .surfaces = kOnCommandLine | kInManifest},
       {.name = "cells",
        .kind = Kind::kInteger,
        .help = "texels of each of levels 2, 4 and 6 whose error is measured",
@@ -117,6 +124,12 @@ Rows export_run_rows() {
        .kind = Kind::kText,
        .help = "write times, counts, files and errors as JSON",
        .unit = "FILE",
+       .surfaces = kOnCommandLine},
+      {.name = "page",
+       .kind = Kind::kText,
+       .help = "write a page with tables, pictures from three distances and moving pictures, beside engines' rules and "
+               "baked lobes (made for it unless --beside names some); video by ffmpeg, where it is there",
+       .unit = "FILE.html",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
@@ -133,10 +146,11 @@ Rows export_run_rows() {
 const ParameterTable& export_parameters() {
   static const ParameterTable table = [] {
     Rows rows = export_rows();
+    rows.push_back(input_parameter("input", bake_parameters().at("input").help, kInManifest | kInService));
     // A map is read as a bake reads it.
     for (Parameter row : bake_parameters().rows()) {
       if (row.group != kSourceGroup) continue;
-      row.surfaces = kOnCommandLine;
+      row.surfaces = kExportJob;
       row.hashed_as.clear();
       rows.push_back(std::move(row));
     }

@@ -35,8 +35,8 @@ std::vector<Parameter> gltf_rows() {
            .default_text = "where Node.js looks for packages",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
-          lobe_anisotropy_parameter(),
-          fast_lobe_parameter()};
+          lobe_anisotropy_parameter(kOnCommandLine),
+          fast_lobe_parameter(kOnCommandLine)};
 }
 
 std::vector<Parameter> gltf_run_rows() {

@@ -34,20 +34,20 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
           .surfaces = surfaces};
 }
 
-Parameter lobe_anisotropy_parameter() {
+Parameter lobe_anisotropy_parameter(unsigned surfaces) {
   return {.name = "anisotropy",
           .help =
               "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
               "tangents to the normal map's normal",
           .group = kOneLobeGroup,
-          .surfaces = kOnCommandLine};
+          .surfaces = surfaces};
 }
 
-Parameter fast_lobe_parameter() {
+Parameter fast_lobe_parameter(unsigned surfaces) {
   return {.name = "fast",
           .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
           .group = kOneLobeGroup,
-          .surfaces = kOnCommandLine};
+          .surfaces = surfaces};
 }
 
 Parameter compression_parameter(unsigned surfaces) {

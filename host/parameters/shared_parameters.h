@@ -12,8 +12,8 @@ Parameter device_parameter(unsigned surfaces);
 Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces);
 Parameter compression_parameter(unsigned surfaces);
 /// `anisotropy` and `fast`, of command lines that fit one lobe a texel.
-Parameter lobe_anisotropy_parameter();
-Parameter fast_lobe_parameter();
+Parameter lobe_anisotropy_parameter(unsigned surfaces);
+Parameter fast_lobe_parameter(unsigned surfaces);
 /// `absolute_geometry`, of command lines: jobs of the service always have it.
 Parameter absolute_geometry_parameter();
 /// `input`, `scene` or another file that is read first.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -402,6 +403,111 @@ TEST_F(ExportCommandTest, MeasuresWhatIsStored) {
   EXPECT_NEAR(errors["rg8"], errors["rgba8"], 0.02 * errors["rgba8"]);
   EXPECT_GT(errors["bc"], errors["rgba8"]);
   EXPECT_NEAR(errors["bc"], errors["rgba8"], 0.4 * errors["rgba8"]);
+}
+
+// Level 0 of a baked file is the map, and its lobes are measured beside.
+TEST_F(ExportCommandTest, TakesABakedFile) {
+  make_map("big", 128);
+  for (const std::string ndf : {"vmf", "gmm"})
+    ASSERT_EQ(
+        multum({"bake", path("big_normal.png"), "-o", path(ndf + ".ndf.exr"), "--ndf", ndf, "--no-measure"}).exit_code,
+        0);
+  std::map<std::string, nlohmann::json> reports;
+  const auto exported = [&](const std::string& input, const std::string& name, std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"export", path(input), "-o", path(name), "--report", path(name + ".json"), "--base-roughness", "0.3"});
+    const ProgramResult result = multum(more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    reports[name] = nlohmann::json::parse(read_bytes(path(name + ".json")));
+  };
+  exported("big_normal.png", "map", {"--beside", path("vmf.ndf.exr")});
+  exported("vmf.ndf.exr", "vmf", {});
+  exported("gmm.ndf.exr", "gmm", {"--memory", "200K"});
+  for (const std::string other : {"vmf", "gmm"})
+    for (const char* texture : {"normal_0", "orm_0"})
+      for (int l = 0; l < 8; ++l) {
+        const std::string name = texture + std::to_string(l) + ".png";
+        const Picture expected = read_picture(path("map/" + name)), found = read_picture(path(other + "/" + name));
+        ASSERT_EQ(found.values.size(), expected.values.size());
+        for (std::size_t i = 0; i < expected.values.size(); ++i)
+          ASSERT_NEAR(found.values[i], expected.values[i], 1.5f / 255.0f) << other << " " << name << " " << i;
+      }
+  const auto rule = [&](const std::string& name, const char* id) {
+    return reports[name]["accuracy"]["levels"][1]["rules"][id]["error"].get<double>();
+  };
+  EXPECT_LT(rule("map", "baked"), 0.6 * rule("map", "export"));
+  EXPECT_GT(rule("map", "baked"), 0.0);
+  EXPECT_NEAR(rule("vmf", "baked"), rule("map", "baked"), 0.01);
+  EXPECT_FALSE(reports["gmm"]["accuracy"]["levels"][1]["rules"].contains("baked"));
+  EXPECT_EQ(reports["map"]["accuracy"]["names"]["baked"], "4 baked lobes");
+}
+
+// All ways to filter, with pictures and numbers; lobes are nearest and flicker least.
+TEST_F(ExportCommandTest, WritesAPage) {
+  make_map("big", 128);
+  const ProgramResult result = multum({"export", path("big_normal.png"), "-o", path("out"), "--base-roughness", "0.3",
+                                       "--page", path("page.html"), "--cells", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string page = read_bytes(path("page.html"));
+  const auto begin = page.find('{', page.find("id=\"data\"")), end = page.find("</script", begin);
+  const auto data = nlohmann::json::parse(page.substr(begin, end - begin));
+  ASSERT_EQ(data["distances"].size(), 3u);
+  for (const auto& distance : data["distances"]) {
+    EXPECT_EQ(distance["pictures"].size(), 9u);
+    EXPECT_EQ(decode_base64(distance["pictures"]["reference"])->substr(1, 3), "PNG");
+    const auto& models = distance["models"];
+    EXPECT_LT(models["baked"]["error"], models["isotropic"]["error"]);
+    EXPECT_LT(models["isotropic"]["error"], models["averaged"]["error"]);
+    EXPECT_NEAR(models["isotropic"]["energy"].get<double>(), 1.0, 0.15);
+  }
+  for (const auto& motion : data["motions"]) {
+    EXPECT_LT(motion["models"]["baked"]["flicker"], motion["models"]["averaged"]["flicker"]) << motion["id"];
+    EXPECT_LT(motion["models"]["isotropic"]["flicker"], motion["models"]["averaged"]["flicker"]) << motion["id"];
+    EXPECT_GT(motion["reference_change"], 0.0);
+  }
+  EXPECT_EQ(data["report"]["accuracy"]["names"]["baked"], "4 baked lobes");
+  if (program_works("ffmpeg", "-version")) EXPECT_EQ(decode_base64(data["video"])->substr(0, 4), "\x1a\x45\xdf\xa3");
+  else expect_says(result.err, {"ffmpeg", "no moving pictures"});
+  // Nothing else is left beside it.
+  for (const auto& entry : std::filesystem::directory_iterator(path("")))
+    EXPECT_FALSE(entry.path().filename().string().starts_with(".multum")) << entry.path();
+  expect_refusal(multum({"export", path("big_normal.png"), "-o", path("new"), "--page", path("none/page.html")}),
+                 kEnvironment, {"none"});
+  EXPECT_FALSE(std::filesystem::exists(path("new")));
+}
+
+TEST_F(ExportCommandTest, RefusesBakedFilesThatItCannotUse) {
+  make_map("big", 64);
+  const std::string map = path("big_normal.png");
+  write("rough.png", normal_image(64, 64));
+  const auto baked = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.begin(), {"bake", map, "-o", path(name), "--no-measure"});
+    EXPECT_EQ(multum(more).exit_code, 0) << name;
+  };
+  baked("moments.ndf.exr", {"--ndf", "moments"});
+  baked("rough.ndf.exr", {"--roughness", path("rough.png")});
+  baked("coarse.ndf.exr", {"--first-level", "3"});
+  baked("gmm.ndf.exr", {"--ndf", "gmm"});
+  const auto refused = [&](const std::string& input, std::vector<std::string> more, int code,
+                           const std::vector<std::string>& parts) {
+    more.insert(more.begin(), {"export", path(input), "-o", path("out")});
+    expect_refusal(multum(more), code, parts);
+    EXPECT_TRUE(!std::filesystem::exists(path("out")) || std::filesystem::is_empty(path("out"))) << input;
+  };
+  refused("moments.ndf.exr", {}, kInput, {"moments.ndf.exr", "lobes"});
+  refused("rough.ndf.exr", {}, kInput, {"rough.ndf.exr", "--roughness"});
+  refused("coarse.ndf.exr", {}, kInput, {"coarse.ndf.exr", "finer than 3", "--first-level 0"});
+  refused("gmm.ndf.exr", {"--green", "up"}, kUsage, {"gmm.ndf.exr", "--green"});
+  refused("big_normal.png", {"--beside", path("gmm.ndf.exr")}, kInput, {"gmm.ndf.exr", "vMF lobes"});
+  refused("big_normal.png", {"--beside", path("coarse.ndf.exr")}, kInput, {"coarse.ndf.exr", "level 2"});
+  refused("big_normal.png", {"--beside", path("none.ndf.exr")}, kInput, {"none.ndf.exr"});
+  refused("big_normal.png", {"--beside", path("gmm.ndf.exr"), "--no-measure"}, kUsage, {"--beside", "--no-measure"});
+  baked("fine.ndf.exr", {});
+  refused("rough.png", {"--beside", path("fine.ndf.exr")}, kInput, {"fine.ndf.exr", "another map"});
+  write("rough.png", normal_image(16, 16));
+  refused("rough.png", {"--beside", path("fine.ndf.exr")}, kInput, {"fine.ndf.exr", "64 x 64", "16 x 16"});
+  std::ofstream(path("broken.ndf.exr")) << "no file of OpenEXR";
+  refused("broken.ndf.exr", {}, kInput, {"broken.ndf.exr"});
 }
 
 TEST_F(ExportCommandTest, IsTheSameForAnyMemoryAndThreads) {

@@ -12,6 +12,7 @@
 
 #include "host/brdf/ggx_lobe.h"
 #include "host/brdf/ggx_lobe_fit.h"
+#include "host/brdf/ggx_lobe_specular.h"
 #include "host/reference/shading.h"
 #include "runtime_gl/materials/ggx_lobe_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -149,6 +150,37 @@ TEST_F(GgxLobeTest, DoublesAreWhatShadersCompute) {
       const double exact = ggx_lobe_density(ggx_lobe_shape(alpha, spread), alpha, spread, e);
       // Filters of textures have eight bits of a place between texels, or more.
       ASSERT_NEAR(values[i], exact, 0.02 * exact + 1e-6) << "d " << spread << " e " << e;
+    }
+  }
+}
+
+// The whole highlight, with visibility, of any lobes under any light and view above the surface.
+TEST_F(GgxLobeTest, TheHighlightInDoubleIsTheShaders) {
+  std::mt19937 random(28);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto above = [&] {
+    const double z = 0.05 + 0.95 * unit(random), phi = 2.0 * kPi * unit(random), s = std::sqrt(1.0 - z * z);
+    return glm::dvec3(s * std::cos(phi), s * std::sin(phi), z);
+  };
+  for (const double roughness : {0.1, 0.4, 0.9}) {
+    const auto alpha = static_cast<float>(roughness * roughness);
+    ShaderHarnessInput input;
+    input.expression =
+        "vec4(multum_movmf_ggx_specular(u_ggx_lobe_table, a, b.xyz, vec3(0.36, 0.48, 0.8), "
+        "normalize(b.xyz + vec3(0.36, 0.48, 0.8)), u_alpha))";
+    for (int i = 0; i < 600; ++i) {
+      const double amplitude = unit(random), length = 1.0 - std::pow(10.0, -4.0 * unit(random));
+      input.a.emplace_back(glm::vec4(glm::dvec4(amplitude * length * above(), amplitude)));
+      input.b.emplace_back(glm::vec3(above()), 0.0f);
+    }
+    const glm::dvec3 view(0.36, 0.48, 0.8);
+    const std::vector<double> values = evaluate(input, alpha);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const glm::dvec3 light(input.b[i]);
+      const double exact = GgxOverLobe(glm::dvec4(input.a[i]), static_cast<double>(alpha))
+                               .specular(light, view, glm::normalize(light + view));
+      // As above; and floats: |r| is known to 1e-7, of which the least spread here is a thousandth.
+      ASSERT_NEAR(values[i], exact, 0.03 * exact + 1e-5) << i << ", roughness " << roughness;
     }
   }
 }

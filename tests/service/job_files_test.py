@@ -126,6 +126,33 @@ class JobFilesTest(ClientCase):
                       "output": self.output("none.mpt")})
         self.refused(400, "usage", [".mpt"], "POST", "/v1/jobs", dict(again, output=self.output("field.exr")))
 
+    def test_a_map_is_exported_to_a_folder(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "32", os.path.join(service.root, "q")], check=True,
+                       capture_output=True)
+        source = self.output("q_normal.png")
+        self.assertIn("succeeded", self.client("submit", "export", source, "-o", self.output("material"), "--format",
+                                               "ktx2", "--base-roughness", "0.3", "--wait"))
+        subprocess.run([MULTUM, "export", source, "-o", self.output("alone"), "--format=ktx2", "--base-roughness=0.3",
+                        "-q"], check=True, env=service.environment)
+        for name in ("normal.ktx2", "orm.ktx2"):
+            with open(self.output(f"material/{name}"), "rb") as one, open(self.output(f"alone/{name}"), "rb") as other:
+                self.assertEqual(one.read(), other.read(), name)
+        status, archive = service.ask("GET", "/v1/jobs/1/result")
+        self.assertEqual(status, 200)
+        self.assertIn(b"orm.ktx2", archive)
+        again = {"type": "export", "parameters": {"input": source, "format": "ktx2", "base_roughness": 0.3},
+                 "output": self.output("material")}
+        self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200, "the same is there")
+        self.refused(400, "usage", ["material.ktx2", "a folder"], "POST", "/v1/jobs",
+                     dict(again, output=self.output("material.ktx2")))
+        self.refused(400, "usage", ["base_roughness", "roughness"], "POST", "/v1/jobs",
+                     dict(again, parameters=dict(again["parameters"], roughness=source)))
+        subprocess.run([MULTUM, "bake", source, "-o", self.output("q.ndf.exr"), "--no-measure", "-q"], check=True,
+                       env=service.environment)
+        self.refused(400, "usage", ["q.ndf.exr", "not a baked file"], "POST", "/v1/jobs",
+                     dict(again, parameters={"input": self.output("q.ndf.exr")}))
+
     def test_a_pack_job_is_cancelled_and_reads_nothing_outside(self):
         service = self.start()
         write_animation(service.root, 0.25, side=256, noise=0.5)

@@ -1,18 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum export: a normal map as materials of one lobe a texel, which engines load as they are.
-#include <cstdio>
-#include <memory>
+#include <fmt/format.h>
 
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "host/bake/bake_file.h"
+#include "host/base/error.h"
+#include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
+#include "host/base/work_shard.h"
+#include "host/export/baked_lobes.h"
+#include "host/export/batch/export_batch.h"
+#include "host/export/batch/export_manifest.h"
 #include "host/export/export_job.h"
 #include "host/export/lobes/lobe_export.h"
-#include "host/image/normals/reading_parameters.h"
+#include "host/export/report/export_page.h"
 #include "host/parameters/bake_parameters.h"
 #include "host/parameters/export_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/openjd_lines.h"
 
 namespace multum {
 namespace {
@@ -21,48 +34,162 @@ struct ExportOptions {
   CommonOptions common;
   ExportJob job;
   ParameterValues values{export_parameters()};
+  std::vector<std::string> inputs;
+  std::string manifest;  // empty: the mode is not asked for
+  bool check = false, dry_run = false;
+  std::string shard_text;
+  WorkShard shard;  // of several maps
 };
 
-const Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
-                                                  {"exr", MaterialFormat::kExr},
-                                                  {"ktx2", MaterialFormat::kKtx2},
-                                                  {"dds", MaterialFormat::kDds}};
-const Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
-                                                 {"rgba16f", MaterialTexels::kRgba16f},
-                                                 {"rg8", MaterialTexels::kRg8},
-                                                 {"bc", MaterialTexels::kBlocks}};
+const char* finding_name(ExportFinding finding) {
+  switch (finding) {
+    case ExportFinding::kInPlace: return "unchanged";
+    case ExportFinding::kMissing: return "missing";
+    case ExportFinding::kStale: return "stale";
+    case ExportFinding::kDamaged: return "damaged";
+  }
+  return "";
+}
 
 const Choices<LobeTexels> kLobeTexels = {
     {"rgba8", LobeTexels::kRgba8}, {"rgba16f", LobeTexels::kRgba16f}, {"bc", LobeTexels::kBlocks}};
 
-void apply_to_export(const ParameterValues& values, ExportJob& job) {
-  apply_reading(values, job.reading);
-  job.lobe.base_roughness = values.number("base_roughness").value_or(job.lobe.base_roughness);
-  job.lobe.is_anisotropic = values.flag("anisotropy");
-  job.lobe.is_fast = values.flag("fast");
-  job.roughness = values.text("roughness").value_or("");
-  if (const auto gloss = values.text("gloss")) job.roughness = *gloss, job.roughness_is_gloss = true;
-  job.occlusion = values.text("occlusion").value_or("");
-  job.metalness = values.text("metalness").value_or("");
-  job.format = values.choice("format", kMaterialFormats);
-  job.texels = values.choice("texels", kMaterialTexels);
-  job.zstd_level = values.integer("zstd").value_or(job.zstd_level);
-  job.has_roughness_alone = values.flag("roughness_alone");
-  if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
-  job.measure = !values.flag("no_measure");
-  job.accuracy.finds_optimum = values.flag("optimum");
-  job.accuracy.cells_per_level = values.integer("cells").value_or(job.accuracy.cells_per_level);
-  job.report = values.text("report").value_or("");
-  job.scratch_folder = values.text("scratch").value_or("");
+// A baked file has its normals as they are; how a map is to be read says nothing of them.
+void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
+  for (const Parameter& row : export_parameters().rows())
+    if (row.group == kSourceGroup && values.has(row.name))
+      throw Error(ErrorCode::kUsage,
+                  input + ": is a baked file, whose normals are decoded; expected no " + row.option());
 }
 
-// The source options read maps: of a baked file there is nothing to say.
-LobeExportJob lobe_export_job(const ExportOptions& o) {
+// A bake of the map beside the page, to compare with; it goes when this does.
+class ComparedBake {
+ public:
+  ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress) {
+    const std::filesystem::path folder = std::filesystem::path(page).parent_path();
+    file_.emplace((folder / "lobes.ndf.exr").string());
+    BakeJob bake;
+    bake.input = job.input;
+    bake.reading = job.reading;
+    bake.output = file_->temporary_path();
+    bake.threads = bake.writing.threads = job.threads;
+    bake.measure = false;
+    bake.force = true;
+    bake_file(bake, nullptr, device, progress);
+  }
+  const std::string& path() const { return file_->temporary_path(); }
+
+ private:
+  std::optional<AtomicFile> file_;  // never committed
+};
+
+ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
+  const auto progress = make_progress(common);
+  if (page.empty()) return export_file(job, device, progress.get());
+  check_paths_differ(input_files(job), {page, job.report});
+  check_writable(page);
+  std::optional<ComparedBake> bake;
+  if (job.lobes.empty() && job.measure && !is_baked_name(job.input)) {
+    bake.emplace(job, page, device, progress.get());
+    job.lobes = bake->path();
+  }
+  const ExportReport report = export_file(job, device, progress.get());
+  write_export_page(job, report, page, device, progress.get());
+  return report;
+}
+
+void print_export(const ExportJob& job, const CommonOptions& common, const ExportReport& report) {
+  if (common.quiet) return;
+  print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", job.output.c_str(), report.level_count, report.width,
+              report.height, report.files.size(), report.textures.c_str());
+  print_shown(stdout, "%s", report.accuracy.to_text().c_str());
+  if (!common.verbose) return;
+  print_shown(stdout, "%s", report.plan.c_str());
+  for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
+}
+
+// Each map for itself: one that fails does not keep the others from theirs. The exit code is the first failure's.
+int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& common, Device& device) {
+  int code = 0;
+  std::size_t failed = 0;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    openjd_part(i, jobs.size());
+    try {
+      const auto progress = make_progress(common);
+      print_export(jobs[i], common, export_file(jobs[i], device, progress.get()));
+    } catch (const Error& error) {
+      print_shown(stderr, "multum: %s\n", error.what());
+      if (code == 0) code = exit_code(error.code());
+      ++failed;
+    }
+  }
+  if (!common.quiet || failed > 0)
+    print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu exported, %zu failed\n", jobs.size(), jobs.size() - failed,
+                failed);
+  return code;
+}
+
+struct ManifestCounts {
+  std::size_t unchanged = 0, exported = 0, findings = 0;
+};
+
+// One map of a manifest; what a check found goes to stderr.
+void export_of_manifest(const ManifestExport& map, const ExportOptions& o, Device& device, ManifestCounts& counts) {
+  const auto progress = make_progress(o.common);
+  const ManifestExportResult result = run_manifest_export(map, o.dry_run, device, progress.get());
+  if (result.found.finding == ExportFinding::kInPlace) {
+    if (!o.common.quiet) print_shown(stdout, "%s: unchanged\n", map.name.c_str());
+    ++counts.unchanged;
+    return;
+  }
+  if (result.report) print_export(map.job, o.common, *result.report), ++counts.exported;
+  if (!o.check) return;
+  print_shown(stderr, "multum: %s: %s: %s%s\n", map.name.c_str(), finding_name(result.found.finding),
+              result.found.why.c_str(), result.report ? "; exported now" : "");
+  ++counts.findings;
+}
+
+int run_export_manifest(const ExportOptions& o) {
+  const std::vector<ManifestExport> maps = pieces_of(o.shard, read_export_manifest(o.manifest, o.job));
+  Device device = Device::when_needed({o.values.text("device").value_or("")});
+  ManifestCounts counts;
+  int code = 0;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    openjd_part(i, maps.size());
+    try {
+      export_of_manifest(maps[i], o, device, counts);
+    } catch (const Error& error) {
+      print_shown(stderr, "multum: %s\n", error.what());
+      // A setting that does not fit its map is the manifest's, and that is a file, not the command line.
+      if (code == 0) code = exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code());
+    }
+  }
+  const std::size_t failed = maps.size() - counts.unchanged - counts.exported - (o.dry_run ? counts.findings : 0);
+  if (!o.common.quiet || failed > 0)
+    print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu exported, %zu unchanged, %zu failed\n", maps.size(),
+                counts.exported, counts.unchanged, failed);
+  if (code == 0 && counts.findings > 0) code = exit_code(ErrorCode::kVerification);
+  return code;
+}
+
+// What the manifest has for each map is not given for all on the command line.
+void check_no_map_is_given(const ExportOptions& o) {
+  if (!o.inputs.empty() || !o.job.output.empty())
+    throw Error(ErrorCode::kUsage, "input, --output and --manifest exclude each other: the manifest names the maps");
   for (const Parameter& row : export_parameters().rows())
-    if (row.group == kSourceGroup && o.values.has(row.name))
-      throw Error(ErrorCode::kUsage,
-                  "--lobes: found --" + row.name + ", expected it for a map: a baked file is read as it is");
-  LobeExportJob job{o.job.input, o.job.output, o.values.text("report").value_or("")};
+    if ((row.is_on(kInManifest) || row.name == "report" || row.name == "page") && o.values.has(row.name))
+      throw Error(ErrorCode::kUsage, row.option() + " and --manifest exclude each other, expected " + row.name +
+                                         " under [[map]] or [defaults] in " + o.manifest);
+}
+
+LobeExportJob lobe_export_job(const ExportOptions& o) {
+  if (!o.manifest.empty() || o.inputs.size() != 1)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--lobes: found {}, expected one baked file",
+                            o.manifest.empty() ? fmt::format("{} inputs", o.inputs.size()) : "--manifest"));
+  if (!o.shard_text.empty()) throw Error(ErrorCode::kUsage, "--lobes: found --shard, expected it for several maps");
+  check_no_reading_is_given(o.inputs[0], o.values);
+  LobeExportJob job{o.inputs[0], o.job.output, o.values.text("report").value_or("")};
   if (!o.job.output.ends_with(".ktx2"))
     throw Error(ErrorCode::kUsage, o.job.output + ": is no name of a KTX2 file, expected NAME.ktx2 with --lobes");
   if (const auto name = o.values.text("texels")) {
@@ -92,20 +219,25 @@ int run_lobe_export(ExportOptions& o) {
 }
 
 int run_export(ExportOptions& o) {
+  const bool has_manifest = !o.manifest.empty();
+  if (has_manifest) check_no_map_is_given(o);
+  else if (o.inputs.empty() || o.job.output.empty()) throw CLI::RequiredError(o.inputs.empty() ? "input" : "--output");
   if (o.values.flag("lobes")) return run_lobe_export(o);
   o.job.threads = apply(o.common);
   keep_freed_memory();
-  apply_to_export(o.values, o.job);
+  apply(o.values, o.job);
+  if (!o.shard_text.empty()) o.shard = parse_work_shard("--shard", o.shard_text);
+  if (has_manifest) return run_export_manifest(o);
+  for (const std::string& input : o.inputs)
+    if (is_baked_name(input)) check_no_reading_is_given(input, o.values);
+  const std::vector<ExportJob> all = make_export_jobs(o.job, o.inputs);
+  if (all.size() == 1 && !o.shard_text.empty())
+    throw Error(ErrorCode::kUsage, "--shard is given, expected several maps, a set or a manifest");
+  const std::string page = o.values.text("page").value_or("");
+  if (all.size() > 1 && !page.empty()) throw Error(ErrorCode::kUsage, "--page is given, expected one map");
   Device device = Device::when_needed({o.values.text("device").value_or("")});
-  const auto progress = make_progress(o.common);
-  const ExportReport report = export_file(o.job, device, progress.get());
-  if (o.common.quiet) return 0;
-  print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", o.job.output.c_str(), report.level_count,
-              report.width, report.height, report.files.size(), report.textures.c_str());
-  print_shown(stdout, "%s", report.accuracy.to_text().c_str());
-  if (!o.common.verbose) return 0;
-  print_shown(stdout, "%s", report.plan.c_str());
-  for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
+  if (all.size() > 1) return export_several(pieces_of(o.shard, all), o.common, device);
+  print_export(all[0], o.common, export_with_page(all[0], page, o.common, device));
   return 0;
 }
 
@@ -117,13 +249,27 @@ void add_export_command(CLI::App& app, int* exit_code) {
   CLI::App* command = app.add_subcommand(
       "export",
       "fit a normal map's mips as materials that engines load: normal, roughness, anisotropy (docs/EXPORT.md)");
-  command->add_option("input", o.job.input, bake_parameters().at("input").help + "; with --lobes a baked file")
-      ->required();
-  command
-      ->add_option("-o,--output", o.job.output,
-                   "folder to write to: an image a texture and level, or a KTX2 or DDS file a texture; or NAME.ktx2, "
-                   "NAME.dds: NAME_normal.ktx2, NAME_orm.ktx2 and, with --anisotropy, NAME_anisotropy.ktx2")
-      ->required();
+  command->add_option("input", o.inputs,
+                      bake_parameters().at("input").help +
+                          "; or a baked file, NAME.ndf.exr, whose level 0 is its map; several maps, or sets, e.g. "
+                          "rock_<UDIM>.png");
+  command->add_option("-o,--output", o.job.output,
+                      "folder to write to: an image a texture and level, or a KTX2 or DDS file a texture; or "
+                      "NAME.ktx2, NAME.dds: NAME_normal.ktx2, NAME_orm.ktx2 and, with --anisotropy, "
+                      "NAME_anisotropy.ktx2; for several maps: a folder, or a name with <UDIM>");
+  CLI::Option* const manifest =
+      command->add_option("--manifest", o.manifest,
+                          "export those maps listed in maps.toml that have changed (docs/CI.md); instead of input and "
+                          "--output");
+  CLI::Option* const check =
+      command
+          ->add_flag("--check", o.check,
+                     "fail (exit code 5) with a list when files were missing, stale or damaged: for build pipelines")
+          ->needs(manifest);
+  command->add_flag("--dry-run", o.dry_run, "export nothing, only list; with --check")->needs(check);
+  command->add_option("--shard", o.shard_text,
+                      "export share I of N of several maps alone, I/N, or shares I to J, I-J/N: for farms "
+                      "(docs/FARMS.md)");
   add_parameter_options(*command, o.values);
   add_common_options(*command, o.common);
   add_decoding_option(*command);
@@ -132,7 +278,10 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks/                      # normal_00.png, orm_00.png and so on\n"
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
       "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes for GPUs, of multum bake (docs/FORMAT.md)\n"
-      "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png");
+      "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png\n"
+      "  multum export bricks_n.png -o bricks/ --page bricks.html    # compared by pictures with engines' rules\n"
+      "  multum export rock_<UDIM>.png -o rock_<UDIM>.ktx2           # all tiles of a set\n"
+      "  multum export --manifest materials.toml                    # the maps of a project that changed");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

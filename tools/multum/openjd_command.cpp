@@ -14,6 +14,7 @@
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
+#include "host/export/batch/export_manifest.h"
 #include "host/farm/openjd_bundle.h"
 #include "host/manifest/bake_manifest.h"
 #include "host/scene/scene_file.h"
@@ -133,6 +134,17 @@ void collect_files(FarmCommand& command, const std::vector<BakeJob>& bakes) {
   }
 }
 
+// What a manifest of exports names, and where they go.
+void collect_exports(FarmCommand& command) {
+  const auto& words = command.words;
+  const auto manifest = std::find(words.begin(), words.end(), "--manifest");
+  if (words[0] != "export" || manifest == words.end() || manifest + 1 == words.end()) return;
+  for (const ManifestExport& map : read_export_manifest(manifest[1], {})) {
+    for (const std::string& file : input_files(map.job)) command.inputs.push_back(file);
+    command.output_folders.push_back(export_place(map.job.output).folder);
+  }
+}
+
 FarmCommand farm_command(const OpenJdOptions& o) {
   FarmCommand command;
   command.words = split_words(o.words);
@@ -153,6 +165,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   std::vector<BakeJob> bakes;
   if (kind == "bake") bakes = jobs_of_bake(command.words, command.paths);
   collect_files(command, bakes);
+  collect_exports(command);
   const int pieces = std::max(1, static_cast<int>(bakes.size()));
   command.is_one_map = bakes.size() == 1;
   command.shards = o.shards > 0 ? o.shards : pieces;

@@ -128,6 +128,9 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   if (!s.output.ends_with(type.output_extension))
     throw Refusal{400, "usage",
                   fmt::format("output is {}, expected a name ending in {}", s.output, type.output_extension)};
+  for (const std::string& extension : type.refused_extensions)
+    if (s.output.ends_with(extension))
+      throw Refusal{400, "usage", fmt::format("output is {}, expected the name of a folder", s.output)};
   s.queue = value_of<std::string>(json, "queue", "default", is_text, "a queue's name");
   if (!limits.queues.contains(s.queue)) {
     std::vector<std::string> names;

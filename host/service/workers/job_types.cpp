@@ -17,6 +17,7 @@
 #include "host/base/files/content_hash.h"
 #include "host/base/nearest_name.h"
 #include "host/parameters/bake_parameters.h"
+#include "host/parameters/export_parameters.h"
 #include "host/parameters/infer_parameters.h"
 #include "host/parameters/pack_parameters.h"
 #include "host/scene/scene_file.h"
@@ -97,6 +98,17 @@ JobType pack_type() {
           .fixed_options = {"--absolute-geometry"},
           .memory_bytes = 2048 * kMiB,
           .table = &pack_parameters()};
+}
+
+JobType export_type() {
+  return {.name = "export",
+          .summary = "fit a normal map's mips as a material that engines load",
+          .command = "export",
+          .input = "input",
+          .output_is_folder = true,
+          .refused_extensions = {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"},
+          .memory_bytes = 1024 * kMiB,
+          .table = &export_parameters()};
 }
 
 JobType fault_injection_type() {
@@ -196,8 +208,8 @@ const Parameter* JobType::find(const std::string& parameter) const {
 }
 
 const std::vector<JobType>& job_types() {
-  static const std::vector<JobType> types = {bake_type(), scene_type(), infer_type(), pack_type(),
-                                             fault_injection_type()};
+  static const std::vector<JobType> types = {bake_type(), scene_type(),  infer_type(),
+                                             pack_type(), export_type(), fault_injection_type()};
   return types;
 }
 
@@ -244,8 +256,12 @@ Json with_current_names(const JobType& type, const Json& parameters) {
 }
 
 void check_is_one_map(const JobType& type, const Json& parameters) {
-  if (type.name != "bake") return;
+  if (type.name != "bake" && type.name != "export") return;
   const std::string file = parameters.at(type.input).get<std::string>();
+  // Images of strangers are decoded by a child without rights, baked files by the worker itself.
+  if (type.name == "export" && file.ends_with(".ndf.exr"))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("parameters.{} is {}, expected a map, not a baked file", type.input, file));
   if (file.ends_with(".toml"))
     throw Error(
         ErrorCode::kUsage,

@@ -20,8 +20,9 @@ struct JobType {
   bool has_output = true;
   bool needs_output = true;
   bool output_is_folder = false;
-  bool input_names_files = false;     // relative to itself: it is read in a child, and its place matters
-  std::string output_extension = {};  // "" any
+  bool input_names_files = false;                    // relative to itself: it is read in a child, and its place matters
+  std::string output_extension = {};                 // "" any
+  std::vector<std::string> refused_extensions = {};  // of a folder's name that would be taken for a file's
   /// That every job of the type has. --absolute-geometry: a result is made beside its place and may be copied to
   /// another, so that no path relative to it would hold.
   std::vector<std::string> fixed_options = {};
@@ -32,7 +33,7 @@ struct JobType {
   const Parameter* find(const std::string& parameter) const;
 };
 
-/// bake, scene, infer, pack, and drill: a job that does nothing, or fails as asked, for trying out a set-up.
+/// bake, scene, infer, pack, export, and drill: a job that does nothing, or fails as asked, for trying out a set-up.
 const std::vector<JobType>& job_types();
 /// Throws Error(kUsage) naming those that there are.
 const JobType& find_job_type(const std::string& name);
@@ -48,7 +49,7 @@ void check_parameters(const JobType& type, const nlohmann::json& parameters);
 /// Renames what has a former name in checked parameters: the same job is then the same JSON.
 nlohmann::json with_current_names(const JobType& type, const nlohmann::json& parameters);
 /// `multum bake` takes a scene too, and a pattern of names, whose files nobody would have looked at: throws
-/// Error(kUsage) when the input of a bake is no single map.
+/// Error(kUsage) when the input of a bake or an export is no single map.
 void check_is_one_map(const JobType& type, const nlohmann::json& parameters);
 /// Draft 2020-12, of the `parameters` object: what check_parameters() accepts. Former names are `patternProperties`,
 /// and no property that forms and documents show.
