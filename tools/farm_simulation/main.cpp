@@ -245,7 +245,7 @@ class Simulation {
   double look_files(const Chunk& chunk) const {
     const auto parts = static_cast<double>(chunk.items.size() - chunk.reported);
     if (o_.asks_for_each) return kFilesAPart * parts + (chunk.runs ? kFilesOfLog : 0.0);
-    return 1.0 + (chunk.runs ? parts + kFilesOfLog : 0.0);  // a status or what the task says, a part
+    return 1.0 + (chunk.runs ? 1.0 + (parts > 1.0 ? 1.0 : 0.0) + kFilesOfLog : 0.0);  // a status, what the task says
   }
 
   void note_ends() {

@@ -24,17 +24,25 @@ void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& w
                    std::map<SlurmPartKey, SlurmLook::Seen>& parts) {
   std::set<std::string> names;  // of the batch before
   std::int64_t listed = 0;
+  std::optional<std::string> last_words;  // of a batch's one task
   for (const SlurmWatched& part : watched) {
     const SlurmBatchFolder batch = folder.batch(part.key.first);
-    if (listed != part.key.first) names = batch.names();
+    if (listed != part.key.first) {
+      names = batch.names();
+      last_words.reset();
+    }
     listed = part.key.first;
     SlurmLook::Seen& seen = parts[part.key];
     const int item = part.key.second;
     if (names.contains(SlurmBatchFolder::end_name(item))) seen.end = batch.end(item);
     if (!seen.end && names.contains(SlurmBatchFolder::status_name(item))) seen.status = batch.status(item);
     if (!seen.end && !seen.status) {
-      if (names.contains(SlurmBatchFolder::output_name(item, part.is_array)))
-        seen.last_words = batch.last_words(item, part.is_array);
+      if (part.is_array) last_words.reset();  // each has a task of its own
+      if (!last_words)
+        last_words = names.contains(SlurmBatchFolder::output_name(item, part.is_array))
+                         ? batch.last_words(item, part.is_array)
+                         : "";
+      seen.last_words = *last_words;
       continue;
     }
     try {
