@@ -24,8 +24,8 @@ RUNS = [
     ("as `serve` has it: `jobs = 1000`, `chunk_s = 30`", ["--jobs", "1000"], 20000),
     ("`jobs = 10000`, a look asks for each file of each part", ["--jobs", "10000", "--ask-for-each"], 20000),
     ("`jobs = 10000`, a look lists folders", ["--jobs", "10000"], 20000),
-    ("`jobs = 30000`, `chunk_s = 300`, each file asked for", ["--jobs", "30000", "--chunk-seconds", "300",
-   "--ask-for-each"], 20000),
+    ("`jobs = 30000`, `chunk_s = 300`, each file asked for",
+     ["--jobs", "30000", "--chunk-seconds", "300", "--ask-for-each"], 20000),
     ("`jobs = 30000`, `chunk_s = 300`, folders listed", ["--jobs", "30000", "--chunk-seconds", "300"], 20000),
     ("the same, all maps", ["--jobs", "30000", "--chunk-seconds", "300"], None),
 ]
@@ -128,8 +128,8 @@ def main():
         if name in made:
             continue
         print(name, file=sys.stderr)
-        made[name] = simulate(arguments.simulation, arguments.folder / "run", min(arguments.maps, maps or arguments.maps),
-                              ["--nodes", str(arguments.nodes), *options])
+        made[name] = simulate(arguments.simulation, arguments.folder / "run",
+                              min(arguments.maps, maps or arguments.maps), ["--nodes", str(arguments.nodes), *options])
         if state:
             state.write_text(json.dumps(made))
     runs = [made[name] for name, _, _ in RUNS]
