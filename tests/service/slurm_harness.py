@@ -135,7 +135,7 @@ class Slurm:
         deadline = time.monotonic() + timeout
         while not is_so():
             assert time.monotonic() < deadline, f"not within {timeout} s: {what}\n{self.said()}"
-            time.sleep(0.15)  # most look by a command of Slurm's, which takes 20 ms of a core
+            time.sleep(0.05)
 
     def said(self):
         """The ends of all logs."""

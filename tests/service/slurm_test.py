@@ -34,7 +34,7 @@ priority = 10
 folder = "{folder}"
 queues = ["farm"]
 cpus = 1
-poll_s = 0.25
+poll_s = 0.1
 visible_s = 0.5
 {more}
 """
