@@ -64,16 +64,19 @@ std::string BakeCheckpoint::block_checksum(const Level& level, int first_row, in
   };
   add(level.lobes);
   if (level.features) add(*level.features);
+  if (level.refined) add(*level.refined);
   return checksum.text();
 }
 
-BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std::size_t lobe_row_bytes,
-                                                  std::size_t feature_row_bytes) {
+BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, const RowBytes& row_bytes) {
   const std::string name = "level-" + std::to_string(level);
   Level& opened =
-      levels_.try_emplace(level, Level{RowStore(row_count, lobe_row_bytes, folder_->path(), name + ".lobes"), {}, 0})
+      levels_
+          .try_emplace(level, Level{RowStore(row_count, row_bytes.lobes, folder_->path(), name + ".lobes"), {}, {}, 0})
           .first->second;
-  if (feature_row_bytes > 0) opened.features.emplace(row_count, feature_row_bytes, folder_->path(), name + ".features");
+  if (row_bytes.features > 0)
+    opened.features.emplace(row_count, row_bytes.features, folder_->path(), name + ".features");
+  if (row_bytes.is_refined) opened.refined.emplace(row_count, row_bytes.lobes, folder_->path(), name + ".refined");
   for (const Block& block : found_[level]) {
     if (block.first_row != opened.rows_done || block.row_count < 1 || block.row_count > row_count - block.first_row)
       break;
@@ -88,15 +91,16 @@ BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, std:
   return opened;
 }
 
-void BakeCheckpoint::add_rows(int level, int row_count, const void* lobes, const void* features) {
+void BakeCheckpoint::add_rows(int level, int row_count, const Rows& rows) {
   Level& done = levels_.at(level);
   Checksum checksum;
-  const auto add = [&](RowStore& store, const void* rows) {
-    store.write(done.rows_done, row_count, rows);
-    checksum.update(rows, store.row_bytes() * static_cast<std::size_t>(row_count));
+  const auto add = [&](RowStore& store, const void* values) {
+    store.write(done.rows_done, row_count, values);
+    checksum.update(values, store.row_bytes() * static_cast<std::size_t>(row_count));
   };
-  add(done.lobes, lobes);
-  if (done.features) add(*done.features, features);
+  add(done.lobes, rows.lobes);
+  if (done.features) add(*done.features, rows.features);
+  if (done.refined) add(*done.refined, rows.refined);
   append_line(progress_path(), fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
   done.rows_done += row_count;
 }

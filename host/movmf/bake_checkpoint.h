@@ -4,7 +4,8 @@
 //
 //   .multum-partial-NAME/
 //     progress          what bake it is, then a line for each block of rows: level, first row, rows, CRC-64
-//     level-5.lobes     rows [lobe][column], level-5.features with features
+//     level-5.lobes     rows [lobe][column], which finer levels grow from; level-5.features with features;
+//                       level-5.refined, what the file stores of a level that is refined
 //
 // A block counts when its line is whole and its bytes have that checksum: a machine that lost power loses blocks, not
 // trust.
@@ -33,14 +34,24 @@ class BakeCheckpoint {
   /// Stores of a level's rows; made on the first call, sizes must be those of the bake that was killed.
   struct Level {
     RowStore lobes;
-    std::optional<RowStore> features;
+    std::optional<RowStore> features, refined;
     int rows_done = 0;  // from row 0
+
+    /// What the file stores.
+    const RowStore& stored() const { return refined ? *refined : lobes; }
   };
-  /// `feature_row_bytes` 0: no features.
-  Level& open_level(int level, int row_count, std::size_t lobe_row_bytes, std::size_t feature_row_bytes);
-  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them. `features`: null
-  /// without.
-  void add_rows(int level, int row_count, const void* lobes, const void* features);
+  struct RowBytes {
+    std::size_t lobes = 0, features = 0;  // features: 0: none
+    bool is_refined = false;
+  };
+  Level& open_level(int level, int row_count, const RowBytes& row_bytes);
+  struct Rows {
+    const void* lobes = nullptr;
+    const void* features = nullptr;  // null: none
+    const void* refined = nullptr;   // of a level that is refined
+  };
+  /// Writes rows [level.rows_done, + row_count) to the level's stores and makes a note of them.
+  void add_rows(int level, int row_count, const Rows& rows);
 
   /// The folder stays when this is destroyed: the bake was stopped and may go on.
   void leave() { folder_->leave(); }

@@ -145,12 +145,10 @@ class MovmfFitter {
 
   LevelStore open_store(const LevelSchedule& level) {
     LevelStore store;
-    const std::size_t feature_bytes = feature_row_bytes(level);
     const bool is_parent = level.level > std::max(1, settings_.first_level);
-    // A checkpoint keeps one set of lobes: what a refined file stores, or what finer levels grow from.
-    const bool has_checkpoint = inputs_.checkpoint != nullptr && !settings_.refine;
-    if (has_checkpoint && (is_parent || inputs_.checkpoint_has_finest))
-      store.kept = &inputs_.checkpoint->open_level(level.level, level.fit.height, row_bytes(level), feature_bytes);
+    if (inputs_.checkpoint != nullptr && (is_parent || inputs_.checkpoint_has_finest))
+      store.kept = &inputs_.checkpoint->open_level(
+          level.level, level.fit.height, {row_bytes(level), feature_row_bytes(level), is_refined(level, settings_)});
     else if (is_parent) store.own.emplace(level.fit.height, row_bytes(level), plan_.spill);
     return store;
   }
@@ -235,7 +233,7 @@ class MovmfFitter {
   int replay(const LevelSchedule& level, LevelStore& store) {
     if (store.kept == nullptr || store.kept->rows_done == 0) return 0;
     const int done = store.kept->rows_done;
-    hand_over_done(level, done, store, fill_planes(store.kept->lobes),
+    hand_over_done(level, done, store, fill_planes(store.kept->stored()),
                    store.kept->features ? fill_planes(*store.kept->features) : nullptr);
     return done;
   }
@@ -331,29 +329,30 @@ class MovmfFitter {
     // Not set to 0: tens of megabytes a band.
     auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
     rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
-    if (store.own && rows.em_lobes == rows.lobes) {
-      store.own->write(rows.first_row, rows.row_count, lobes.get());
-    } else if (store.own) {
-      std::vector<MultumVmfLobe> em_lobes(lobe_count() * texels);
+    const bool keeps = store.kept != nullptr && !is_kept;
+    std::vector<MultumVmfLobe> em_lobes;  // where they are not what is stored
+    if ((store.own || keeps) && rows.em_lobes != rows.lobes) {
+      em_lobes.resize(lobe_count() * texels);
       rows.em_lobes->copy_rows(rows.first_row, rows.row_count, em_lobes.data());
-      store.own->write(rows.first_row, rows.row_count, em_lobes.data());
     }
+    if (store.own) store.own->write(rows.first_row, rows.row_count, em_lobes.empty() ? lobes.get() : em_lobes.data());
     std::vector<glm::vec3> features(feature_planes() * texels);
     if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
     std::optional<FinestRows> finest;
     if (level.level == 1 && settings_.first_level == 0) finest = fit_level_zero(rows);
     const int finest_count = finest ? finest->row_count : 0;
-    handing_over_.run(
-        inputs_.threads,
-        [this, number = level.level, keeps = store.kept != nullptr && !is_kept, first_row = rows.first_row,
-         size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count, settings_.representation,
-                             inputs_.features.has_colours, inputs_.features.weight_count},
-         lobes = std::move(lobes), features = std::move(features), finest = std::move(finest)]() mutable {
-          if (keeps) inputs_.checkpoint->add_rows(number, size.height, lobes.get(), features.data());
-          sink_.add_level(number, first_row,
-                          stored_rows(size, lobes.get(), features, settings_.kappa_cap, inputs_.threads, report_));
-          if (finest) hand_over_finest(std::move(*finest));
-        });
+    handing_over_.run(inputs_.threads, [this, number = level.level, keeps, first_row = rows.first_row,
+                                        size = LobeRowsSize{level.fit.width, rows.row_count, settings_.lobe_count,
+                                                            settings_.representation, inputs_.features.has_colours,
+                                                            inputs_.features.weight_count},
+                                        lobes = std::move(lobes), em_lobes = std::move(em_lobes),
+                                        features = std::move(features), finest = std::move(finest)]() mutable {
+      const MultumVmfLobe* parents = em_lobes.empty() ? lobes.get() : em_lobes.data();
+      if (keeps) inputs_.checkpoint->add_rows(number, size.height, {parents, features.data(), lobes.get()});
+      sink_.add_level(number, first_row,
+                      stored_rows(size, lobes.get(), features, settings_.kappa_cap, inputs_.threads, report_));
+      if (finest) hand_over_finest(std::move(*finest));
+    });
     advance(rows.first_row, rows.row_count, level.fit.height);
     if (finest_count > 0) advance(2 * rows.first_row, finest_count, map_height_);
   }

@@ -15,10 +15,6 @@ struct WindowRows {
   int level, parent, map;
 };
 
-bool refines(const LevelSchedule& level, const MovmfSettings& settings) {
-  return settings.refine && 1.0f / level.fit.total_weight_inverse > kRefinedNormalsMin;
-}
-
 // Of EM.
 int em_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   const bool has_parent = level.fit.parent_width > 0 && settings.aligned_start;
@@ -27,7 +23,7 @@ int em_steps(const LevelSchedule& level, const MovmfSettings& settings) {
 
 // Refining is a last step of all texels, which reads what EM left beside them.
 int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
-  return em_steps(level, settings) + (refines(level, settings) ? 1 : 0);
+  return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
 }
 
 // Scan-line order reaches as far as the level, and chunks are summed band by band of the map, for all texels at once. A
@@ -71,6 +67,10 @@ int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSet
 }
 
 }  // namespace
+
+bool is_refined(const LevelSchedule& level, const MovmfSettings& settings) {
+  return settings.refine && 1.0f / level.fit.total_weight_inverse > kRefinedNormalsMin;
+}
 
 LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
                    const LevelInputs& inputs, const BandPlan& plan, Progress* progress)
@@ -270,7 +270,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   const auto rgb_planes = static_cast<std::uint64_t>(rgb_plane_count);
   const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe),
                       feature_bytes = rgb_planes * lobes * 3 * sizeof(float);
-  std::uint64_t texel_bytes = (refines(level, settings) ? 3 : 2) * lobe_bytes + feature_bytes;
+  std::uint64_t texel_bytes = (is_refined(level, settings) ? 3 : 2) * lobe_bytes + feature_bytes;
   if (level.method == FitMethod::kBinned) texel_bytes += binned_bytes(fit) * (1 + rgb_planes) + sizeof(int);
   std::uint64_t bytes = product(fit.width, rows.level) * texel_bytes;
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;

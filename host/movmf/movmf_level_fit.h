@@ -57,6 +57,9 @@ struct FittedRows {
   const RowWindow* em_lobes;  // what EM left, which finer levels grow from: `lobes` where they are not refined
 };
 
+/// Whether --refine changes lobes of the level (kRefinedNormalsMin).
+bool is_refined(const LevelSchedule& level, const MovmfSettings& settings);
+
 struct BandPlan {
   int band_rows;      // B, at least 1; the level's height: all of it at once
   int map_band_rows;  // of the map, where a method passes over it band by band: kChunks

@@ -267,10 +267,12 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
   if (!job.measure)
     throw Error(ErrorCode::kUsage,
                 "--no-measure excludes --target-error and --budget-ms, which choose settings by measured errors");
-  if (job.region || !job.onto.empty() || job.resume)
-    throw Error(
-        ErrorCode::kUsage,
-        "--region, --onto and --resume use a file's settings: --target-error and --budget-ms cannot choose any");
+  if (job.region || !job.onto.empty())
+    throw Error(ErrorCode::kUsage,
+                "--region and --onto use a file's settings: --target-error and --budget-ms cannot choose any");
+  if (job.resume && target.seconds)
+    throw Error(ErrorCode::kUsage,
+                "--resume and --budget-ms exclude each other: a resumed bake is quicker than its settings");
 }
 
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress) {

@@ -58,8 +58,10 @@ class ResumeTest : public CliTest {
 
 TEST_F(ResumeTest, AKilledBakeGoesOnFromItsFinishedRows) {
   make_map("map", 512);
-  for (const std::vector<std::string>& options :
-       {std::vector<std::string>{}, {"--albedo", path("map_albedo.png"), "--lobes", "2"}, {"--first-level", "1"}}) {
+  for (const std::vector<std::string>& options : {std::vector<std::string>{},
+                                                  {"--albedo", path("map_albedo.png"), "--lobes", "2"},
+                                                  {"--first-level", "1"},
+                                                  {"--refine"}}) {
     ASSERT_EQ(run_program(command(options)).exit_code, 0);
     const std::string whole = content_hash();
     std::filesystem::remove(path("map.ndf.exr"));
@@ -78,18 +80,113 @@ TEST_F(ResumeTest, AKilledBakeGoesOnFromItsFinishedRows) {
 
 TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   make_map("map", 512);
-  ASSERT_EQ(run_program(command({})).exit_code, 0);
-  const std::string whole = content_hash();
-  std::filesystem::remove(path("map.ndf.exr"));
-  kill_a_bake({});
-  {
-    std::fstream level(partial() + "/level-2.lobes", std::ios::in | std::ios::out | std::ios::binary);
-    level.seekp(100000);
-    level << "no lobes";
+  for (const auto& [options, damaged] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{}, "/level-2.lobes"}, {{"--refine"}, "/level-4.refined"}}) {
+    ASSERT_EQ(run_program(command(options)).exit_code, 0);
+    const std::string whole = content_hash();
+    std::filesystem::remove(path("map.ndf.exr"));
+    kill_a_bake(options);
+    ASSERT_TRUE(std::filesystem::exists(partial() + damaged));
+    {
+      std::fstream level(partial() + damaged, std::ios::in | std::ios::out | std::ios::binary);
+      level.seekp(10000);
+      level << "no lobes";
+    }
+    std::ofstream(partial() + "/progress", std::ios::app) << "1 0 half a li";
+    std::vector<std::string> again = options;
+    again.emplace_back("--resume");
+    ASSERT_EQ(run_program(command(again)).exit_code, 0);
+    EXPECT_EQ(content_hash(), whole);
+    std::filesystem::remove(path("map.ndf.exr"));
   }
-  std::ofstream(partial() + "/progress", std::ios::app) << "1 0 half a li";
-  ASSERT_EQ(run_program(command({"--resume"})).exit_code, 0);
-  EXPECT_EQ(content_hash(), whole);
+}
+
+// What a farm does before it kills: docs/FARMS.md, "Exit codes".
+TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
+  make_map("map", 512);
+  const auto bake = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return multum_command(arguments);
+  };
+  // A target bakes beside the output, under a name of its own.
+  for (const auto& [options, name] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--no-measure", "--refine"}, "map.ndf.exr"},
+           {{"--no-measure", "--ndf", "gmm"}, "map.ndf.exr"},
+           {{"--target-error", "0.3", "--ndf", "vmf"}, "map.ndf.chosen.exr"}}) {
+    ASSERT_EQ(run_program(bake(options)).exit_code, 0);
+    const std::string whole = content_hash();
+    std::filesystem::remove(path("map.ndf.exr"));
+    std::vector<std::string> with_resume = options;
+    with_resume.emplace_back("--resume");
+    Program stopped(bake(with_resume));
+    const std::string finest = path(".multum-partial-" + name + "/level-1.lobes");
+    while (stopped.running() && !std::filesystem::exists(finest))
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    const auto asked = std::chrono::steady_clock::now();
+    stopped.send(SIGTERM);
+    EXPECT_EQ(stopped.wait().exit_code, 130) << name << ": it was quicker than the signal";
+    EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(30));
+    EXPECT_FALSE(std::filesystem::exists(path("map.ndf.exr")));
+    with_resume.insert(with_resume.end(), {"--report", path("report.json")});
+    const ProgramResult resumed = run_program(bake(with_resume));
+    ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_GT(rows_resumed(), 100u) << name;
+    EXPECT_EQ(content_hash(), whole) << name;
+    for (const std::string& left : folder_.names()) EXPECT_FALSE(left.starts_with(".multum-")) << left;
+    std::filesystem::remove(path("map.ndf.exr"));
+  }
+}
+
+// What a scene's target chooses too: the trials are made again, the bake goes on.
+TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
+  make_map("map", 512);
+  std::ofstream(path("scene.toml")) << "[camera]\nresolution = [96, 72]\n[budget]\ntarget_error = 0.3\n"
+                                       "[[map]]\nname = \"wall\"\nnormal = \"map_normal.png\"\n[[material]]\n"
+                                       "name = \"paint\"\nbrdf = \"blinn-phong\"\nexponent = 100\n[[object]]\n"
+                                       "name = \"front\"\nmap = \"wall\"\nmaterial = \"paint\"\nwidth = 2.0\n"
+                                       "distance = [0.4, 20]\n[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
+  const std::vector<std::string> scene =
+      multum_command({"bake", path("scene.toml"), "-o", path("out"), "--quiet", "--resume"});
+  ASSERT_EQ(run_program(scene).exit_code, 0);
+  const std::string file = path("out/wall.ndf.exr");
+  const std::string whole = read_movmf_header(file).header.provenance.content_hash;
+  std::filesystem::remove_all(path("out"));
+  Program stopped(scene);
+  const std::string finest = path("out/.multum-partial-wall.ndf.chosen.exr/level-1.lobes");
+  while (stopped.running() && !std::filesystem::exists(finest))
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  stopped.send(SIGTERM);
+  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
+  EXPECT_FALSE(std::filesystem::exists(file));
+  ASSERT_TRUE(std::filesystem::exists(finest));
+  ASSERT_EQ(run_program(scene).exit_code, 0);
+  EXPECT_EQ(read_movmf_header(file).header.provenance.content_hash, whole);
+  std::ifstream in(path("out/report.json"));
+  EXPECT_GT(nlohmann::json::parse(in).at("maps").at(0).at("bake").at("rows_resumed").get<int>(), 100);
+}
+
+// Maps that are done are in place; the one that was stopped goes on.
+TEST_F(ResumeTest, ATerminatedSetGoesOn) {
+  make_map("map", 512);
+  for (const char* tile : {"1001", "1002"})
+    std::filesystem::copy_file(path("map_normal.png"), path(std::string("rock_") + tile + ".png"));
+  const std::vector<std::string> set = multum_command(
+      {"bake", path("rock_<UDIM>.png"), "-o", path("rock_<UDIM>.ndf.exr"), "--no-measure", "--quiet", "--resume"});
+  Program stopped(set);
+  const std::string finest = path(".multum-partial-rock_1002.ndf.exr/level-1.lobes");
+  while (stopped.running() && !std::filesystem::exists(finest))
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  stopped.send(SIGTERM);
+  EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
+  ASSERT_TRUE(std::filesystem::exists(path("rock_1001.ndf.exr")));
+  EXPECT_FALSE(std::filesystem::exists(path("rock_1002.ndf.exr")));
+  EXPECT_TRUE(std::filesystem::exists(finest));
+  const auto first = std::filesystem::last_write_time(path("rock_1001.ndf.exr"));
+  ASSERT_EQ(run_program(set).exit_code, 0);
+  EXPECT_EQ(std::filesystem::last_write_time(path("rock_1001.ndf.exr")), first);
+  EXPECT_EQ(read_movmf_header(path("rock_1002.ndf.exr")).header.provenance.content_hash,
+            read_movmf_header(path("rock_1001.ndf.exr")).header.provenance.content_hash);
 }
 
 // Of a map of this size the finest level takes less time than its rows.

@@ -120,7 +120,7 @@ TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
                                              {"--target-error", "0.1", "--no-measure"},
                                              {"--target-error", "0.1", "--brdf", "phong:3"},
                                              {"--target-error", "0.1", "--brdf", "ggx:0.4", "--ndf", "gmm"},
-                                             {"--target-error", "0.1", "--resume"},
+                                             {"--budget-ms", "100", "--resume"},
                                              {"--brdf", "lambert"},
                                              {"--best-effort"}}) {
     const ProgramResult refused = bake(options);

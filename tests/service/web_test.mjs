@@ -60,8 +60,8 @@ const drill = async (seconds, more = {}) => {
 };
 const jobOf = (id) => ask("GET", `/v1/jobs/${id}`);
 
-async function until(what, check) {
-  const deadline = Date.now() + PATIENCE;
+async function until(what, check, patience = PATIENCE) {
+  const deadline = Date.now() + patience;
   for (;;) {
     const found = await check();
     if (found) return found;
@@ -222,6 +222,36 @@ const steps = {
       assert.deepEqual(await player.locator("#problem-list li").allTextContents(), []);
       assert.equal(await player.evaluate(() => globalThis.origin), "null", "sandboxed");
     }
+    await page.context().close();
+  },
+
+  async theTableOfPartsFollowsAMapThatIsInShares() {
+    const farm = await drive("farm");
+    if (farm.why) return console.log(`  passed over: ${farm.why}`);
+    const { id } = await ask("POST", "/v1/jobs", { type: "bake", queue: "farm", output: `${farm.root}/map.ndf.exr`,
+      parameters: { input: `${farm.root}/map_normal.png`, no_measure: true } }, farm);
+    const page = await openPage(`#job-${id}`, { at: farm });
+    const table = page.getByRole("region", { name: "Parts" });
+    const cells = () => table.locator("tbody tr").evaluateAll((rows) =>
+      rows.map((one) => [...one.cells].map((cell) => cell.innerText)));
+    const rowOf = async (start, round) => (await cells()).find(([part, attempt]) =>
+      part.startsWith(start) && attempt === round);
+    // Share 0 first; the bands wait for it, and share 1 then runs until it is told to go on, or is cancelled.
+    await until("share 1 runs", async () => ((await rowOf("1/", "1"))?.[2] ?? "").startsWith("running"),
+      3 * PATIENCE); // kernels may have to be compiled
+    const [share, , , node, slurmJob] = await rowOf("1/", "1");
+    assert.match(node, /^bake[12]$/);
+    assert.match(slurmJob, /^\d+$/);
+    assert.equal((await rowOf("0/", "1"))[2], "succeeded");
+    assert.equal(await table.getByRole("button", { name: "Cancel part 0/" }).count(), 0, "it has ended");
+    await writeFile(farm.go, "");
+    await table.getByRole("button", { name: `Cancel part ${share}`, exact: true }).click();
+    await page.getByText(`Part ${share} of job ${id} is cancelled at Slurm`).waitFor();
+    await until("it is done again", async () => (await rowOf("1/", "1, round 2"))?.[2] === "succeeded");
+    await page.locator("#detail").getByText("succeeded", { exact: true }).first().waitFor();
+    await until("the merge is done", async () => (await rowOf("merge", "1, round 2"))?.[2] === "succeeded");
+    assert.equal((await rowOf("1/", "1"))[2], "lost");
+    assert.equal(await table.getByRole("button").count(), 0, "nothing is left to cancel");
     await page.context().close();
   },
 

@@ -14,6 +14,8 @@ import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from service_harness import Service  # noqa: E402
+from slurm_harness import Slurm, why_not  # noqa: E402
+from slurm_test import CONFIG as FARM_CONFIG, SLOW_PROGRAM, write_program  # noqa: E402
 from tiny_animation import write_animation  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -52,6 +54,7 @@ class Driver:
         self.multum = multum
         self.folder = folder
         self.services = {}
+        self.slurm = None
 
     def start(self, name):
         folder = os.path.join(self.folder, name)
@@ -72,8 +75,24 @@ class Driver:
     def stop(self, name):
         return self.services[name].stop()
 
-    def testmap(self, prefix):
-        subprocess.run([self.multum, "testmap", "--size", "64", prefix], check=True, capture_output=True)
+    def farm(self):
+        """A service with a Slurm of two nodes, where share 1 of a map waits for the file `go`."""
+        if why_not():
+            return {"why": why_not()}
+        folder = os.path.join(self.folder, "farm")
+        shared = os.path.join(folder, "shared")
+        os.makedirs(shared, mode=0o700)
+        self.slurm = Slurm(os.path.join(folder, "slurm")).start()
+        program = write_program(os.path.join(folder, "node-program"),
+                                SLOW_PROGRAM.format(folder=folder, multum=self.multum))
+        config = FARM_CONFIG.format(folder=shared, more=f'share_s = 0.7\nprogram = "{program}"')
+        service = Service(self.multum, folder, (), config, self.slurm.environment).start()
+        self.services["farm"] = service
+        self.testmap(os.path.join(service.root, "map"), 256)
+        return {"url": f"http://127.0.0.1:{service.port}", "root": service.root, "go": os.path.join(folder, "go")}
+
+    def testmap(self, prefix, size=64):
+        subprocess.run([self.multum, "testmap", "--size", str(size), prefix], check=True, capture_output=True)
 
     def field(self, folder):
         """An inferred animation of one sample in FOLDER/field."""
@@ -86,6 +105,8 @@ class Driver:
         for service in self.services.values():
             if service.process.poll() is None:
                 service.kill()
+        if self.slurm is not None:
+            self.slurm.stop()
 
 
 def main():

@@ -2,9 +2,13 @@
 #include "host/service/ledger/slurm_notes.h"
 
 #include <array>
+#include <string>
 
 namespace multum {
 namespace {
+
+const std::string kSelectParts =
+    "SELECT batch, item, job, attempt, share, round, slurm_job, state, node, exit_code, message FROM slurm_parts ";
 
 constexpr std::array kPartStateNames = {"sent", "succeeded", "failed", "lost", "cancelled"};
 
@@ -39,7 +43,7 @@ void SlurmNotes::update(const SlurmPart& part) {
       .run();
 }
 
-std::vector<SlurmPart> SlurmNotes::rows(SqliteStatement& query) {
+std::vector<SlurmPart> SlurmNotes::rows(SqliteStatement& query) {  // of kSelectParts
   std::vector<SlurmPart> parts;
   while (query.step())
     parts.push_back({query.integer(0), static_cast<int>(query.integer(1)), query.integer(2),
@@ -50,9 +54,8 @@ std::vector<SlurmPart> SlurmNotes::rows(SqliteStatement& query) {
 }
 
 std::vector<SlurmPart> SlurmNotes::sent() {
-  return rows(database_.statement(
-      "SELECT batch, item, job, attempt, share, round, slurm_job, state, node, exit_code, message FROM slurm_parts "
-      "WHERE state = 0 ORDER BY batch, item"));
+  static const std::string sql = kSelectParts + "WHERE state = 0 ORDER BY batch, item";
+  return rows(database_.statement(sql.c_str()));
 }
 
 bool SlurmNotes::has_sent(std::int64_t job, int attempt) {
@@ -65,9 +68,8 @@ bool SlurmNotes::has_sent(std::int64_t job, int attempt) {
 }
 
 std::vector<SlurmPart> SlurmNotes::of_job(std::int64_t job) {
-  SqliteStatement& query = database_.statement(
-      "SELECT batch, item, job, attempt, share, round, slurm_job, state, node, exit_code, message FROM slurm_parts "
-      "WHERE job = ? ORDER BY batch, item");
+  static const std::string sql = kSelectParts + "WHERE job = ? ORDER BY batch, item";
+  SqliteStatement& query = database_.statement(sql.c_str());
   query.bind(1, job);
   return rows(query);
 }

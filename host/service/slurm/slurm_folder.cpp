@@ -116,24 +116,37 @@ bool SlurmBatchFolder::is_stopped(int item) const {
   return ::access(fmt::format("{}/stop-{}", path_, item).c_str(), F_OK) == 0;
 }
 
+std::set<std::string> SlurmBatchFolder::names() const {
+  std::set<std::string> found;
+  std::error_code failed;
+  for (fs::directory_iterator entry(path_, failed), end; !failed && entry != end; entry.increment(failed))
+    found.insert(entry->path().filename().string());
+  return found;
+}
+
+std::string SlurmBatchFolder::status_name(int item) { return fmt::format("status-{}.json", item); }
+std::string SlurmBatchFolder::end_name(int item) { return fmt::format("ended-{}.json", item); }
+std::string SlurmBatchFolder::output_name(int item, bool is_array) {
+  return is_array ? fmt::format("slurm-{}.out", item) : "slurm.out";
+}
+
 void SlurmBatchFolder::write_status(int item, const SlurmStatus& status) const {
-  write_text_file(fmt::format("{}/status-{}.json", path_, item), order_text({{"beat", status.beat},
-                                                                             {"node", status.node},
-                                                                             {"stage", status.progress.stage},
-                                                                             {"done", status.progress.done},
-                                                                             {"total", status.progress.total}}));
+  write_text_file(path_ + "/" + status_name(item), order_text({{"beat", status.beat},
+                                                               {"node", status.node},
+                                                               {"stage", status.progress.stage},
+                                                               {"done", status.progress.done},
+                                                               {"total", status.progress.total}}));
 }
 
 void SlurmBatchFolder::write_end(int item, const SlurmEnd& end) const {
-  write_text_file(fmt::format("{}/ended-{}.json", path_, item),
-                  order_text({{"exit_code", end.result.exit_code},
-                              {"message", end.result.message},
-                              {"inputs_changed", end.result.have_inputs_changed},
-                              {"node", end.node}}));
+  write_text_file(path_ + "/" + end_name(item), order_text({{"exit_code", end.result.exit_code},
+                                                            {"message", end.result.message},
+                                                            {"inputs_changed", end.result.have_inputs_changed},
+                                                            {"node", end.node}}));
 }
 
 std::optional<SlurmStatus> SlurmBatchFolder::status(int item) const {
-  const std::optional<Json> json = read_json(fmt::format("{}/status-{}.json", path_, item));
+  const std::optional<Json> json = read_json(path_ + "/" + status_name(item));
   if (!json) return std::nullopt;
   return SlurmStatus{
       json->value("beat", std::uint64_t{0}),
@@ -142,7 +155,7 @@ std::optional<SlurmStatus> SlurmBatchFolder::status(int item) const {
 }
 
 std::optional<SlurmEnd> SlurmBatchFolder::end(int item) const {
-  const std::optional<Json> json = read_json(fmt::format("{}/ended-{}.json", path_, item));
+  const std::optional<Json> json = read_json(path_ + "/" + end_name(item));
   if (!json) return std::nullopt;
   return SlurmEnd{{json->value("exit_code", 4), json->value("message", ""), json->value("inputs_changed", true)},
                   json->value("node", "")};
@@ -164,7 +177,7 @@ std::string SlurmBatchFolder::output(bool is_array) const {
 }
 
 std::string SlurmBatchFolder::last_words(int item, bool is_array) const {
-  std::ifstream file(is_array ? fmt::format("{}/slurm-{}.out", path_, item) : path_ + "/slurm.out");
+  std::ifstream file(path_ + "/" + output_name(item, is_array));
   std::string line, last;
   while (std::getline(file, line))
     if (!line.empty()) last = line.substr(0, 500);

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,12 @@ class SlurmBatchFolder {
 
   void stop(int item) const;
   bool is_stopped(int item) const;
+
+  /// Of what is in it now.
+  std::set<std::string> names() const;
+  static std::string status_name(int item);
+  static std::string end_name(int item);
+  static std::string output_name(int item, bool is_array);
 
   void write_status(int item, const SlurmStatus& status) const;
   void write_end(int item, const SlurmEnd& end) const;

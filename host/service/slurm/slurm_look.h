@@ -43,4 +43,10 @@ struct SlurmLook {
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched);
 
+/// Its second half. A batch's folder is listed once, and of its files only those are opened that are there: with
+/// thousands of parts that wait, each file that is asked for and not there is a question to the folder's server.
+/// `watched` in the order of their keys, or batches are listed more often.
+void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& watched,
+                   std::map<SlurmPartKey, SlurmLook::Seen>& parts);
+
 }  // namespace multum
