@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is decoded of a chunk while a field is played: an image that samples are sums of, the sum of a sample's, or a
+// Decodes what a field that is played needs of a chunk: an image that samples are sums of, the sum of a sample's, or a
 // whole texture, as halves to be uploaded; and the memory that each takes, known before it is decoded.
 #pragma once
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Asks for what a frame needs and is not there, coarse first, and decodes it in worker threads.
 #include <algorithm>
 #include <utility>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Forgets decoded images: those that have outlived their time, and those that must go for what is wanted sooner.
 #include <algorithm>
 #include <cmath>
 #include <utility>

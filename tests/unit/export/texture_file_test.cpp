@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // KTX2 and DDS files by their bytes: the head's fields where the specifications have them, levels in their places, and
-// as they were where Zstandard packed them. tests/cli/export_command_test.cpp has readers of others read them.
+// as they were where Zstandard packed them. tests/cli/exports/export_command_test.cpp has readers of others read them.
 #include <gtest/gtest.h>
 
 #include <zstd.h>

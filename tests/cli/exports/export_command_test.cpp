@@ -195,7 +195,7 @@ std::vector<Stored> stored_kinds() {
 
 // A KTX2 file says what it holds to a reader that is not ours, and holds what the images do.
 TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
-  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/ktx2_reading.mjs";
+  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_reading.mjs";
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
   if (run_program({"node", script}).exit_code != 0) GTEST_SKIP() << "no ktx-parse: tools/install_dependencies test";
   write("map.png", normal_image(35, 22));
@@ -277,7 +277,7 @@ TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
 // Every level of every kind of KTX2, as three.js's KTX2Loader hands it to a shader in Chromium; blocks too, where its
 // GL has them.
 TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
-  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/ktx2_in_three.mjs", browser = chromium_path();
+  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_in_three.mjs", browser = chromium_path();
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
   if (browser.empty()) GTEST_SKIP() << "no chromium-headless-shell: tools/install_dependencies test";
   for (const std::string module : {"playwright-core", "three"})

@@ -3,7 +3,7 @@
 // compressed textures and an object a file: its size, the loader's format and filter, and every level's texels as a
 // shader reads them, floats in base64. A file that cannot be loaded has an error instead.
 //
-//   node tests/cli/ktx2_in_three.mjs CHROMIUM FILE...
+//   node tests/cli/exports/ktx2_in_three.mjs CHROMIUM FILE...
 import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";

@@ -2,7 +2,7 @@
 // Prints what ktx-parse, a reader that is not ours, finds in KTX2 files: JSON, an array of one object a file. Levels'
 // bytes in base64.
 //
-//   node tests/cli/ktx2_reading.mjs FILE...
+//   node tests/cli/exports/ktx2_reading.mjs FILE...
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";

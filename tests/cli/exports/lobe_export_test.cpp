@@ -95,7 +95,7 @@ TEST_F(LobeExportTest, StoresTheLobes) {
 }
 
 TEST_F(LobeExportTest, KtxParseReadsIt) {
-  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/ktx2_reading.mjs";
+  const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_reading.mjs";
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
   if (run_program({"node", script}).exit_code != 0) GTEST_SKIP() << "no ktx-parse: tools/install_dependencies test";
   ASSERT_EQ(run({}).exit_code, 0);
