@@ -21,7 +21,7 @@ void read_checkpoint(const std::string& path) {
   const auto checkpoint = BakeCheckpoint::open(fuzz::scratch_folder() + "/out.ndf.exr", "key", true);
   if (checkpoint == nullptr) return;
   for (const int level : {0, 1}) {
-    const BakeCheckpoint::Level& opened = checkpoint->open_level(level, 8, 16, 0);
+    const BakeCheckpoint::Level& opened = checkpoint->open_level(level, 8, {16, 0, level == 1});
     MULTUM_CHECK(opened.rows_done >= 0 && opened.rows_done <= 8);
   }
 }

@@ -113,7 +113,8 @@ const char* const kDescription =
 void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
   app.require_subcommand(0, 1);
-  app.add_option("file", options.map.file, "baked map, *.ndf.exr");
+  app.add_option("file", options.map.file,
+                 "baked map, *.ndf.exr, or its lobes as multum export --lobes stores them, *.ktx2");
   app.add_option("-o,--output", options.outputs, "picture to write: .png (sRGB) or .exr (linear floats)")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

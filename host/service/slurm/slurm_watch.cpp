@@ -75,10 +75,14 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
     for (auto& [item, part] : batch.parts) {
       const auto seen = look.parts.find({number, item});
       if (seen == look.parts.end()) continue;  // sent since
-      const auto task = batch.slurm_job ? tasks.find({*batch.slurm_job, batch.is_array ? item : -1}) : tasks.end();
-      has_task = has_task || (task != tasks.end() && !task->second->is_over());
-      const Fate fate =
-          follow(batch, part, seen->second, task == tasks.end() ? nullptr : task->second, look_number, to_cancel);
+      const SlurmTask* task = nullptr;
+      if (batch.slurm_job) {
+        const auto found = tasks.find({*batch.slurm_job, batch.is_array ? item : -1});
+        // A controller that has forgotten a job gives its number to the next.
+        if (found != tasks.end() && found->second->name == name_of(number)) task = found->second;
+      }
+      has_task = has_task || (task != nullptr && !task->is_over());
+      const Fate fate = follow(batch, part, seen->second, task, look_number, to_cancel);
       if (fate == Fate::kEnded) ended.push_back(part.row);
       wants_again = wants_again || fate == Fate::kAgain;
     }
