@@ -4,6 +4,7 @@
 import { FieldError } from "./byte_source.js";
 import { sectionChecksum } from "./checksum.js";
 
+const VERSION = 2;
 const HEAD_BYTES = 9;
 const FIRST_BYTES = 65536; // most indices and descriptions come with the first request
 const INDEX_BYTES_MAX = 2 ** 26;
@@ -69,7 +70,7 @@ export class MptFile {
     if (head.length < HEAD_BYTES) this.refuse(`has ${head.length} bytes, expected a packed field`);
     if (String.fromCharCode(...head.subarray(0, 4)) !== "MPTF")
       this.refuse("is no packed field: it does not begin with MPTF");
-    if (head[4] !== 1) this.refuse(`is a packed field of version ${head[4]}, expected 1`);
+    if (head[4] !== VERSION) this.refuse(`is a packed field of version ${head[4]}, expected ${VERSION}`);
     const reader = new NumberReader(head.subarray(5));
     const length = reader.fixed32();
     if (length > INDEX_BYTES_MAX) this.refuse(`has an index of ${length} bytes, expected at most 2^26`);

@@ -64,7 +64,9 @@ try {
   const page = await open("#left=lobes&split=1");
   const [width, height] = await page.evaluate(() => globalThis.multumLook.gl.size);
   const beside = async (file, hash) => {
-    await page.evaluate((text) => { location.hash = text; }, hash);
+    // multum-view's camera and light, where `hash` has no other.
+    const defaults = "elevation=21.5&distance=-0.288&exposure=0&x=0.303&y=0.808&z=0.505";
+    await page.evaluate((text) => { location.hash = text; }, `${defaults}&${hash}`);
     await settled(page);
     await settled(page);
     const camera = await page.evaluate(() => {

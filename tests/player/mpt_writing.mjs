@@ -45,7 +45,7 @@ export function sectionsOf(file) {
 export function fileOf(sections) {
   const index = [...number(sections.length), ...sections.flatMap(({ kind, layer, block, bytes }) =>
     [...number(kind), ...number(layer), ...number(block), ...number(bytes.length), ...fixed(sectionChecksum(bytes))])];
-  const head = Uint8Array.from([77, 80, 84, 70, 1, ...fixed(index.length), ...index]);
+  const head = Uint8Array.from([77, 80, 84, 70, 2, ...fixed(index.length), ...index]);
   return Buffer.concat([head, Uint8Array.from(fixed(sectionChecksum(head))), ...sections.map(({ bytes }) => bytes)]);
 }
 

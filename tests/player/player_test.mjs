@@ -242,7 +242,7 @@ const steps = {
     const cases = {
       empty: [Buffer.alloc(0), /has 0 bytes|answered|cut/],
       text: [Buffer.from("this is no packed field at all"), /does not begin with MPTF/],
-      version: [Buffer.from(bytes.map((b, i) => (i === 4 ? 2 : b))), /version 2, expected 1/],
+      version: [Buffer.from(bytes.map((b, i) => (i === 4 ? 3 : b))), /version 3, expected 2/],
       short: [bytes.subarray(0, bytes.length - 20), /has \d+ bytes, its index says \d+/],
       index: [Buffer.from(bytes.map((b, i) => (i === 12 ? b ^ 1 : b))), /index is damaged/],
       tiny: [bytes.subarray(0, 30), /cut short within its index/],

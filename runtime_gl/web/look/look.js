@@ -4,8 +4,9 @@ const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["expor
   ["lobes", "lobes"]];
 const DEGREE = Math.PI / 180;
 const TARGET = [0, 0.76, 0]; // what multum-view's camera looks at on the plane
-const HOME = { left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 21.5,
-  distance: -0.288, exposure: 0, difference: 0, x: 0.303, y: 0.808, z: 0.505 };
+/** Far enough for several texels a pixel, against the light, the divider in its highlight. */
+const HOME = { left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 40,
+  distance: 3, exposure: -1, difference: 0, x: 0, y: 0.8, z: 0.6 };
 const LIMITS = { split: [0, 1], lock: [-1, 15], azimuth: [-180, 180], elevation: [3, 89], distance: [-2, 5],
   exposure: [-4, 4], difference: [0, 1], x: [-1, 1], y: [-1, 1], z: [0, 1] };
 
