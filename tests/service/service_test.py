@@ -343,7 +343,8 @@ class ServiceTest(ClientCase):
 
     def test_requests_that_make_no_sense(self):
         self.start()
-        for body, values in (([], ["JSON"]), ({"type": "bkae"}, ["type", '"bkae"', "bake, scene, infer, pack, export, drill"]),
+        for body, values in (([], ["JSON"]),
+                             ({"type": "bkae"}, ["type", '"bkae"', "bake, scene, infer, pack, export, drill"]),
                              ({"type": "drill", "colour": 1}, ['"colour"']),
                              ({"type": "drill", "parameters": {"seconds": -1}}, ["seconds", "-1", "0", "86400"]),
                              ({"type": "drill", "parameters": {"then": 7}}, ["then", "7", "succeed"]),

@@ -2,6 +2,8 @@
 // multum export: a normal map as materials of one lobe a texel, which engines load as they are.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -188,7 +190,11 @@ LobeExportJob lobe_export_job(const ExportOptions& o) {
                 fmt::format("--lobes: found {}, expected one baked file",
                             o.manifest.empty() ? fmt::format("{} inputs", o.inputs.size()) : "--manifest"));
   if (!o.shard_text.empty()) throw Error(ErrorCode::kUsage, "--lobes: found --shard, expected it for several maps");
-  check_no_reading_is_given(o.inputs[0], o.values);
+  constexpr std::array kWithLobes = {"lobes", "texels", "zstd", "device", "report"};
+  for (const Parameter& row : export_parameters().rows())
+    if (o.values.has(row.name) && std::find(kWithLobes.begin(), kWithLobes.end(), row.name) == kWithLobes.end())
+      throw Error(ErrorCode::kUsage,
+                  "--lobes: found " + row.option() + ", expected it without --lobes: a baked file is stored as it is");
   LobeExportJob job{o.inputs[0], o.job.output, o.values.text("report").value_or("")};
   if (!o.job.output.ends_with(".ktx2"))
     throw Error(ErrorCode::kUsage, o.job.output + ": is no name of a KTX2 file, expected NAME.ktx2 with --lobes");

@@ -7,10 +7,10 @@
 import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
-import { chromium } from "../service/web/node_modules/playwright-core/index.mjs";
+import { chromium } from "../../service/web/node_modules/playwright-core/index.mjs";
 
 const [executablePath, ...files] = process.argv.slice(2);
-const modules = fileURLToPath(new URL("../service/web/node_modules/", import.meta.url));
+const modules = fileURLToPath(new URL("../../service/web/node_modules/", import.meta.url));
 const PATIENCE = 60000; // ms: a machine may be busy with other things
 
 const PAGE = `<!doctype html><script type="importmap">{"imports": {"three": "/modules/three/build/three.module.js",

@@ -7,7 +7,7 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
 
-const require = createRequire(new URL("../service/web/package.json", import.meta.url));
+const require = createRequire(new URL("../../service/web/package.json", import.meta.url));
 const { read } = await import(pathToFileURL(require.resolve("ktx-parse")).href);
 
 const text = (value) => (value instanceof Uint8Array ? Buffer.from(value).toString() : value);
