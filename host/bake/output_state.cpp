@@ -17,7 +17,7 @@
 #include "host/base/version.h"
 #include "host/image/material_maps.h"
 #include "host/image/normals/reading_settings.h"
-#include "kernels/kernel_sources.h"
+#include "host/opencl/program_cache.h"
 
 namespace multum {
 namespace {
@@ -109,9 +109,7 @@ std::string all_settings_json(const BakeJob& job) {
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
   if (!job.chosen_for.empty()) json["target"] = job.chosen_for;
-  std::string kernels;
-  for (const auto& [name, source] : kernel_sources()) kernels += source;
-  json["kernels"] = hash_text(kernels).substr(0, 16);
+  json["kernels"] = kernel_sources_hash().substr(0, 16);
   return json.dump();
 }
 

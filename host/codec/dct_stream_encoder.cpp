@@ -28,9 +28,7 @@ float DctStreamEncoder::bits_of(Values& values, const BlockSurroundings& around)
 }
 
 /// What it takes to say that a group has something, and not that it has nothing.
-float DctStreamEncoder::opening_bits(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane,
-                                     std::size_t group) {
-  const auto around = groups_.surroundings(image, place.parent, place.before, plane, group, place.level);
+float DctStreamEncoder::opening_bits(const GroupSurroundings& around) {
   CountingPort some, none;
   SymbolCoder<CountingPort> of_some(some), of_none(none);
   syntax_.group(of_some, true, around);
@@ -100,45 +98,42 @@ DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target
   return values;
 }
 
-void DctStreamEncoder::add_empty_group(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane,
-                                       std::size_t group) {
-  syntax_.group(coder_, false, groups_.surroundings(image, place.parent, place.before, plane, group, place.level));
-}
-
+/// The plane's first groups, and a group's first blocks, are held back until one has something.
 void DctStreamEncoder::add_plane(CoefficientBlocks& image, const DctTarget& target, const ImagePlace& place,
                                  std::size_t plane) {
-  const auto around = [&](std::size_t number) {
+  const auto around_group = [&](std::size_t group) {
+    return groups_.surroundings(image, place.parent, place.before, plane, group, place.level);
+  };
+  const auto around_block = [&](std::size_t number) {
     return surroundings(image, place.parent, grid_, plane, number, place.level);
   };
   Values none(grid_.side * grid_.side);
-  bool is_plane_open = false;  // the plane's first groups, and a group's first blocks, are held back until one has
-  for (std::size_t group = 0; group < groups_.count(); ++group) {  // something
+  bool is_plane_open = false;
+  const auto open_group = [&](std::size_t group, std::size_t first_coded) {
+    if (!is_plane_open) {
+      coder_.bit(false, empty_plane_);
+      for (std::size_t before = 0; before < group; ++before) syntax_.group(coder_, false, around_group(before));
+    }
+    is_plane_open = true;
+    syntax_.group(coder_, true, around_group(group));
+    for (const std::size_t before : groups_.blocks(group))
+      if (before < first_coded) syntax_.block(coder_, none, around_block(before));
+  };
+  for (std::size_t group = 0; group < groups_.count(); ++group) {
     const auto numbers = groups_.blocks(group);
-    const auto group_around = groups_.surroundings(image, place.parent, place.before, plane, group, place.level);
-    const float opening = opening_bits(image, place, plane, group);
+    const float opening = opening_bits(around_group(group));
     bool is_open = false;
     for (const std::size_t number : numbers) {
       const int constant = place.parent == nullptr ? predicted_constant(image, grid_, plane, number) : 0;
-      Values values = chosen_values(target, plane, number, constant, around(number), is_open ? 0.0f : opening);
-      if (!is_open && !all_zero(values)) {
-        if (!is_plane_open) {
-          coder_.bit(false, empty_plane_);
-          for (std::size_t before = 0; before < group; ++before) add_empty_group(image, place, plane, before);
-        }
-        is_plane_open = true;
-        syntax_.group(coder_, true, group_around);
-        for (const std::size_t before : numbers.first(
-                 static_cast<std::size_t>(std::find(numbers.begin(), numbers.end(), number) - numbers.begin())))
-          syntax_.block(coder_, none, around(before));
-        syntax_.block(coder_, values, around(number), number == numbers.back());
-        is_open = true;
-      } else if (is_open) {
-        syntax_.block(coder_, values, around(number));
-      }
+      Values values = chosen_values(target, plane, number, constant, around_block(number), is_open ? 0.0f : opening);
+      const bool is_first = !is_open && !all_zero(values);
+      if (is_first) open_group(group, number);
+      is_open = is_open || is_first;
+      if (is_open) syntax_.block(coder_, values, around_block(number), is_first && number == numbers.back());
       values[0] = static_cast<std::int16_t>(values[0] + constant);
       if (!all_zero(values)) std::copy(values.begin(), values.end(), image.make(plane, number).begin());
     }
-    if (!is_open && is_plane_open) syntax_.group(coder_, false, group_around);
+    if (!is_open && is_plane_open) syntax_.group(coder_, false, around_group(group));
   }
   if (!is_plane_open) coder_.bit(true, empty_plane_);
 }

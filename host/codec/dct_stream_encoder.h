@@ -45,10 +45,9 @@ class DctStreamEncoder {
   };
 
   void add_plane(CoefficientBlocks& image, const DctTarget& target, const ImagePlace& place, std::size_t plane);
-  void add_empty_group(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane, std::size_t group);
   Values chosen_values(const DctTarget& target, std::size_t plane, std::size_t number, int constant,
                        const BlockSurroundings& around, float bits_if_any);
-  float opening_bits(const CoefficientBlocks& image, const ImagePlace& place, std::size_t plane, std::size_t group);
+  float opening_bits(const GroupSurroundings& around);
   float bits_of(Values& values, const BlockSurroundings& around);
 
   BlockGrid grid_;

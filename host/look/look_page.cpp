@@ -11,6 +11,7 @@
 #include "host/base/base64.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/byte_file.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/files/partial_folder.h"
@@ -25,12 +26,7 @@
 namespace multum {
 namespace {
 
-std::string base64_of_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream || bytes.empty()) throw Error(ErrorCode::kEnvironment, path + ": cannot be read");
-  return encode_base64(bytes);
-}
+std::string base64_of_file(const std::string& path) { return encode_base64(bytes_of_file(path)); }
 
 BakedHeader checked_header(const LookJob& job) {
   BakedHeader header = read_baked_header(job.input);

@@ -14,6 +14,7 @@
 #include "host/bake/bake_batch.h"
 #include "host/bake/job_parameters.h"
 #include "host/base/error.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/files/udim_set.h"
 #include "host/brdf/brdf_text.h"
 #include "host/toml/parameter_keys.h"
@@ -42,11 +43,6 @@ std::vector<std::string> map_keys() {
 constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
     {"albedo", &BakeJob::albedo}, {"roughness", &BakeJob::roughness}, {"weights", &BakeJob::weights}};
 
-// Empty stays empty: no file.
-std::string resolved(const std::string& manifest, const std::string& path) {
-  return path.empty() ? "" : (fs::path(manifest).parent_path() / path).lexically_normal().string();
-}
-
 bool has_target(const ParameterValues& values) { return values.has("target_error") || values.has("budget_ms"); }
 
 // What is said of a map itself goes before what is said of all: its target takes settings away, its setting the target.
@@ -74,7 +70,7 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
   target.only = given_representation(values);
   if (const auto text = values.text("brdf")) {
     try {
-      target.brdf = parse_target_brdf(is_brdf_file(*text) ? resolved(manifest, *text) : *text, "is");
+      target.brdf = parse_target_brdf(is_brdf_file(*text) ? path_beside(manifest, *text) : *text, "is");
     } catch (const Error& error) {
       table.refuse(table.has("brdf") ? "brdf" : "", error.what());
     }
@@ -139,9 +135,9 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   check_own_scopes(entry.table, values);
   BakeJob job = pattern;
   apply(values, job);
-  job.input = resolved(path, entry.table.text("input"));
-  job.output = resolved(path, entry.table.text("output"));
-  for (std::string BakeJob::*map : kMaterialMaps) job.*map = resolved(path, job.*map);
+  job.input = path_beside(path, entry.table.text("input"));
+  job.output = path_beside(path, entry.table.text("output"));
+  for (std::string BakeJob::*map : kMaterialMaps) job.*map = path_beside(path, job.*map);
   check_paths(entry.table, job);
   const BakeTarget target = target_of(entry.table, path, values);
   for (BakeJob& one : jobs_of(job)) {
@@ -152,22 +148,16 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   return entry;
 }
 
-// One name a file, however it is written.
-std::string canonical(const std::string& path) {
-  std::error_code none;
-  return fs::weakly_canonical(fs::absolute(path, none), none).string();
-}
-
 // By names, not pair by pair as check_paths_differ() goes: a manifest may have thousands of maps.
 void check_apart(const std::vector<ManifestEntry>& entries) {
   std::map<std::string, std::string> inputs, outputs;  // canonical name -> what it is
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps)
       for (const std::string& input : input_files(map.job))
-        if (!input.empty()) inputs.emplace(canonical(input), input);
+        if (!input.empty()) inputs.emplace(canonical_name(input), input);
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps) {
-      const std::string name = canonical(map.job.output);
+      const std::string name = canonical_name(map.job.output);
       if (const auto input = inputs.find(name); input != inputs.end())
         entry.table.refuse("output", fmt::format("is \"{}\", which is read as {}: expected a file of its own", map.name,
                                                  input->second));

@@ -200,4 +200,13 @@ cl_program load_program(DeviceState& state, const std::string& file, const std::
   return build_from_source(state, state.context, file, source.text, options);
 }
 
+const std::string& kernel_sources_hash() {
+  static const std::string hash = [] {
+    std::string all;
+    for (const auto& [name, source] : kernel_sources()) all += source;
+    return hash_text(all);
+  }();
+  return hash;
+}
+
 }  // namespace multum

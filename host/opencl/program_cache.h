@@ -10,4 +10,7 @@ namespace multum {
 /// Sets the folder where binaries are kept; empty turns the cache off. Programs set it once at start (default: off).
 void set_program_cache_folder(const std::string& folder);
 
+/// SHA-256 of all kernels' sources: what was made with others may differ.
+const std::string& kernel_sources_hash();
+
 }  // namespace multum

@@ -15,6 +15,7 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
+#include "host/base/files/byte_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/held_warnings.h"
 #include "host/base/processes/viewer_process.h"
@@ -117,11 +118,6 @@ class Scratch {
  private:
   const std::string folder_;
 };
-
-std::string read_bytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 class Sweep {
  public:
@@ -271,8 +267,8 @@ class Sweep {
     const nlohmann::json again = run_view(baked, view, {});
     row.frame_ms = std::min(own_picture(with_reference).at("frame_time_ms").get<double>(),
                             own_picture(again).at("frame_time_ms").get<double>());
-    row.picture = read_bytes(scratch_ / "picture_multum.png");
-    if (result_.reference.empty()) result_.reference = read_bytes(scratch_ / "picture_reference.png");
+    row.picture = bytes_of_file(scratch_ / "picture_multum.png");
+    if (result_.reference.empty()) result_.reference = bytes_of_file(scratch_ / "picture_reference.png");
   }
 
   // What it reports.
@@ -292,7 +288,7 @@ class Sweep {
     std::stringstream words(view.arguments);
     for (std::string word; words >> word;) command.push_back(word);
     run_viewer(command, "drawing " + baked, progress_);
-    return nlohmann::json::parse(read_bytes(scratch_ / "view.json"));
+    return nlohmann::json::parse(bytes_of_file(scratch_ / "view.json"));
   }
 
   // A frame that was not drawn keeps to no budget of time.

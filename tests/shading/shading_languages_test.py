@@ -286,6 +286,9 @@ class ShadingLanguagesTest(unittest.TestCase):
 
     def test_the_pages_fragments_compile(self):
         blocks = {"frag.glsl": "#version 330\n" + self.text("glsl") + self.page_block("glsl"),
+                  "array.glsl": "#version 330\n" + re.search(r"    vec4 lobe_of\(.*?\n    }\n", PAGE.read_text(), re.S)[0] +
+                                "uniform sampler2DArray lobes;\nuniform mat4 columns;\nin vec2 uv;\nout vec4 colour;\n"
+                                "void main() { colour = lobe_of(lobes, uv, 3, columns, vec4(0.5)); }\n",
                   "frag.hlsl": self.text("hlsl") + self.page_block("hlsl")}
         if shutil.which("glslangValidator"):
             for name, source in blocks.items():

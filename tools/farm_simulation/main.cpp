@@ -286,7 +286,6 @@ class Simulation {
       MULTUM_CHECK(queue_.begin_publishing(item.job, kOwner, item.attempt, "identity"));
       queue_.published(item.job, clock());
       ++finished_;
-      ++succeeded_;
       return;
     }
     const AttemptOutcome outcome = item.code == 3 ? AttemptOutcome::kRefused : AttemptOutcome::kFailed;
@@ -403,7 +402,7 @@ class Simulation {
   std::deque<std::int64_t> waiting_;      // of these, for a node
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::int64_t last_batch_ = 0, commits_ = 0;
-  int with_slurm_ = 0, finished_ = 0, succeeded_ = 0, failures_ = 0, node_failures_ = 0, next_sample_ = 0;
+  int with_slurm_ = 0, finished_ = 0, failures_ = 0, node_failures_ = 0, next_sample_ = 0;
   double submit_seconds_ = 0, claim_seconds_ = 0, note_seconds_ = 0, end_seconds_ = 0, sbatch_seconds_ = 0,
          look_seconds_ = 0, busy_seconds_ = 0;
   std::vector<double> looks_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -50,6 +51,13 @@ std::int64_t ByteFile::little_endian(std::int64_t position, int count, const cha
   std::int64_t value = 0;
   for (const char byte : raw) value = value * 256 + static_cast<unsigned char>(byte);
   return value;
+}
+
+std::string bytes_of_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream || bytes.empty()) throw Error(ErrorCode::kEnvironment, path + ": cannot be read");
+  return bytes;
 }
 
 }  // namespace multum

@@ -28,4 +28,7 @@ class ByteFile {
   std::int64_t window_begin_ = 0;
 };
 
+/// All of a file that this program has written. Throws Error(kEnvironment) when it is not there, or empty.
+std::string bytes_of_file(const std::string& path);
+
 }  // namespace multum

@@ -16,11 +16,19 @@ namespace fs = std::filesystem;
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;  // of files that do not exist yet: their folders may, under several names
-  return fs::equivalent(a, b, ignored) || fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
-                                              fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+  return fs::equivalent(a, b, ignored) || canonical_name(a) == canonical_name(b);
 }
 
 }  // namespace
+
+std::string path_beside(const std::string& file, const std::string& path) {
+  return path.empty() ? "" : (fs::path(file).parent_path() / path).lexically_normal().string();
+}
+
+std::string canonical_name(const std::string& path) {
+  std::error_code ignored;
+  return fs::weakly_canonical(fs::absolute(path, ignored), ignored).string();
+}
 
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
   std::vector<std::string> others = inputs;

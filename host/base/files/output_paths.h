@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the names of files to write before any work is done for them.
+// Finds and checks the names of files before any work is done for them.
 #pragma once
 
 #include <string>
@@ -10,6 +10,12 @@ namespace multum {
 /// Throws Error(kUsage) when an output is also an input or another output, by whatever name: a result that takes the
 /// place of a source, or of another result, would lose it without a word. Empty names stand for no file.
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+
+/// `path` as `file` names it, relative to the folder of `file`; empty stays empty: no file.
+std::string path_beside(const std::string& file, const std::string& path);
+
+/// The one name of a file that may not be there yet, by whatever name it was given.
+std::string canonical_name(const std::string& path);
 
 /// Makes a folder, and those that it lies in, where it is not there yet. Throws Error(kEnvironment).
 void make_folder(const std::string& path);

@@ -35,11 +35,6 @@ std::vector<std::string> map_keys() {
   return keys;
 }
 
-// Empty stays empty: no file.
-std::string beside_manifest(const std::string& manifest, const std::string& path) {
-  return path.empty() ? "" : (fs::path(manifest).parent_path() / path).lexically_normal().string();
-}
-
 // What make_export_jobs() would refuse, with the line.
 void check_names(const StrictTable& table, const ExportJob& job) {
   const bool is_set = has_udim(job.input);
@@ -66,9 +61,9 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
   read_parameters(entry.table, kInManifest, values);
   ExportJob job = pattern;
   apply(values, job);
-  job.input = beside_manifest(path, entry.table.text("input"));
-  job.output = beside_manifest(path, entry.table.text("output"));
-  for (std::string ExportJob::*beside : kExportMapsBeside) job.*beside = beside_manifest(path, job.*beside);
+  job.input = path_beside(path, entry.table.text("input"));
+  job.output = path_beside(path, entry.table.text("output"));
+  for (std::string ExportJob::*beside : kExportMapsBeside) job.*beside = path_beside(path, job.*beside);
   check_names(entry.table, job);
   try {
     export_place(job.output);
@@ -82,11 +77,6 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
     entry.maps.push_back({name, std::move(one)});
   }
   return entry;
-}
-
-std::string canonical_name(const std::string& path) {
-  std::error_code none;
-  return fs::weakly_canonical(fs::absolute(path, none), none).string();
 }
 
 void check_places_differ(const std::vector<ManifestEntry>& entries) {

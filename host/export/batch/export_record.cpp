@@ -14,19 +14,13 @@
 #include "host/base/files/content_hash.h"
 #include "host/base/version.h"
 #include "host/export/batch/export_batch.h"
-#include "kernels/kernel_sources.h"
+#include "host/opencl/program_cache.h"
 
 namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-std::string kernel_hash() {
-  std::string kernels;
-  for (const auto& [name, source] : kernel_sources()) kernels += source;
-  return hash_text(kernels);
-}
 
 // An optional's value, or null.
 template <typename Value>
@@ -38,7 +32,7 @@ Json json_of(const std::optional<Value>& value) {
 Json export_key(const ExportJob& job) {
   const NormalMapSettings& reading = job.reading;
   Json key = {{"software", software_version()},
-              {"kernels", kernel_hash()},
+              {"kernels", kernel_sources_hash()},
               {"reading",
                {reading.bump_format, json_of(reading.green), json_of(reading.is_signed), json_of(reading.two_channel),
                 reading.height_scale, reading.normal_scale, reading.wrap_s, reading.wrap_t, reading.wrap_s_origin,

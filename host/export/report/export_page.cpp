@@ -10,6 +10,7 @@
 #include "host/base/base64.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/byte_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/files/partial_folder.h"
 #include "host/base/log.h"
@@ -32,8 +33,7 @@ std::string png_of(const std::vector<std::uint8_t>& grey, const std::string& fol
   const std::string path = folder + "/picture.png";
   Png8Image image{kFrameSide, kFrameSide, 1, grey};
   write_png8(path, image);
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return bytes_of_file(path);
 }
 
 // The reference and all models of a frame side by side, row by row.

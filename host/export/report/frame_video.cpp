@@ -5,10 +5,10 @@
 
 #include <chrono>
 #include <fstream>
-#include <iterator>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/byte_file.h"
 #include "host/base/processes/child_process.h"
 #include "host/base/size_of.h"
 
@@ -16,11 +16,6 @@ namespace multum {
 namespace {
 
 constexpr std::chrono::milliseconds kTimeMax{300000};
-
-std::string bytes_of_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 }  // namespace
 
