@@ -284,9 +284,12 @@ class ShadingLanguagesTest(unittest.TestCase):
     def page_block(self, language):
         return re.search(rf"```{language}\n(.*?)```", PAGE.read_text(), re.S)[1]
 
+    def page_function(self, begin):
+        return re.search(rf"    {re.escape(begin)}\(.*?\n    }}\n", PAGE.read_text(), re.S)[0]
+
     def test_the_pages_fragments_compile(self):
         blocks = {"frag.glsl": "#version 330\n" + self.text("glsl") + self.page_block("glsl"),
-                  "array.glsl": "#version 330\n" + re.search(r"    vec4 lobe_of\(.*?\n    }\n", PAGE.read_text(), re.S)[0] +
+                  "array.glsl": "#version 330\n" + self.page_function("vec4 lobe_of") +
                                 "uniform sampler2DArray lobes;\nuniform mat4 columns;\nin vec2 uv;\nout vec4 colour;\n"
                                 "void main() { colour = lobe_of(lobes, uv, 3, columns, vec4(0.5)); }\n",
                   "frag.hlsl": self.text("hlsl") + self.page_block("hlsl")}
