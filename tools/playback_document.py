@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes docs/PLAYBACK.md: the size and error of packed animations beside those of video codecs, and what they take.
 
-    tools/playback_document.py FIELD... --work DIR -o docs/PLAYBACK.md [--bin DIR] [--parts PART...] [--measure-nothing]
+    tools/playback_document.py FIELD... --work DIR --rows docs/playback_rows.json -o docs/PLAYBACK.md [--bin DIR]
+        [--parts PART...] [--again PART...] [--measure-nothing]
 
 FIELD is a folder of ray-traced frames that `multum animation` understands (docs/ANIMATION.md); each gets a section.
 Where a parameter of it runs over two things at once, --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT tells them apart.
-Textures are inferred once, into DIR; every figure is a row of DIR/rows.json as soon as it is there, and is not measured
-again while it is. --measure-nothing makes the page of those alone. Videos need Debian's ffmpeg, and
+Textures are inferred once, into DIR; every figure is a row of the file of rows as soon as it is there, with the commit
+that it is of, and is not measured again while it is, unless its part is named by --again: what no change of multum
+reaches, as videos of traced frames, need not be coded anew. --measure-nothing makes the page of the rows alone. Videos
+need Debian's ffmpeg, and
 playing dav1d's library; the browser's figures are left out where there is none.
 """
 import argparse
@@ -23,7 +26,8 @@ import zlib
 import committed_tree
 from debian_python import use_a_python_with
 
-PARTS = ("curves", "video", "coder", "inference", "costs", "dimensions", "playing")
+PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder", "inference": "inference",
+         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # and the kinds of their rows
 RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
 GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
 # Name, options of `multum pack`, colour and dash of the curve.
@@ -37,6 +41,7 @@ CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelet
               ("blocks of 4 samples a parameter", ("--block", "4")), ("every sample by itself", ("--pyramid", "none")))
 # Changes of the job's `[texture]`, and options of `multum infer`.
 INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolution_scale": 1.5}, ()),
+              ("ten times the regularisation", {"pyramid_weight": 1}, ()),
               ("textures of twice the side", {"resolution_scale": 2}, ()),
               ("a tenth of the regularisation", {"pyramid_weight": 0.01}, ()),
               ("solved ten times nearer", {}, ("--tolerance", "1e-4")))
@@ -54,6 +59,10 @@ class Rows:
 
     def of(self, field, kind):
         return [row for row in self.all if (row["field"], row["kind"]) == (field, kind)]
+
+    def forget(self, fields, kinds):
+        """What is to be measured again."""
+        self.all = [row for row in self.all if row["field"] not in fields or row["kind"] not in kinds]
 
     def measured(self, field, kind, name, measure):
         """The row that is there, or what `measure` returns."""
@@ -468,8 +477,10 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("fields", nargs="+", type=pathlib.Path, metavar="FIELD")
     parser.add_argument("--bin", default="build/release/bin", type=pathlib.Path, help="folder of multum, multum-view")
-    parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of textures and rows.json")
-    parser.add_argument("--parts", nargs="+", default=PARTS, choices=PARTS, help="what is measured (default: all)")
+    parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of textures and packed files")
+    parser.add_argument("--rows", type=pathlib.Path, help="file of what was measured (default: WORK/rows.json)")
+    parser.add_argument("--parts", nargs="+", default=[*PARTS], choices=PARTS, help="what is measured (default: all)")
+    parser.add_argument("--again", nargs="+", default=[], choices=PARTS, help="parts whose rows are measured again")
     parser.add_argument("--split", nargs=2, action="append", default=[], metavar=("FIELD", "PARAMETER=NAME:COUNT,..."),
                         help="a field's parameter that is several, the last of which runs fastest")
     parser.add_argument("--ratios", nargs="+", type=float, default=[48, 96, 192, 384, 768, 1000],
@@ -502,7 +513,9 @@ def main():
     if {"video", "dimensions"} & set(given.parts) and not given.measure_nothing:
         video_codecs.require_ffmpeg()
     given.work.mkdir(parents=True, exist_ok=True)
-    programs, rows = Programs(given.bin, given.context), Rows(given.work / "rows.json", commit)
+    programs, rows = Programs(given.bin, given.context), Rows(given.rows or given.work / "rows.json", commit)
+    if not given.measure_nothing:
+        rows.forget([folder.name for folder in given.fields], [PARTS[part] for part in given.again])
     for folder in [] if given.measure_nothing else given.fields:
         split = next((one for name, one in given.split if name == folder.name), None)
         field = FieldMeasurement(*prepared(folder, given.work, programs, rows, split), programs, rows, given.stated)

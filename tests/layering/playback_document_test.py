@@ -210,6 +210,17 @@ class DocumentTest(unittest.TestCase):
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
         self.assertIn("commit 1;", page.split("Do not edit")[0])
 
+        # What is named is measured again, into a file of rows that lies elsewhere, and no more than that.
+        for row in rows:
+            row["commit"] = "commit 1"
+        kept = self.folder / "kept.json"
+        kept.write_text(json.dumps(rows))
+        done = self.run_tool("--rows", kept, "--parts", "costs", "--again", "costs")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        anew = json.loads(kept.read_text())
+        self.assertEqual({row["kind"] for row in anew if row["commit"] != "commit 1"}, {"cost"})
+        self.assertEqual([row for row in anew if row["kind"] != "cost"], [row for row in rows if row["kind"] != "cost"])
+
     @unittest.skipUnless(os.path.exists("/usr/bin/ffmpeg"), "no ffmpeg here")
     def test_what_another_parameter_costs(self):
         write_traced_field(self.folder / "field_small", lights=4)
