@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/opencl/cl_error.h"
 #include "host/opencl/device_state.h"
+#include "host/opencl/pocl_settings.h"
 
 namespace multum {
 namespace {
@@ -40,11 +40,11 @@ Value device_value(cl_device_id device, cl_device_info what) {
   return value;
 }
 
-std::string platform_name(cl_platform_id platform) {
+std::string platform_text(cl_platform_id platform, cl_platform_info what) {
   std::size_t size = 0;
-  check_cl(clGetPlatformInfo(platform, CL_PLATFORM_NAME, 0, nullptr, &size), "clGetPlatformInfo");
+  check_cl(clGetPlatformInfo(platform, what, 0, nullptr, &size), "clGetPlatformInfo");
   std::string text(size, '\0');
-  check_cl(clGetPlatformInfo(platform, CL_PLATFORM_NAME, size, text.data(), nullptr), "clGetPlatformInfo");
+  check_cl(clGetPlatformInfo(platform, what, size, text.data(), nullptr), "clGetPlatformInfo");
   return trimmed(text);
 }
 
@@ -72,15 +72,8 @@ DeviceInfo info_of(cl_device_id id, int index, const std::string& platform) {
   return info;
 }
 
-// PoCL would compile a kernel once more for each local size at its first launch, though the program has a version for
-// all sizes: seconds of a first bake. Kernels of one work-item a group gain nothing by it (PoCL 3.1, AVX-512: bakes of
-// 1024 x 1024 in the same time). Who sets the variable is heard.
-void ask_for_one_version_of_kernels() {
-  [[maybe_unused]] static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
-}
-
 std::vector<FoundDevice> find_devices() {
-  ask_for_one_version_of_kernels();
+  ask_pocl_for_one_version_of_kernels();
   std::vector<FoundDevice> found;
   cl_uint platform_count = 0;
   const cl_int status = clGetPlatformIDs(0, nullptr, &platform_count);
@@ -93,8 +86,9 @@ std::vector<FoundDevice> find_devices() {
     if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
     std::vector<cl_device_id> ids(count);
     check_cl(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "clGetDeviceIDs");
-    for (cl_device_id id : ids)
-      found.push_back({id, info_of(id, static_cast<int>(found.size()), platform_name(platform))});
+    ask_pocl_for_safe_loops(platform_text(platform, CL_PLATFORM_VERSION));
+    const std::string name = platform_text(platform, CL_PLATFORM_NAME);
+    for (cl_device_id id : ids) found.push_back({id, info_of(id, static_cast<int>(found.size()), name)});
   }
   return found;
 }
