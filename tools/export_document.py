@@ -21,6 +21,7 @@ from target_table import is_normal_map, processor_seconds_of_children
 
 ROUGHNESSES = (0.1, 0.25, 0.5)
 STORED_ROUGHNESS = 0.25  # at which bytes are counted
+STORED_EVERY = 5  # one map in so many, by name, is stored in all ways
 LEVELS = (2, 4, 6)
 RULES = (("averaged", "averaged normals, base roughness"), ("unreal", "Unreal, without its blur of normals"),
          ("unity", "Unity HDRP"), ("godot", "Godot"), ("filament", "Filament's roughness-prefilter"),
@@ -64,7 +65,8 @@ levels; Godot does, but only level 0 of sides that are no powers of two, of whic
 Ktx2Reader refuses them: it takes Basis Universal alone (npm's filament 1.53.4, tried in Chromium), as
 KHR_texture_basisu does. Babylon.js decodes KTX2 by scripts from a server of its own, and of DDS with a DX10 header
 half floats alone: not tried. Direct3D refuses blocks where sides are no multiples of 4: a warning too.
-[OPTIONS](OPTIONS.md) has all options.
+With `--resume` an export that was stopped goes on behind the rows that it had fitted. [OPTIONS](OPTIONS.md) has all
+options.
 
 Roughness is perceptual, sqrt(alpha). With a `--roughness` map every covered texel counts with its own roughness. glTF
 multiplies what a texture holds by `roughnessFactor`, and x and y of normals by `normalTexture.scale`: export with the
@@ -81,8 +83,8 @@ A texel far away covers facets that no single lobe resembles: at base roughness 
 is still wrong by the last two rows of the table below. The row above them is what four baked lobes a texel are off by,
 drawn as [INTEGRATION](INTEGRATION.md) has it: where a renderer can be changed, take those. Relative L1 above 100 % is
 worse than black: at base roughness 0.1 judge by the energy, and by the error under lights 20 degrees across, which
-stands in brackets. Every export prints such a table of its own map; `--lobes NAME.ndf.exr` adds the lobes of a bake,
-and `--page FILE.html` draws all of them from three distances and in motion.
+stands in brackets. Every export prints such a table of its own map; `--beside NAME.ndf.exr` adds the lobes of a
+bake, and `--page FILE.html` draws all of them from three distances and in motion.
 
 """
 
@@ -104,9 +106,9 @@ Medians over maps, levels {levels}: error in %, in brackets under lights 20 degr
 
 STORAGE = """## What storing costs
 
-The error of the highlight as above, isotropic, by how texels are stored, and bytes for each texel of the map: normal
-and orm together, with all levels. Blocks lose where neighbours in a level differ much; on a GPU they take a quarter of
-the memory of RGBA8, Zstandard saves none there.
+The error of the highlight as above, isotropic, of {maps} of these maps, by how texels are stored, and bytes for each
+texel of the map: normal and orm together, with all levels. Blocks lose where neighbours in a level differ much; on a
+GPU they take a quarter of the memory of RGBA8, Zstandard saves none there.
 
 | | bytes | with `--zstd 15` | {roughnesses} |
 |---|---|---|---|---|---|
@@ -186,7 +188,7 @@ def measure(arguments, rows):
     done = {(row["map"], row["roughness"]) for row in rows}
     commit = committed_tree.stated_commit(arguments.allow_dirty)
     with tempfile.TemporaryDirectory() as folder:
-        for path in sorted(p for p in arguments.maps.iterdir() if is_normal_map(p)):
+        for number, path in enumerate(sorted(p for p in arguments.maps.iterdir() if is_normal_map(p))):
             wanted = [roughness for roughness in ROUGHNESSES if (path.name, roughness) not in done]
             before = processor_seconds_of_children()
             lobes = bake(arguments.multum, path, folder) if wanted else None
@@ -195,7 +197,7 @@ def measure(arguments, rows):
                 isotropic = export(*run, [])
                 in_png = stored(isotropic)
                 reports = [isotropic, export(*run, ["--anisotropy", "--optimum", "--beside", lobes])]
-                ways = {"png": in_png, **storage(*run)}
+                ways = {"png": in_png, **storage(*run)} if number % STORED_EVERY == 0 else None
                 now = processor_seconds_of_children()
                 seconds, before = now - before, now
                 rows.append({"map": path.name, "roughness": roughness, "commit": commit,
@@ -238,8 +240,8 @@ def table(rows):
 
 
 def storage_table(rows):
-    """Medians over maps: bytes, and errors of levels 2, 4, 6."""
-    lines = []
+    """Medians over the maps that were stored in all ways: bytes, and errors of levels 2, 4, 6."""
+    rows, lines = [row for row in rows if row["storage"]], []
     for name, plain, packed, errors in STORED:
         sizes = [f"{median([row['storage'][way]['bytes'] for row in rows if row['roughness'] == STORED_ROUGHNESS]):.2f}"
                  if way else "-" for way in (plain, packed)]
@@ -250,7 +252,8 @@ def storage_table(rows):
                 f"{100 * median(values_of(found, 'levels', 'export', 'error', roughness, level)):.1f}"
                 for level in LEVELS))
         lines.append("| " + " | ".join([name] + sizes + shares) + " |")
-    return STORAGE.format(roughnesses=" | ".join(f"base {r:g}" for r in ROUGHNESSES)) + "\n".join(lines) + "\n"
+    return STORAGE.format(maps=len({row["map"] for row in rows}),
+                          roughnesses=" | ".join(f"base {r:g}" for r in ROUGHNESSES)) + "\n".join(lines) + "\n"
 
 
 def ratios(rows, part, above, below, roughnesses, light=None):

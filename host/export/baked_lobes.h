@@ -12,8 +12,8 @@
 #include "host/base/files/spill_policy.h"
 #include "host/base/progress.h"
 #include "host/base/size_of.h"
-#include "host/export/cell_reference.h"
-#include "host/export/lobe_shading.h"
+#include "host/export/accuracy/cell_reference.h"
+#include "host/export/accuracy/lobe_shading.h"
 #include "host/image/normals/normal_map.h"
 
 namespace multum {

@@ -10,9 +10,11 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/partial_folder.h"
 #include "host/base/log.h"
 #include "host/base/stopwatch.h"
 #include "host/export/export_source.h"
+#include "host/export/fit_journal.h"
 
 namespace multum {
 namespace {
@@ -58,6 +60,38 @@ class MeterSink : public MaterialSink {
   ExportMeter& meter_;
 };
 
+// Null where the job is not to be resumed, or another process exports to the same place.
+std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const std::string& key) {
+  const ExportPlace place = export_place(job.output);
+  const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
+  if (job.resume) return FitJournal::open(name, key);
+  PartialFolder::drop(name);
+  return nullptr;
+}
+
+void make_files(const ExportJob& job, const ExportSource& source, const MaterialFolderSettings& output,
+                FitJournal* journal, Device& device, ExportReport& report, Progress* progress) {
+  Stopwatch stopwatch;
+  std::optional<ExportMeter> meter;
+  if (job.measure) meter.emplace(report.width, report.height, job.accuracy, source.lobes.get());
+  std::optional<MeterSink> stored;
+  if (meter) stored.emplace(*meter);
+  const std::unique_ptr<MaterialWriter> writer =
+      make_material_folder(output, report.width, report.height, device, stored ? &*stored : nullptr);
+  OneLobeInputs inputs = source.inputs(job);
+  inputs.journal = journal;
+  report.plan = fit_one_lobe(device, inputs, job.lobe, *writer, progress).plan;
+  if (journal != nullptr) report.rows_resumed = journal->rows_resumed();
+  report.seconds.emplace_back("fit", stopwatch.lap());
+  if (meter) {
+    report.accuracy = meter->run(inputs, job.lobe, progress);
+    report.seconds.emplace_back("measure", stopwatch.lap());
+  }
+  progress_stage(progress, "write");
+  writer->commit();
+  report.seconds.emplace_back("write", stopwatch.lap());
+}
+
 }  // namespace
 
 ExportPlace export_place(const std::string& output) {
@@ -88,6 +122,7 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"base_roughness", nullptr},
                                  {"anisotropy", job.lobe.is_anisotropic},
                                  {"fast", job.lobe.is_fast},
+                                 {"rows_resumed", rows_resumed},
                                  {"device", device},
                                  {"files", files},
                                  {"launches", launches}};
@@ -120,22 +155,13 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
   report.device = device.info().name;
-  std::optional<ExportMeter> meter;
-  if (job.measure) meter.emplace(report.width, report.height, job.accuracy, source.lobes.get());
-  std::optional<MeterSink> stored;
-  if (meter) stored.emplace(*meter);
-  const std::unique_ptr<MaterialWriter> writer =
-      make_material_folder(output, report.width, report.height, device, stored ? &*stored : nullptr);
-  const OneLobeInputs inputs = source.inputs(job);
-  report.plan = fit_one_lobe(device, inputs, job.lobe, *writer, progress).plan;
-  report.seconds.emplace_back("fit", stopwatch.lap());
-  if (meter) {
-    report.accuracy = meter->run(inputs, job.lobe, progress);
-    report.seconds.emplace_back("measure", stopwatch.lap());
+  const std::unique_ptr<FitJournal> journal = open_journal(job, source.key);
+  try {
+    make_files(job, source, output, journal.get(), device, report, progress);
+  } catch (const Cancelled&) {
+    if (journal != nullptr) journal->leave();
+    throw;
   }
-  progress_stage(progress, "write");
-  writer->commit();
-  report.seconds.emplace_back("write", stopwatch.lap());
   report.launches = device.launch_counts();
   if (!job.report.empty()) write_text_file(job.report, report.to_json(job));
   progress_finish(progress);

@@ -13,7 +13,7 @@
 
 #include "host/base/files/input_hashes.h"
 #include "host/base/progress.h"
-#include "host/export/export_accuracy.h"
+#include "host/export/accuracy/export_accuracy.h"
 #include "host/export/material_folder.h"
 #include "host/export/one_lobe_fit.h"
 #include "host/image/material_maps.h"
@@ -40,6 +40,7 @@ struct ExportJob {
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the maps; changes no byte
   std::string scratch_folder;                             // for what does not fit; empty: the output's
   int threads = 1;
+  bool resume = false;  // keep what is fitted while it runs, and go on from what a stopped export of the same left
 };
 
 /// Maps beside the normals, and a bake of them.
@@ -62,7 +63,8 @@ struct ExportReport {
   NormalMapReport input;
   std::optional<RoughnessReport> roughness;
   std::string device, plan;
-  std::string textures;  // "normal, orm"
+  std::uint64_t rows_resumed = 0;  // rows of levels that a stopped export had fitted
+  std::string textures;            // "normal, orm"
   std::vector<std::string> files;
   std::vector<std::string> side_warnings;  // of readers that sides do not suit
   ExportAccuracy accuracy;

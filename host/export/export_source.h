@@ -17,6 +17,7 @@ struct ExportSource {
   NormalMapRows map;
   std::optional<LobeMaterial> material;
   std::unique_ptr<BakedLobes> lobes;  // null: none to compare with
+  std::string key;                    // stands for all that fits depend on, of a job that resumes; else empty
 
   /// They look at the source, which must outlive them.
   OneLobeInputs inputs(const ExportJob& job) const;

@@ -73,12 +73,15 @@ class LobeFitter {
   /// Fitted planes, [plane][row][column].
   std::vector<float> fit(const WaitingRows& rows) {
     std::vector<float> fitted(MULTUM_ONE_LOBE_FITTED * size_of(rows.height) * size_of(rows.width));
+    FitJournal* const journal = inputs_.journal;
+    if (journal != nullptr && journal->find(rows.level, rows.first_row, rows.width, rows.height, fitted)) return fitted;
     const int grid = settings_.is_fast ? 0 : sample_grid(rows.level);
     const std::size_t row_bytes =
         size_of(rows.width) * 2 * sizeof(float) * std::max<std::size_t>(1, size_of(grid * grid));
     const int at_once = static_cast<int>(std::clamp<std::size_t>(kSlopeBytes / row_bytes, 1, size_of(rows.height)));
     for (int row = 0; row < rows.height; row += at_once)
       fit_piece(rows, row, std::min(at_once, rows.height - row), grid, fitted);
+    if (journal != nullptr) journal->add(rows.level, rows.first_row, rows.width, rows.height, fitted);
     return fitted;
   }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "host/base/progress.h"
+#include "host/export/fit_journal.h"
 #include "host/export/material_rows.h"
 #include "host/image/plane_store.h"
 #include "host/opencl/device.h"
@@ -31,6 +32,7 @@ struct OneLobeInputs {
   bool has_roughness = false, has_occlusion = false, has_metalness = false;  // which of its planes are of maps
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;                       // for buffers; changes no byte
   int threads = 1;
+  FitJournal* journal = nullptr;  // has rows that need no fit, and takes those that are fitted; null: none
 };
 
 struct OneLobeReport {

@@ -14,6 +14,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/processes/machine.h"
+#include "host/base/quiet_log.h"
 #include "host/base/shown_text.h"
 #include "host/base/work_shard.h"
 #include "host/export/baked_lobes.h"
@@ -77,6 +78,7 @@ class ComparedBake {
     bake.threads = bake.writing.threads = job.threads;
     bake.measure = false;
     bake.force = true;
+    const QuietLog quiet;  // the export says what there is to say of the map
     bake_file(bake, nullptr, device, progress);
   }
   const std::string& path() const { return file_->temporary_path(); }
@@ -106,6 +108,9 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
               report.height, report.files.size(), report.textures.c_str());
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
   if (!common.verbose) return;
+  if (report.rows_resumed > 0)
+    print_shown(stdout, "%llu rows of levels were taken from an interrupted export\n",
+                static_cast<unsigned long long>(report.rows_resumed));
   print_shown(stdout, "%s", report.plan.c_str());
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
 }

@@ -9,13 +9,26 @@ namespace multum {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<PartialFolder> PartialFolder::take(const std::string& output) {
+namespace {
+
+std::string folder_of(const std::string& output) {
   const fs::path path(output);
   const fs::path above = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::string folder = (above / (".multum-partial-" + path.filename().string())).string();
+  return (above / (".multum-partial-" + path.filename().string())).string();
+}
+
+}  // namespace
+
+std::unique_ptr<PartialFolder> PartialFolder::take(const std::string& output) {
+  std::string folder = folder_of(output);
   std::unique_ptr<FolderLock> lock = FolderLock::take(folder);
   if (lock == nullptr) return nullptr;
   return std::unique_ptr<PartialFolder>(new PartialFolder(std::move(folder), std::move(lock)));
+}
+
+void PartialFolder::drop(const std::string& output) {
+  std::error_code ignored;
+  if (fs::is_directory(folder_of(output), ignored)) take(output);
 }
 
 PartialFolder::~PartialFolder() {

@@ -14,6 +14,8 @@ class PartialFolder {
  public:
   /// Makes it if it is not there. Null while another process has it. Throws Error(kEnvironment).
   static std::unique_ptr<PartialFolder> take(const std::string& output);
+  /// Removes what stopped work left, if there is any and no other process has it.
+  static void drop(const std::string& output);
   /// Removes the folder, unless leave() was called.
   ~PartialFolder();
   PartialFolder(const PartialFolder&) = delete;

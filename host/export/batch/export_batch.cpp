@@ -46,6 +46,7 @@ void apply(const ParameterValues& values, ExportJob& job) {
   if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
   job.lobes = values.text("beside").value_or("");
   job.measure = !values.flag("no_measure");
+  job.resume = values.flag("resume");
   job.accuracy.finds_optimum = values.flag("optimum");
   job.accuracy.cells_per_level = values.integer("cells").value_or(job.accuracy.cells_per_level);
   job.report = values.text("report").value_or("");

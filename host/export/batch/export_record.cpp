@@ -6,53 +6,19 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
-#include "host/base/version.h"
 #include "host/export/batch/export_batch.h"
-#include "host/opencl/program_cache.h"
+#include "host/export/export_key.h"
 
 namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-// An optional's value, or null.
-template <typename Value>
-Json json_of(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json();
-}
-
-// Everything that decides a byte of the files.
-Json export_key(const ExportJob& job) {
-  const NormalMapSettings& reading = job.reading;
-  Json key = {{"software", software_version()},
-              {"kernels", kernel_sources_hash()},
-              {"reading",
-               {reading.bump_format, json_of(reading.green), json_of(reading.is_signed), json_of(reading.two_channel),
-                reading.height_scale, reading.normal_scale, reading.wrap_s, reading.wrap_t, reading.wrap_s_origin,
-                reading.wrap_t_origin, reading.fix_nan}},
-              {"lobe",
-               {job.lobe.is_anisotropic, job.lobe.is_fast,
-                job.roughness.empty() ? Json(job.lobe.base_roughness) : Json(), job.lobe.iteration_count}},
-              {"gloss", job.roughness_is_gloss},
-              {"format", json_of(job.format)},
-              {"texels", json_of(job.texels)},
-              {"zstd", job.zstd_level},
-              {"roughness_alone", job.has_roughness_alone}};
-  ExportJob made_of = job;
-  made_of.lobes.clear();  // compared with, and no more
-  for (const std::string& file : input_files(made_of)) key["inputs"].push_back(hash_file(file));
-  // Which channel of them.
-  for (const std::string& named : {job.roughness, job.occlusion, job.metalness})
-    key["channels"].push_back(named.empty() ? Json() : Json(parse_channel_file(named).channel));
-  return key;
-}
 
 // Null: there is none that can be read.
 Json read_record(const std::string& path) {

@@ -12,6 +12,9 @@
 
 #include <array>
 
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
 #include "host/asset/textures/lobe_texture.h"
 
 namespace multum {

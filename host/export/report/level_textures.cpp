@@ -7,7 +7,7 @@
 
 #include "host/asset/baked_file.h"
 #include "host/base/size_of.h"
-#include "host/export/cell_reference.h"
+#include "host/export/accuracy/cell_reference.h"
 #include "host/export/one_lobe_fit.h"
 
 namespace multum {

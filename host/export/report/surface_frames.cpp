@@ -12,8 +12,8 @@
 #include "host/base/size_of.h"
 #include "host/base/vector_clones.h"
 #include "host/brdf/ggx_lobe_specular.h"
-#include "host/export/export_accuracy.h"
-#include "host/export/lobe_shading.h"
+#include "host/export/accuracy/export_accuracy.h"
+#include "host/export/accuracy/lobe_shading.h"
 #include "host/export/one_lobe_fit.h"
 
 namespace multum {

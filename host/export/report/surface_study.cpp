@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "host/asset/baked_file.h"
+#include "host/base/quiet_log.h"
 #include "host/base/size_of.h"
-#include "host/export/export_rules.h"
+#include "host/export/accuracy/export_rules.h"
 #include "host/export/export_source.h"
 #include "host/export/report/level_textures.h"
 #include "host/export/report/surface_frames.h"
@@ -198,7 +199,11 @@ StudyMotion motion_of(const Stage& stage, const std::string& id, Progress* progr
 SurfaceStudy study_surface(const ExportJob& job, const std::string& scratch_folder, Device& device,
                            Progress* progress) {
   progress_stage(progress, "draw");
-  Stage stage{read_export_source(job, scratch_folder, progress)};
+  const auto read = [&] {
+    const QuietLog quiet;  // the export has said what there is to say of the map
+    return read_export_source(job, scratch_folder, progress);
+  };
+  Stage stage{read()};
   stage.threads = job.threads;
   if (!job.roughness.empty()) stage.material = &stage.source.material->planes;
   stage.alpha_squared = std::pow(job.lobe.base_roughness, 4.0);

@@ -13,6 +13,8 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include "host/base/base64.h"
@@ -468,6 +470,11 @@ TEST_F(ExportCommandTest, WritesAPage) {
   EXPECT_EQ(data["report"]["accuracy"]["names"]["baked"], "4 baked lobes");
   if (program_works("ffmpeg", "-version")) EXPECT_EQ(decode_base64(data["video"])->substr(0, 4), "\x1a\x45\xdf\xa3");
   else expect_says(result.err, {"ffmpeg", "no moving pictures"});
+  // What the map is, which is read for the export, for the page and for the bake beside, is said once.
+  std::istringstream said(result.err);
+  std::set<std::string> lines;
+  for (std::string line; std::getline(said, line);) EXPECT_TRUE(lines.insert(line).second) << line;
+  EXPECT_FALSE(lines.empty());
   // Nothing else is left beside it.
   for (const auto& entry : std::filesystem::directory_iterator(path("")))
     EXPECT_FALSE(entry.path().filename().string().starts_with(".multum")) << entry.path();

@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 
 #include "host/base/error.h"
-#include "host/export/cell_reference.h"
-#include "host/export/export_accuracy.h"
-#include "host/export/lobe_optimum.h"
+#include "host/export/accuracy/cell_reference.h"
+#include "host/export/accuracy/export_accuracy.h"
+#include "host/export/accuracy/lobe_optimum.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {

@@ -9,8 +9,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/export/accuracy/export_rules.h"
 #include "host/export/axis_cut.h"
-#include "host/export/export_rules.h"
 #include "host/export/facet_samples.h"
 #include "host/export/material_folder.h"
 #include "tests/reference/test_maps.h"

@@ -11,8 +11,8 @@
 
 #include "host/base/error.h"
 #include "host/base/size_of.h"
-#include "host/export/cell_reference.h"
-#include "host/export/export_rules.h"
+#include "host/export/accuracy/cell_reference.h"
+#include "host/export/accuracy/export_rules.h"
 #include "host/export/report/frame_video.h"
 #include "host/export/report/level_textures.h"
 #include "host/export/report/surface_frames.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/export/cell_reference.h"
+#include "host/export/accuracy/cell_reference.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/export/export_rules.h"
+#include "host/export/accuracy/export_rules.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/export/lobe_shading.h"
+#include "host/export/accuracy/lobe_shading.h"
 #include "host/image/plane_store.h"
 
 namespace multum {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/export/export_accuracy.h"
+#include "host/export/accuracy/export_accuracy.h"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 #include "host/asset/baked_file.h"
 #include "host/base/processes/parallel.h"
 #include "host/base/size_of.h"
-#include "host/export/export_rules.h"
-#include "host/export/lobe_optimum.h"
+#include "host/export/accuracy/export_rules.h"
+#include "host/export/accuracy/lobe_optimum.h"
 
 namespace multum {
 namespace {

@@ -3,7 +3,7 @@
 // a search may end early.
 #pragma once
 
-#include "host/export/cell_reference.h"
+#include "host/export/accuracy/cell_reference.h"
 
 namespace multum {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The error of an export, measured on sampled texels of some levels beside what engines' rules make of the same map and
 // the best one lobe that a search finds, and beside the lobes of a baked file: relative L1 error and energy of the
-// highlight, over views and lights (host/export/cell_reference.h).
+// highlight, over views and lights (host/export/accuracy/cell_reference.h).
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/base/progress.h"
+#include "host/export/accuracy/cell_reference.h"
 #include "host/export/baked_lobes.h"
-#include "host/export/cell_reference.h"
 #include "host/export/material_rows.h"
 #include "host/export/one_lobe_fit.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/export/lobe_optimum.h"
+#include "host/export/accuracy/lobe_optimum.h"
 
 #include <algorithm>
 #include <array>
