@@ -208,7 +208,7 @@ class DocumentTest(unittest.TestCase):
         self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
         page = (self.folder / "PLAYBACK.md").read_text()
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
-        self.assertIn("commit 1;", page.split("Do not edit")[0])
+        self.assertRegex(page, r"bytes\. Measured at 1, \w+")
 
         # What is named is measured again, into a file of rows that lies elsewhere, and no more than that.
         for row in rows:
