@@ -60,11 +60,11 @@ DDS files with a DX10 header; `--format ktx2` and `dds` do so in FOLDER. `--texe
 "rg11" of two channels, "rrr1" of one. Load the levels as they are: an engine that makes its own mips undoes the export.
 
 What tests read, every level: three.js 0.187 (KTX2Loader, WebGL 2 in Chromium with SwiftShader) all of these, ktx-parse
-2.0 their heads, OpenImageIO 2.4 BC4, BC5 and BC7 in DDS. From sources alone (October 2026): Bevy takes them with all
-levels; Godot does, but only level 0 of sides that are no powers of two, of which the export warns. Filament's
-Ktx2Reader refuses them: it takes Basis Universal alone (npm's filament 1.53.4, tried in Chromium), as
-KHR_texture_basisu does. Babylon.js decodes KTX2 by scripts from a server of its own, and of DDS with a DX10 header
-half floats alone: not tried. Direct3D refuses blocks where sides are no multiples of 4: a warning too.
+2.0 their heads, OpenImageIO 2.4 BC4, BC5 and BC7 in DDS, Babylon.js 9.35 half floats in DDS (it takes no other kind
+with a DX10 header, and its decoder of KTX2 comes from a server of its own). From sources alone (October 2026): Bevy
+takes them with all levels; Godot does, but only level 0 of sides that are no powers of two, of which the export warns.
+Filament's Ktx2Reader refuses them: it takes Basis Universal alone (npm's filament 1.53.4, tried in Chromium), as
+KHR_texture_basisu does. Direct3D refuses blocks where sides are no multiples of 4: a warning too.
 With `--resume` an export that was stopped goes on behind the rows that it had fitted. [OPTIONS](OPTIONS.md) has all
 options.
 
