@@ -35,9 +35,12 @@ BakedHeader checked_header(const LookJob& job) {
   if (header.width > kLookSideMax || header.height > kLookSideMax)
     refuse_file(job.input, fmt::format("found a map of {} x {}, expected sides of at most {}: the page holds it whole",
                                        header.width, header.height, kLookSideMax));
-  if (!header.provenance.source_hash.empty() && hash_file(job.source) != header.provenance.source_hash)
-    log_warning(fmt::format("{}: is not the file that {} was baked from ({}): the page may compare two maps",
-                            job.source, job.input, header.provenance.source_name));
+  if (!header.provenance.source_hash.empty() && hash_file(job.source) != header.provenance.source_hash) {
+    const std::string found =
+        fmt::format("is not the file that {} was baked from ({})", job.input, header.provenance.source_name);
+    if (job.same_source) throw Error(ErrorCode::kInput, fmt::format("{}: {}, or has changed since", job.source, found));
+    log_warning(fmt::format("{}: {}: the page may compare two maps", job.source, found));
+  }
   return header;
 }
 

@@ -17,6 +17,7 @@ struct LookJob {
   std::string source;           // the normal map that it was baked from
   std::string output;           // *.html
   double base_roughness = 0.3;  // perceptual, 0.05..1
+  bool same_source = false;     // refuse a source that is not the file that was baked
   int threads = 1;
 };
 

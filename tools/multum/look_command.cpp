@@ -61,6 +61,7 @@ void add_look_command(CLI::App& app, int* exit_code) {
       ->add_option("--base-roughness", o.job.base_roughness, "perceptual roughness of the surface, the same everywhere")
       ->check(CLI::Range(0.05, 1.0))
       ->capture_default_str();
+  command->add_flag("--same-source", o.job.same_source, "refuse a map that is not the file that was baked");
   command->add_flag("--no-open", o.stays_closed, "only write the page");
   command->add_option("--device", o.device, "OpenCL device, part of its name or index (multum devices)");
   add_common_options(*command, o.common);
