@@ -242,6 +242,9 @@ const steps = {
     assert.match(await look.textContent("#facts"), /64 x 64, 4 lobes/);
     await look.selectOption("#left", "lobes"); // its address keeps the view in the sandbox too
     await look.waitForFunction(() => globalThis.location.hash === "#left=lobes");
+    // Its worker may run there as well.
+    await look.setInputFiles("#open", [`${service.root}/look.ndf.exr`]);
+    await look.waitForFunction(() => globalThis.multumLook.shown === "dropped");
     assert.equal(await look.locator("#problem").isVisible(), false);
     // Its map is taken away: the page that is there stays; of a bake that has none yet the reason is said.
     const other = await ask("POST", "/v1/jobs", { type: "bake", output: `${service.root}/look_two.ndf.exr`,

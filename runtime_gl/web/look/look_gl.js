@@ -141,6 +141,11 @@ class LookGl {
       sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
   }
 
+  removeMaterial(method) {
+    this.gl.deleteTexture(this.materials.get(method)?.texture ?? null);
+    this.materials.delete(method);
+  }
+
   /** parseLobes() of a file; `normals`: mean normals of the finer levels. */
   setLobes(file, normals) {
     const { gl } = this;
@@ -168,6 +173,9 @@ class LookGl {
       bytes: file.levels.reduce((sum, level) => sum + level.length, 0) + texelBytes(VK_BC5, normals[0].width,
         normals[0].height) };
   }
+
+  /** Engines' rule is made when it is drawn. */
+  has(method) { return method !== "export" || this.materials.has(method); }
 
   bytesOf(method) { return method === "lobes" ? this.lobes.bytes : this.materials.get(method).bytes; }
 
