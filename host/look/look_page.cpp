@@ -20,6 +20,7 @@
 #include "host/export/export_job.h"
 #include "host/export/lobes/lobe_export.h"
 #include "host/html/html_page.h"
+#include "host/html/page_script.h"
 #include "host/image/normals/reading_settings.h"
 #include "host/look/look_files.h"
 
@@ -94,10 +95,13 @@ void put_in_place(std::string& page, std::string_view mark, const std::string& t
 
 std::string look_page(const nlohmann::ordered_json& data) {
   const auto file = [](const char* name) { return std::string(look_page_files().at(name)); };
-  const std::string script = file("look_textures.js") + file("look_gl.js") + file("look_drops.js") + file("look.js");
+  std::string script;
+  for (const char* name : {"matrices.js", "glb.js"}) script += plain_script(look_module_files().at(name));
+  for (const char* name : {"look_glb.js", "look_textures.js", "look_gl.js", "look_drops.js", "look.js"})
+    script += file(name);
   const std::string worker = file("look_exr.js");
-  for (const std::string& text : {script, worker})
-    MULTUM_CHECK(text.find("</script") == std::string::npos && text.find("<!--") == std::string::npos);
+  check_script(script);
+  check_script(worker);
   std::string page = file("look.html");
   put_in_place(page, "/*LOOK-STYLE*/", file("look.css"));
   put_in_place(page, "/*LOOK-WORKER*/", worker);

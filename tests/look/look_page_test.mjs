@@ -42,7 +42,7 @@ try {
     await settled(page);
     await settled(page);
     const camera = await page.evaluate(() => {
-      const { eye, target } = globalThis.cameraOf(globalThis.multumLook.view);
+      const { eye, target } = globalThis.lookCamera(globalThis.multumLook.view);
       return { place: [...eye, ...target, 40].join(","), light: globalThis.multumLook.scene().light.join(",") };
     });
     run("multum-view", file, "--source", "map_normal.png", "--size", `${width}x${height}`, "--brdf", "ggx:0.3",

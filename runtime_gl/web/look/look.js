@@ -33,7 +33,7 @@ function hashOfView(view) {
   return changed.map((key) => `${key}=${text(view[key])}`).join("&");
 }
 
-function cameraOf(view) {
+function lookCamera(view) {
   const [a, e, d] = [view.azimuth * DEGREE, view.elevation * DEGREE, 2 ** view.distance];
   const back = [Math.sin(a) * Math.cos(e), -Math.cos(a) * Math.cos(e), Math.sin(e)];
   return { eye: TARGET.map((one, i) => one + d * back[i]), target: TARGET, back };
@@ -47,6 +47,22 @@ function raysOf({ back }, aspect) {
   const half = Math.tan(20 * DEGREE);
   return [...right.map((one) => one * half * aspect), ...cross(back, right).map((one) => one * half),
     ...back.map((one) => -one)];
+}
+
+/** World to clip space for the same camera, column by column. */
+function clipMatrix(camera, aspect) {
+  const rays = raysOf(camera, aspect), half = Math.tan(20 * DEGREE);
+  const rows = [rays.slice(0, 3).map((one) => one / (half * aspect)), rays.slice(3, 6).map((one) => one / half),
+    camera.back];
+  const toEye = new Float64Array(16);
+  rows.forEach((row, r) => row.forEach((one, c) => { toEye[4 * c + r] = one; }));
+  rows.forEach((row, r) => { toEye[12 + r] = -dot(row, camera.eye); });
+  toEye[15] = 1;
+  const far = Math.hypot(...camera.eye.map((one, i) => one - camera.target[i])) + 2 * MODEL_RADIUS, near = far / 1000;
+  const toClip = new Float64Array(16);
+  toClip.set([1 / (half * aspect), 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0,
+    2 * far * near / (near - far), 0]);
+  return multiplied(toClip, toEye);
 }
 
 class LookPage {
@@ -126,6 +142,8 @@ class LookPage {
     options("right", METHODS);
     options("rule", Object.entries(ENGINE_RULES).map(([id, [name]]) => [id, name]));
     this.listMaps();
+    byId("shape").addEventListener("change", (event) => this.setModel(event.target.value === "plane" ? null
+      : this.model, byId("shape").options[1].text));
     byId("map").addEventListener("change", (event) => this.choose(event.target.value));
     for (const id of ["left", "right", "rule"]) byId(id).addEventListener("change", (event) =>
       this.change({ [id]: event.target.value }));
@@ -144,6 +162,16 @@ class LookPage {
     const all = [...this.data.maps.map(({ title }, i) => [i, title]), ...dropped];
     byId("map").replaceChildren(...all.map(([value, text]) => new Option(text, value)));
     byId("map-label").hidden = all.length < 2;
+  }
+
+  /** readModel() of a file, which then can be chosen, or null for the plane. */
+  setModel(model, name) {
+    this.gl.setModel(model);
+    this.model = model ?? this.model;
+    byId("shape").replaceChildren(new Option("plane", "plane"), new Option(name, "model"));
+    byId("shape").value = model === null ? "plane" : "model";
+    byId("shape-label").hidden = false;
+    this.change({});
   }
 
   /** The number of one of the page's maps, or "dropped". */
@@ -244,10 +272,11 @@ class LookPage {
 
   scene() {
     const { view, data } = this;
-    const camera = cameraOf(view);
+    const camera = lookCamera(view);
     const [width, height] = this.gl.size;
     const size = Math.hypot(view.x, view.y, view.z);
-    return { rays: raysOf(camera, width / height), eye: camera.eye,
+    return { rays: raysOf(camera, width / height),
+      toClip: clipMatrix(camera, width / height), eye: camera.eye,
       light: [view.x / size, view.y / size, view.z / size], diffuse: data.diffuse, specular: data.specular, f0: data.f0,
       alpha: data.baseRoughness ** 2, lock: view.lock < 0 ? null : view.lock, exposure: 2 ** view.exposure,
       split: view.split, difference: view.difference !== 0 };

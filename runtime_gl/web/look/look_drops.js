@@ -4,10 +4,11 @@ const FILE_BYTES_MAX = 256e6;
 const DECODING_MS_MAX = 120000;
 const NORMALS_APART_MAX = 0.1; // root mean square of x and y: another map's are several times as far apart
 
-/** "exr", "ktx2" or "image", by a file's first bytes. */
+/** "exr", "ktx2", "glb" or "image", by a file's first bytes. */
 async function kindOf(file) {
   const head = new Uint8Array(await file.slice(0, 12).arrayBuffer());
   if (head[0] === 0x76 && head[1] === 0x2f && head[2] === 0x31) return "exr";
+  if (new TextDecoder().decode(head.subarray(0, 4)) === "glTF") return "glb";
   return KTX2_IDENTIFIER[1] === head[1] && KTX2_IDENTIFIER[2] === head[2] ? "ktx2" : "image";
 }
 
@@ -93,7 +94,7 @@ class Drops {
     const list = [...files];
     this.last = this.last.then(async () => {
       const kinds = await Promise.all(list.map((file) => kindOf(file).catch(() => "image")));
-      const order = ["exr", "ktx2", "image"];
+      const order = ["exr", "ktx2", "image", "glb"];
       const sorted = list.map((file, i) => [file, kinds[i]]).sort((a, b) => order.indexOf(a[1]) - order.indexOf(b[1]));
       say("");
       for (const [file, kind] of sorted) await this.takeOne(file, kind);
@@ -108,6 +109,7 @@ class Drops {
       const progress = (share) => { reading.textContent = `Reading ${file.name}: ${share} %`; };
       if (kind === "exr") await this.takeExr(file, progress);
       else if (kind === "ktx2") this.page.setLobes(parseLobes(await bytesOfFile(file)));
+      else if (kind === "glb") await this.takeModel(file);
       else this.takeImage(await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
     } catch (error) {
       say(`${file.name}: ${error.message}`);
@@ -124,6 +126,17 @@ class Drops {
     const map = { ...decoded, title: file.name, about: `${file.name}, decoded here` };
     this.unfinished = decoded.normals === null ? map : null;
     if (this.unfinished === null) this.page.install(map);
+  }
+
+  /** Drawn with its own normal map where that has the size of the lobes' map, else with the map that is shown. */
+  async takeModel(file) {
+    const model = readModel(await bytesOfFile(file), TARGET);
+    this.page.setModel(model, file.name);
+    this.page.change({ distance: Math.min(this.page.view.distance, MODEL_DISTANCE) });
+    if (model.image === null || this.unfinished !== null) return;
+    const image = await createImageBitmap(model.image, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+    const { width, height } = this.page.means[0];
+    if (image.width === width && image.height === height) this.takeImage(image);
   }
 
   takeImage(image) {
