@@ -117,11 +117,20 @@ def view_section(folder, name, view, step):
 <details><summary>the command</summary><pre>{text(step["command"])}</pre></details>"""
 
 
+def look_link(folder):
+    if not (folder / "look.html").is_file():
+        return ""
+    return """<p><a href="look.html">The map's lobes in this browser</a>, beside averaged normals, engines' rules and
+one lobe: turn the view, come nearer, move the light (WebGL 2).</p>
+"""
+
+
 def own_map():
     return """<h2 id="own">The same with your own map</h2>
 <pre>build/release/bin/multum bake bricks_normal.png -o bricks.ndf.exr
 build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
-    --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian</pre>
+    --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian
+build/release/bin/multum look bricks.ndf.exr --source bricks_normal.png</pre>
 <p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
 wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
 colours: <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
@@ -143,7 +152,7 @@ def make_page(folder, steps, bakes, views):
         summary.append([VIEWS.get(name, (name,))[0], *[
             (percent(error[m]), "best" if error[m] == min(error.values()) else "") if m in error else "-"
             for m in methods]])
-    total = [[{"bake": "bake ", "view": "view "}.get(s["kind"], "") + s["name"], f"{s['seconds']:.1f}"] for s in steps]
+    total = [[f"{s['kind']} {s['name']}", f"{s['seconds']:.1f}"] for s in steps]
     samples = sorted({one["samples"] for view in views.values() for one in view["pictures"] if "samples" in one})
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -152,7 +161,7 @@ def make_page(folder, steps, bakes, views):
 <p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall.
 multum stores how they are distributed instead. Click a picture for its full size.</p>
 {hero}
-<h2>How far off, in short</h2>
+{look_link(folder)}<h2>How far off, in short</h2>
 <p>Relative L1: the sum of absolute differences from the reference, divided by the reference's sum, over the whole
 picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}

@@ -2,17 +2,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes docs/LOBE_TEXTURES.md: what `multum export --lobes` costs in pictures, bytes and fetches.
 
-    tools/lobe_textures_document.py BIN_FOLDER OUT [--data FOLDER] [--maps NAME...]
+    tools/lobe_textures_document.py measure BIN_FOLDER OUT [--data FOLDER] [--maps NAME...]
+    tools/lobe_textures_document.py share [--root DIR]     # its table into the pages that have it too
+    tools/lobe_textures_document.py check [--root DIR]     # exit code 1 where one of them has another
 
 BIN_FOLDER has multum and multum-view. With --data, shared data, the maps are those of its folder normal/ that --maps
-names; else one that multum makes.
+names; else one that multum makes. The pages have the table between <!-- figures: lobe_textures --> and
+<!-- /figures: lobe_textures -->: docs/TRADEOFF.md, and the page that `multum tradeoff` writes.
 """
 import argparse
+import html
 import json
 import pathlib
+import re
 import statistics
 import subprocess
+import sys
 import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+DOCUMENT = "docs/LOBE_TEXTURES.md"
+SHARING = ("docs/TRADEOFF.md", "host/target/templates/tradeoff.html")
+MARK = re.compile(r"(<!-- figures: lobe_textures -->\n).*?(<!-- /figures: lobe_textures -->)", re.DOTALL)
 
 MAPS = ("pm_0001.webp", "gd_wool_normal.png", "gd_texture_rock_normal.png")
 COUNTS, EXPONENTS = (2, 3, 4), (100, 500)
@@ -81,13 +92,53 @@ def table(errors, ratios):
     return "\n".join(lines)
 
 
+def html_table(lines):
+    rows = [[html.escape(cell.strip()) for cell in line.strip("|").split("|")] for line in lines]
+    names = {1: ' class="text"'}  # the texels' column
+    row = lambda cells, tag: "<tr>" + "".join(f"<{tag}{names.get(i, '')}>{cell}</{tag}>"
+                                              for i, cell in enumerate(cells)) + "</tr>"
+    body = [row(cells, "td") for cells in rows[2:]]
+    return ['<div class="wide"><table>', row(rows[0], "th"), *body, "</table></div>"]
+
+
+def shared(root, name):
+    """The text of page `name` as it is, and as it is with the document's table."""
+    lines = [line for line in (root / DOCUMENT).read_text().splitlines() if line.startswith("|")]
+    if len(lines) < 3:
+        sys.exit(f"{DOCUMENT}: found {len(lines)} lines of a table, expected 3 or more")
+    text = (root / name).read_text()
+    block = "\n".join(html_table(lines) if name.endswith(".html") else lines)
+    filled, count = MARK.subn(lambda mark: f"{mark.group(1)}{block}\n{mark.group(2)}", text)
+    if count != 1:
+        sys.exit(f"{name}: found {count} blocks <!-- figures: lobe_textures -->, expected 1")
+    return text, filled
+
+
+def share(root, is_check):
+    wrong = 0
+    for name in SHARING:
+        text, filled = shared(root, name)
+        if is_check and text != filled:
+            wrong = 1
+            print(f"{name}: has another table than {DOCUMENT} (tools/lobe_textures_document.py share)")
+        elif text != filled:
+            (root / name).write_text(filled)
+    return wrong
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("programs", type=pathlib.Path)
-    parser.add_argument("out", type=pathlib.Path)
-    parser.add_argument("--data", type=pathlib.Path)
-    parser.add_argument("--maps", nargs="+", default=MAPS)
+    commands = parser.add_subparsers(dest="command", required=True)
+    for name in ("share", "check"):
+        commands.add_parser(name).add_argument("--root", type=pathlib.Path, default=ROOT)
+    measuring = commands.add_parser("measure")
+    measuring.add_argument("programs", type=pathlib.Path)
+    measuring.add_argument("out", type=pathlib.Path)
+    measuring.add_argument("--data", type=pathlib.Path)
+    measuring.add_argument("--maps", nargs="+", default=MAPS)
     options = parser.parse_args()
+    if options.command != "measure":
+        return share(options.root, options.command == "check")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         if options.data is not None:
@@ -97,7 +148,8 @@ def main():
             maps = [folder / "four_quarters_normal.png"]
         errors, ratios = measure(options.programs, maps, folder)
     options.out.write_text(HEAD.format(maps=", ".join(one.stem for one in maps)) + "\n" + table(errors, ratios) + "\n")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

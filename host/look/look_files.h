@@ -11,6 +11,9 @@ namespace multum {
 /// The files of runtime_gl/web/look, by name.
 const std::map<std::string, std::string_view>& look_page_files();
 
+/// Modules of runtime_gl/web that the page has too, by name.
+const std::map<std::string, std::string_view>& look_module_files();
+
 /// Those of runtime_gl/shaders that the page draws with, by path.
 const std::map<std::string, std::string_view>& look_shader_files();
 

@@ -17,6 +17,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/codec/field_unpacking.h"
 #include "host/html/html_page.h"
+#include "host/html/page_script.h"
 #include "host/mesh/object_mesh.h"
 #include "host/player/player_files.h"
 #include "host/player/scene_glb.h"
@@ -67,23 +68,12 @@ std::string geometry_of(const std::string& field) {
   return scene_glb(objects, manifest.uv_set);
 }
 
-/// Modules as one script: without what they import from one another, and what they export.
+/// Modules as one script.
 template <std::size_t kCount>
 std::string joined(const std::array<const char*, kCount>& names) {
   std::string script;
-  for (const char* name : names) {
-    const std::string text(player_file(name));
-    bool is_import = false;
-    for (std::size_t begin = 0; begin < text.size();) {
-      const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
-      std::string line = text.substr(begin, end - begin);
-      begin = end;
-      if (line.starts_with("import ")) is_import = true;
-      if (!is_import) script += line.starts_with("export ") ? line.substr(7) : line;
-      if (is_import && line.find(" from \"") != std::string::npos) is_import = false;
-    }
-  }
-  MULTUM_CHECK(script.find("</script") == std::string::npos && script.find("<!--") == std::string::npos);
+  for (const char* name : names) script += plain_script(player_file(name));
+  check_script(script);
   return script;
 }
 

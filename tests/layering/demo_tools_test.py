@@ -153,6 +153,11 @@ class PageTest(unittest.TestCase):
         for reference in parser.references:
             self.assertTrue((self.folder / reference).is_file(), reference)
 
+    def test_the_page_of_the_lobes_is_linked_where_it_is(self):
+        self.assertNotIn("look.html", self.page())
+        (self.folder / "look.html").write_text("")
+        self.assertIn('<a href="look.html">', self.page())
+
     def test_no_error_measured_and_no_view(self):
         self.bake["measured_error"] = []
         self.write()

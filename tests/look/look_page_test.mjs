@@ -1,58 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // Walks through the page of multum look in headless Chromium: pictures beside multum-view's, every control, keys,
-// touch, the address, files that are dropped, damaged ones too, 360 px, light and dark. Exit code 77: skipped.
+// touch, the address, lobe textures that are dropped, damaged ones too, 360 px, light and dark. Exit code 77: skipped.
+// look_files_test.mjs has the rest of the files.
 //
 //   node look_page_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
-import os from "node:os";
+import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
-import { pathToFileURL } from "node:url";
+import { drop, pixelsOf as pixels, settled, startLook, viewOf as view } from "./look_browser.mjs";
+import { lowContrasts } from "../service/page_contrast.mjs";
 
 const [bin, screenshots] = process.argv.slice(2);
-const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
-const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium",
-  "/usr/local/bin/chromium"].find(existsSync);
-if (executablePath === undefined) skip("no Chromium (Debian package chromium)");
-if (!existsSync(path.join(bin, "multum-view"))) skip("no multum-view was built");
-const { chromium } = await import("../service/web/node_modules/playwright-core/index.mjs").catch(() =>
-  skip("no playwright-core: tools/install_dependencies test"));
-const { lowContrasts } = await import("../service/page_contrast.mjs");
-
-const folder = mkdtempSync(path.join(os.tmpdir(), "multum-look-"));
-const inFolder = (name) => path.join(folder, name);
-const run = (program, ...words) => execFileSync(path.join(bin, program), words, { cwd: folder, encoding: "utf8",
-  stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, DISPLAY: ":99" } });
+const look = await startLook(bin);
+const { inFolder, run, complaints } = look;
 mkdirSync(screenshots, { recursive: true });
 const CLOSE = 8; // of 255: this GL filters blocks and halves with other roundings than llvmpipe
 const MEAN_MOST = 1.5;
 
-let browser;
-const complaints = [];
+const open = (hash, more) => look.open("map.html", hash, more);
+
 try {
   run("multum", "testmap", "map", "--size", "128");
   run("multum", "bake", "map_normal.png", "-o", "map.ndf.exr", "--no-measure");
   run("multum", "look", "map.ndf.exr", "--source", "map_normal.png", "--no-open");
   run("multum", "export", "map.ndf.exr", "--lobes", "-o", "map.ktx2");
   run("multum", "export", "map.ndf.exr", "--lobes", "--texels", "rgba16f", "-o", "halves.ktx2");
-  browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new", "--disable-dev-shm-usage",
-    "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
-  const url = pathToFileURL(inFolder("map.html")).href;
-
-  const open = async (hash = "", { width = 344, height = 700, ...more } = {}) => {
-    const page = await (await browser.newContext({ viewport: { width, height }, ...more })).newPage();
-    page.setDefaultTimeout(60000);
-    page.on("pageerror", (error) => complaints.push(String(error)));
-    page.on("request", (request) => { if (!/^(data|blob|file):/.test(request.url())) complaints.push(request.url()); });
-    await page.goto(url + hash);
-    await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);
-    return page;
-  };
-  const settled = (page) => page.evaluate(() => new Promise((resolve) =>
-    requestAnimationFrame(() => requestAnimationFrame(resolve))));
-  const view = (page) => page.evaluate(() => ({ ...globalThis.multumLook.view }));
-  const pixels = (page) => page.evaluate(() => document.getElementById("canvas").toDataURL());
   const changes = async (page, what, act) => {
     const before = await pixels(page);
     await act();
@@ -70,7 +42,7 @@ try {
     await settled(page);
     await settled(page);
     const camera = await page.evaluate(() => {
-      const { eye, target } = globalThis.cameraOf(globalThis.multumLook.view);
+      const { eye, target } = globalThis.lookCamera(globalThis.multumLook.view);
       return { place: [...eye, ...target, 40].join(","), light: globalThis.multumLook.scene().light.join(",") };
     });
     run("multum-view", file, "--source", "map_normal.png", "--size", `${width}x${height}`, "--brdf", "ggx:0.3",
@@ -146,14 +118,9 @@ try {
   assert.deepEqual([(await view(odd)).left, (await view(odd)).rule, (await view(odd)).split], ["mip", "unreal", 1]);
 
   // Files dropped onto it.
-  const drop = (name, bytes) => again.evaluate(async ([file, base64]) => {
-    const data = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-    await globalThis.multumLook.take(new File([data], file));
-    return document.getElementById("problem").textContent;
-  }, [name, bytes.toString("base64")]);
-  assert.equal(await drop("halves.ktx2", readFileSync(inFolder("halves.ktx2"))), "");
+  assert.equal(await drop(again, ["halves.ktx2", readFileSync(inFolder("halves.ktx2"))]), "");
   assert.equal(await again.evaluate(() => globalThis.multumLook.file.format), 97);
-  assert.equal(await drop("map_normal.png", readFileSync(inFolder("map_normal.png"))), "");
+  assert.equal(await drop(again, ["map_normal.png", readFileSync(inFolder("map_normal.png"))]), "");
   const good = readFileSync(inFolder("map.ktx2"));
   const changed = (at, value) => { const bytes = Buffer.from(good); bytes[at] = value; return bytes; };
   for (const [bytes, words] of [[changed(12, 99), "VkFormat 99"], [changed(24, 3), "bytes of level"],
@@ -161,7 +128,7 @@ try {
     [changed(40, 30), "levels"], [changed(44, 2), "supercompression"],
       [good.subarray(0, good.length - 9), "beyond the end"],
     [good.subarray(0, 90), "cut"], [Buffer.from("no picture"), "odd.ktx2"], [changed(87, 9), "beyond the end"]]) {
-    const said = await drop("odd.ktx2", bytes);
+    const said = await drop(again, ["odd.ktx2", bytes]);
     assert.ok(said.includes(words), `${words}: ${said}`);
   }
   assert.equal(await again.locator("#problem").isVisible(), true);
@@ -190,6 +157,5 @@ try {
   await wide.screenshot({ path: path.join(screenshots, "look.png") });
   assert.deepEqual(complaints, []);
 } finally {
-  await browser?.close();
-  rmSync(folder, { recursive: true, force: true });
+  await look.end();
 }

@@ -135,6 +135,58 @@ class PicturesTest(ServiceCase):
         self.assertEqual(status, 404, answer)
         self.assertIn("not the geometry", answer["error"]["message"])
 
+    def look(self, job):
+        return self.service.ask("GET", f"/v1/jobs/{job}/pictures/look.html", timeout=120)
+
+    def refused_look(self, job, words):
+        status, answer = self.look(job)
+        self.assertEqual((status, answer["error"]["code"]), (404, "no_picture"), answer)
+        self.assertIn(words, answer["error"]["message"])
+
+    def test_a_bake_of_lobes_has_a_look_page(self):
+        service = self.start()
+        job = self.bake(lobes=2)
+        # Others that were made before: the oldest goes.
+        pictures = os.path.join(service.data, "pictures")
+        for age in range(16):
+            folder = os.path.join(pictures, f"{900 + age}-1-2-look")
+            os.mkdir(folder)
+            os.utime(folder, (time.time() - 1000 - age,) * 2)
+        status, page = self.look(job)
+        self.assertEqual(status, 200, page)
+        kept = [name for name in self.folders() if name.endswith("-look")]
+        self.assertEqual(len(kept), 16)
+        self.assertNotIn("915-1-2-look", kept)
+        subprocess.run([MULTUM, "look", self.path("q.ndf.exr"), "--source", self.path("q_normal.png"), "--no-open",
+                        "-q", "-o", self.path("alone.html")], check=True, env=service.environment)
+        with open(self.path("alone.html"), "rb") as file:
+            self.assertEqual(page, file.read())
+        with urllib.request.urlopen(f"http://127.0.0.1:{service.port}/v1/jobs/{job}/pictures/look.html") as one:
+            self.assertIn("sandbox allow-scripts", one.headers["Content-Security-Policy"])
+            self.assertNotIn("allow-same-origin", one.headers["Content-Security-Policy"])
+        # It is kept for who asks again, beside the pictures.
+        os.remove(self.path("q_normal.png"))
+        self.assertEqual(self.look(job)[0], 200)
+        self.assertEqual(self.ask(job, "render")[0], 200)
+        self.assertEqual(service.ask("POST", "/v1/purge", {"jobs": [job]})[0], 200)
+        self.assertEqual([name for name in self.folders() if name.startswith(f"{job}-")], [])
+
+    def test_why_there_is_no_look_page(self):
+        service = self.start()
+        moments = service.submit(type="bake", output=self.path("m.ndf.exr"),
+                                 parameters={"input": self.path("q_normal.png"), "ndf": "moments", "no_measure": True})
+        self.assertEqual(service.wait_for(moments)["state"], "succeeded")
+        self.refused_look(moments, "expected a file of multum bake without --ndf")
+        gone, changed = self.bake("gone.ndf.exr"), self.bake("changed.ndf.exr", lobes=2)
+        shutil.move(self.path("q_normal.png"), self.path("kept.png"))
+        self.refused_look(gone, "q_normal.png")
+        # Its absence is not remembered: it may come back.
+        shutil.move(self.path("kept.png"), self.path("q_normal.png"))
+        self.assertEqual(self.look(gone)[0], 200)
+        shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
+        self.refused_look(changed, "changed")
+        self.assertEqual(self.look(service.submit(type="drill", parameters={"seconds": 0}))[0], 404)
+
     def test_who_has_none(self):
         service = self.start()
         drill = service.submit(type="drill", parameters={"seconds": 0})

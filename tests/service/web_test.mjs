@@ -4,7 +4,7 @@
 //
 //   node web_test.mjs CHROMIUM SCREENSHOTS [STEP]
 import assert from "node:assert/strict";
-import { readFile, writeFile } from "node:fs/promises";
+import { readFile, rm, writeFile } from "node:fs/promises";
 import readline from "node:readline";
 import { lowContrasts } from "./page_contrast.mjs";
 import { chromium } from "./web/node_modules/playwright-core/index.mjs";
@@ -223,6 +223,40 @@ const steps = {
       assert.equal(await player.evaluate(() => globalThis.origin), "null", "sandboxed");
     }
     await page.context().close();
+  },
+
+  async aBakesLobesAreLookedAtInATabOfItsOwn() {
+    await drive("testmap", `${service.root}/look`);
+    const { id } = await ask("POST", "/v1/jobs", { type: "bake", output: `${service.root}/look.ndf.exr`,
+      parameters: { input: `${service.root}/look_normal.png`, no_measure: true } });
+    await stateOf(id, "succeeded");
+    const page = await openPage(`#job-${id}`, { width: 360, height: 740 });
+    const link = page.locator("#detail a", { hasText: "its lobes" });
+    const opening = page.context().waitForEvent("page");
+    await link.focus();
+    await page.keyboard.press("Enter");
+    const look = await opening;
+    look.on("pageerror", (error) => complaints.push(String(error)));
+    await look.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);
+    assert.equal(await look.evaluate(() => globalThis.origin), "null", "sandboxed");
+    assert.match(await look.textContent("#facts"), /64 x 64, 4 lobes/);
+    await look.selectOption("#left", "lobes"); // its address keeps the view in the sandbox too
+    await look.waitForFunction(() => globalThis.location.hash === "#left=lobes");
+    // Its worker may run there as well.
+    await look.setInputFiles("#open", [`${service.root}/look.ndf.exr`]);
+    await look.waitForFunction(() => globalThis.multumLook.shown === "dropped");
+    assert.equal(await look.locator("#problem").isVisible(), false);
+    // Its map is taken away: the page that is there stays; of a bake that has none yet the reason is said.
+    const other = await ask("POST", "/v1/jobs", { type: "bake", output: `${service.root}/look_two.ndf.exr`,
+      parameters: { input: `${service.root}/look_normal.png`, no_measure: true, lobes: 2 } });
+    await stateOf(other.id, "succeeded");
+    const again = await openPage(`#job-${other.id}`);
+    again.expectsRefusal = true;
+    await again.locator("#detail figure img").nth(2).waitFor();
+    await rm(`${service.root}/look_normal.png`);
+    await again.locator("#detail a", { hasText: "its lobes" }).click();
+    await again.getByText("there is no such file").waitFor();
+    for (const one of [page, again]) await one.context().close();
   },
 
   async theTableOfPartsFollowsAMapThatIsInShares() {

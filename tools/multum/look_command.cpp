@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum look: a page that shows lobes beside what engines do, opened where there is a desktop.
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -18,6 +20,7 @@ namespace {
 struct LookOptions {
   CommonOptions common;
   LookJob job;
+  std::vector<std::string> inputs, sources;
   std::string device;
   bool stays_closed = false;
 };
@@ -27,9 +30,15 @@ bool has_desktop() { return std::getenv("DISPLAY") != nullptr || std::getenv("WA
 int run_look(LookOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
+  if (!o.sources.empty() && o.sources.size() != o.inputs.size())
+    throw Error(ErrorCode::kUsage, fmt::format("found {} --source, expected one for each of {} files, in their order, "
+                                               "or none",
+                                               o.sources.size(), o.inputs.size()));
+  for (std::size_t i = 0; i < o.inputs.size(); ++i)
+    o.job.maps.push_back({o.inputs[i], o.sources.empty() ? "" : o.sources[i]});
   if (o.job.output.empty()) {
-    const std::string name = std::filesystem::path(o.job.input).filename().string();
-    o.job.output = name.substr(0, name.find('.')) + ".html";
+    const std::string name = std::filesystem::path(o.inputs[0]).filename().string();
+    o.job.output = o.inputs.size() > 1 ? "look.html" : name.substr(0, name.find('.')) + ".html";
   }
   if (!o.job.output.ends_with(".html"))
     throw Error(ErrorCode::kUsage, o.job.output + ": is no name of a page, expected NAME.html");
@@ -54,19 +63,25 @@ void add_look_command(CLI::App& app, int* exit_code) {
   LookOptions& o = *options;
   CLI::App* command = app.add_subcommand(
       "look", "a page that shows lobes in a browser beside averaged normals, engines' rules and the one-lobe export");
-  command->add_option("input", o.job.input, "baked file of lobes, *.ndf.exr")->required();
-  command->add_option("--source", o.job.source, "normal map that it was baked from")->required();
-  command->add_option("-o,--output", o.job.output, "page to write, *.html (default: the input's name, here)");
+  command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page has a list of them")->required();
+  command
+      ->add_option("--source", o.sources,
+                   "normal map that FILE was baked from, once for each FILE (default: level 0 of FILE)")
+      ->allow_extra_args(false);
+  command->add_option("-o,--output", o.job.output,
+                      "page to write, *.html (default: the input's name, of several look.html, here)");
   command
       ->add_option("--base-roughness", o.job.base_roughness, "perceptual roughness of the surface, the same everywhere")
       ->check(CLI::Range(0.05, 1.0))
       ->capture_default_str();
+  command->add_flag("--same-source", o.job.same_source, "refuse a map that is not the file that was baked");
   command->add_flag("--no-open", o.stays_closed, "only write the page");
   command->add_option("--device", o.device, "OpenCL device, part of its name or index (multum devices)");
   add_common_options(*command, o.common);
   command->footer(
       "Examples:\n"
-      "  multum look bricks.ndf.exr --source bricks_n.png                       # bricks.html, opened in the browser\n"
+      "  multum look bricks.ndf.exr                                             # bricks.html, opened in the browser\n"
+      "  multum look *.ndf.exr -o maps.html                                     # several, to choose from\n"
       "  multum look bricks.ndf.exr --source bricks_n.png -o look.html --base-roughness 0.2 --no-open");
   command->callback([options, exit_code] { *exit_code = run_look(*options); });
 }

@@ -481,7 +481,7 @@ asio::awaitable<HttpResponse> web_file(HttpApi::State&, std::string, HttpRequest
   co_return web_file_response(request);
 }
 constexpr char kInputPicture[] = "input.png", kRenderPicture[] = "render.png", kErrorPicture[] = "error.png";
-constexpr char kPlayerPage[] = "player.html";
+constexpr char kPlayerPage[] = "player.html", kLookPage[] = "look.html";
 template <const char* kName>
 asio::awaitable<HttpResponse> picture(HttpApi::State& state, std::string part, HttpRequest) {
   return state.picture(std::move(part), kName);
@@ -519,6 +519,7 @@ const std::vector<Route>& route_table() {
       {"GET", {"v1", "jobs", "{}", "pictures", kRenderPicture}, false, picture<kRenderPicture>},
       {"GET", {"v1", "jobs", "{}", "pictures", kErrorPicture}, false, picture<kErrorPicture>},
       {"GET", {"v1", "jobs", "{}", "pictures", kPlayerPage}, false, picture<kPlayerPage>},
+      {"GET", {"v1", "jobs", "{}", "pictures", kLookPage}, false, picture<kLookPage>},
       {"GET", {""}, true, web_file},
   });
   return list;

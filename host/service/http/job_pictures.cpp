@@ -36,10 +36,12 @@ using asio::use_awaitable;
 constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // jobs go before
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
-constexpr char kSaid[] = "said.txt", kPlayer[] = "player.html";
-// A player has all in itself. It may run its own script and save paths, and is of no origin: what a stranger may have
-// done to it reaches neither the service nor a token.
-constexpr char kPlayerPolicy[] =
+constexpr std::size_t kLooksMax = 16;  // pages that are kept; one of the largest map that they show is 37 MB
+constexpr char kSaid[] = "said.txt", kPlayer[] = "player.html", kLook[] = "look.html";
+constexpr char kLookEnding[] = "-look";
+// Such a page has all in itself. It may run its own script and save paths, and is of no origin: what a stranger may
+// have done to it reaches neither the service nor a token.
+constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
 constexpr std::size_t kReasonMax = 400;  // bytes
@@ -76,8 +78,7 @@ std::int64_t id_of(const std::string& name) {
   return error == std::errc() && end != name.data() + name.size() && *end == '-' ? id : 0;
 }
 
-std::string end_of(const ChildResult& result, const Job& job) {
-  const char* program = job.type == "pack" ? "multum player" : "multum-view";
+std::string end_of(const ChildResult& result, const char* program) {
   if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
   if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
   return "";  // it has said what was wrong
@@ -93,6 +94,14 @@ void check_has_picture(const Job& job, const std::string& name) {
   if (job.type == "bake" && name == kPlayer) refuse("packed fields alone have a player");
 }
 
+// A child that sees what jobs may read and what is beside its program, and writes to `folder`.
+std::vector<std::string> confined(const JobRoots& roots, const std::string& folder, const std::string& program) {
+  std::vector<std::string> words = {own_program(), "confined"};
+  for (const std::string& root : roots.inputs.roots()) words.push_back("--read=" + root);
+  words.insert(words.end(), {"--read=" + fs::path(program).parent_path().string(), "--write=" + folder, "--", program});
+  return words;
+}
+
 }  // namespace
 
 JobPictures::JobPictures(asio::io_context& io, const std::string& data, const JobRoots& roots)
@@ -100,10 +109,11 @@ JobPictures::JobPictures(asio::io_context& io, const std::string& data, const Jo
   make_folder(folder_);
   // What an earlier daemon could not make is tried once more: by now there may be what it lacked.
   std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
-    if (id_of(entry.path().filename()) == 0 ||
-        (!fs::exists(entry.path() / "render.png", ignored) && !fs::exists(entry.path() / kPlayer, ignored)))
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
+    const auto has = [&](const char* name) { return fs::exists(entry.path() / name, ignored); };
+    if (id_of(entry.path().filename()) == 0 || (!has("render.png") && !has(kPlayer) && !has(kLook)))
       fs::remove_all(entry.path(), ignored);
+  }
 }
 
 JobPictures::~JobPictures() {
@@ -115,15 +125,16 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity,
   check_has_picture(job, name);
   std::string file_name = identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
-  const std::string folder = fmt::format("{}/{}-{}", folder_, job.id, file_name);
+  const bool is_look = name == kLook;
+  const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, is_look ? kLookEnding : "");
   // Named: GCC 12 destroys what is made in braces within a co_await twice.
-  Request request{std::move(job), std::move(identity), folder};
+  Request request{std::move(job), std::move(identity), folder, is_look};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
   response.headers = {{"Cache-Control", "private, max-age=3600"}};
-  if (name == kPlayer) {
+  if (name == kPlayer || is_look) {
     response.content_type = "text/html; charset=utf-8";
-    response.headers.emplace_back("Content-Security-Policy", kPlayerPolicy);
+    response.headers.emplace_back("Content-Security-Policy", kPagePolicy);
     response.headers.emplace_back("Referrer-Policy", "no-referrer");
   }
   OpenFile picture(::open((folder + "/" + name).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
@@ -173,20 +184,30 @@ asio::awaitable<void> JobPictures::made(Request request) {
   if (error) std::rethrow_exception(error);
 }
 
-std::vector<std::string> JobPictures::command(const Job& job, const std::string& folder) const {
+std::vector<std::string> JobPictures::look_command(const Job& job, const std::string& folder) const {
+  std::string source;
+  try {
+    source = roots_.inputs.input(nlohmann::json::parse(job.parameters).at("input").get<std::string>());
+  } catch (const Error& error) {
+    refuse(std::string("the page shows the lobes beside the map that was baked: ") + error.what());
+  }
+  std::vector<std::string> words = confined(roots_, folder, own_program());
+  words.insert(words.end(), {"look", "-q", "--no-open", "--same-source", "--source=" + source, "-o",
+                             folder + "/" + kLook, "--", job.output});
+  return words;
+}
+
+std::vector<std::string> JobPictures::command(const Request& request, const std::string& folder) const {
+  const Job& job = request.job;
+  if (request.is_look) return look_command(job, folder);
   if (job.type == "pack") {
-    std::vector<std::string> words = {own_program(), "confined"};
-    for (const std::string& root : roots_.inputs.roots()) words.push_back("--read=" + root);
-    words.insert(words.end(), {"--read=" + own_folder(), "--write=" + folder, "--", own_program(), "player", "-q", "-o",
-                               folder + "/" + kPlayer, "--", job.output});
+    std::vector<std::string> words = confined(roots_, folder, own_program());
+    words.insert(words.end(), {"player", "-q", "-o", folder + "/" + kPlayer, "--", job.output});
     return words;
   }
   const std::string viewer = find_viewer();
   if (viewer.empty()) refuse("multum-view is not installed: found neither beside multum nor in PATH");
-  // It sees what jobs may read, and writes pictures.
-  std::vector<std::string> words = {own_program(), "confined"};
-  for (const std::string& root : roots_.inputs.roots()) words.push_back("--read=" + root);
-  words.insert(words.end(), {"--read=" + fs::path(viewer).parent_path().string(), "--write=" + folder, "--", viewer});
+  std::vector<std::string> words = confined(roots_, folder, viewer);
   // Not the GPU, which bakes may be using.
   words.insert(words.end(), {"thumbnails", "--context=osmesa", "--output=" + folder});
   const nlohmann::json parameters = nlohmann::json::parse(job.parameters);
@@ -219,12 +240,13 @@ void JobPictures::make(const Request& request) {
   const std::string unfinished = folder_ + "/unfinished";
   fs::remove_all(unfinished);
   fs::create_directory(unfinished);
-  const std::vector<std::string> words = command(job, unfinished);
+  const std::vector<std::string> words = command(request, unfinished);
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};
   limits.is_cancelled = [this] { return is_ending_.load(); };
   const ChildResult result = run_child(words, limits);
   if (is_ending_) refuse("the service is about to end");
-  std::string said = result.output + end_of(result, job);
+  const char* program = request.is_look ? "multum look" : job.type == "pack" ? "multum player" : "multum-view";
+  std::string said = result.output + end_of(result, program);
   const bool has_input = job.type != "bake" || std::any_of(words.begin(), words.end(), [](const std::string& word) {
                            return word.starts_with("--source=");
                          });
@@ -234,6 +256,17 @@ void JobPictures::make(const Request& request) {
     service_log(LogSeverity::kWarning, job.id, "pictures: " + last_line(unfinished + "/" + kSaid));
   check_result(request);
   fs::rename(unfinished, request.folder);
+  if (request.is_look) remove_old_looks();
+}
+
+void JobPictures::remove_old_looks() const {
+  std::vector<std::pair<fs::file_time_type, fs::path>> looks;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
+    if (entry.path().filename().string().ends_with(kLookEnding))
+      looks.emplace_back(entry.last_write_time(ignored), entry.path());
+  std::sort(looks.rbegin(), looks.rend());
+  for (std::size_t i = kLooksMax; i < looks.size(); ++i) fs::remove_all(looks[i].second, ignored);
 }
 
 void JobPictures::remove(const std::vector<std::int64_t>& ids) const {

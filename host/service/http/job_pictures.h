@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small pictures of finished jobs, and players of packed fields, for the page: multum-view, or multum player, makes
-// them as a child process, one at a time, when they are first asked for. What a map or a driver does to it ends that
-// child, and pictures are missing.
+// Small pictures of finished jobs, and pages that show their results in a browser: multum-view, multum player or multum
+// look makes them as a child process, one at a time, when they are first asked for. What a map or a driver does to it
+// ends that child, and pictures are missing.
 //
 //   DATA/pictures/ID-IDENTITY/   input.png  render.png  error.png   those that could be made
 //                                player.html                        of a pack
 //                                said.txt                           what the child said; how it ended, if not well
+//   DATA/pictures/ID-IDENTITY-look/   look.html  said.txt             of a bake of lobes, with the map that was baked
 //
-// IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown.
+// IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown. Look
+// pages are large, as maps are: those made last are kept, the others are made again when they are asked for.
 #pragma once
 
 #include <atomic>
@@ -37,9 +39,9 @@ class JobPictures {
   JobPictures(const JobPictures&) = delete;
   JobPictures& operator=(const JobPictures&) = delete;
 
-  /// `name`: "input.png", "render.png", "error.png" or "player.html"; `identity`: of the job's result when it was
-  /// published. Many may ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with the
-  /// reason.
+  /// `name`: "input.png", "render.png", "error.png", "player.html" or "look.html"; `identity`: of the job's result when
+  /// it was published. Many may ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with
+  /// the reason.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string identity, std::string name);
 
   /// Blocks.
@@ -52,11 +54,14 @@ class JobPictures {
   struct Request {
     Job job;
     std::string identity, folder;
+    bool is_look = false;
   };
   boost::asio::awaitable<void> made(Request request);
   void make(const Request& request);
   void check_result(const Request& request) const;
-  std::vector<std::string> command(const Job& job, const std::string& folder) const;
+  std::vector<std::string> command(const Request& request, const std::string& folder) const;
+  std::vector<std::string> look_command(const Job& job, const std::string& folder) const;
+  void remove_old_looks() const;
 
   boost::asio::io_context& io_;
   const std::string folder_;

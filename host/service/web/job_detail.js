@@ -84,6 +84,10 @@ export class JobDetail {
       onclick: (event) => this.fetchResult(event) }, "Download the result");
     this.player = node("a", { href: `/v1/jobs/${job.id}/pictures/player.html`, target: "_blank", rel: "noopener",
       onclick: (event) => this.fetchPlayer(event) }, hasToken() ? "Save a player" : "Play it");
+    this.look = node("a", { href: `/v1/jobs/${job.id}/pictures/look.html`, target: "_blank", rel: "noopener",
+      onclick: (event) => this.openLook(event) });
+    this.lookIsMade = false;
+    this.nameLook();
     this.pictures = node("div", { class: "pictures" });
     this.picturesPart = node("section", { "aria-label": "Pictures", hidden: true }, node("h3", {}, "Pictures"),
       this.pictures);
@@ -98,7 +102,8 @@ export class JobDetail {
       node("div", { class: "detail-top" }, this.title,
         node("button", { onclick: () => this.on.close(), "aria-keyshortcuts": "Escape" }, "Close")),
       node("p", {}, this.badge, " ", this.took), this.progress.root, this.why,
-      node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download, this.player),
+      node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download, this.player,
+        this.look),
       this.picturesPart,
       node("h3", {}, "Job"), this.facts,
       node("h3", {}, "Attempts"), this.attempts, this.partsPart,
@@ -118,6 +123,7 @@ export class JobDetail {
     this.retryButton.hidden = !canRetry(job);
     this.download.hidden = job.state !== "succeeded" || !job.output;
     this.player.hidden = this.download.hidden || job.type !== "pack";
+    this.look.hidden = this.download.hidden || job.type !== "bake" || (job.parameters.ndf ?? "vmf") !== "vmf";
     this.showTook();
     const time = (value) => (value ? timeNode(value) : null);
     const after = job.state === "queued" && job.not_before && Date.parse(job.not_before) > Date.now();
@@ -257,6 +263,33 @@ export class JobDetail {
   /** A link cannot send the token, and the token does not belong into a list of downloads. */
   fetchResult(event) { return this.save(event, "result", (blob) => (blob.type === "application/x-tar" ? ".tar" : "")); }
   fetchPlayer(event) { return this.save(event, "pictures/player.html", () => ".html"); }
+
+  nameLook() { setText(this.look, hasToken() ? "Save a page of its lobes" : "Look at its lobes"); }
+
+  /** Waits until the page is made, which may take a while, so that a refusal is said here. */
+  async openLook(event) {
+    if (this.lookIsMade && !hasToken()) return;
+    event.preventDefault();
+    const { look } = this;
+    if (look.hasAttribute("aria-busy")) return;
+    look.setAttribute("aria-busy", "true");
+    setText(look, "The page is being made ...");
+    try {
+      if (hasToken()) {
+        await this.save(event, "pictures/look.html", () => ".html");
+      } else {
+        await (await fetchAnswer("GET", look.getAttribute("href"))).body.cancel();
+        this.lookIsMade = true;
+      }
+    } catch (error) {
+      notify(error.message, true);
+    }
+    look.removeAttribute("aria-busy");
+    if (this.look !== look) return; // another job was opened meanwhile
+    this.nameLook();
+    // Where the browser opens no tab so long after the click, the link is there to be clicked again.
+    if (this.lookIsMade) look.click();
+  }
 
   async save(event, part, endingOf) {
     if (!hasToken()) return;

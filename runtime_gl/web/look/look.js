@@ -5,10 +5,10 @@ const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["expor
 const DEGREE = Math.PI / 180;
 const TARGET = [0, 0.76, 0]; // what multum-view's camera looks at on the plane
 /** Far enough for several texels a pixel, against the light, the divider in its highlight. */
-const HOME = { left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 40,
+const HOME = { map: 0, left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 40,
   distance: 3, exposure: -1, difference: 0, x: 0, y: 0.8, z: 0.6 };
-const LIMITS = { split: [0, 1], lock: [-1, 15], azimuth: [-180, 180], elevation: [3, 89], distance: [-2, 5],
-  exposure: [-4, 4], difference: [0, 1], x: [-1, 1], y: [-1, 1], z: [0, 1] };
+const LIMITS = { map: [0, 63], split: [0, 1], lock: [-1, 15], azimuth: [-180, 180], elevation: [3, 89],
+  distance: [-2, 5], exposure: [-4, 4], difference: [0, 1], x: [-1, 1], y: [-1, 1], z: [0, 1] };
 
 const byId = (id) => document.getElementById(id);
 const say = (text) => { byId("problem").textContent = text; byId("problem").hidden = text === ""; };
@@ -23,7 +23,7 @@ function viewOfHash(hash) {
     else if ((key === "left" || key === "right") && METHODS.some(([name]) => name === text)) view[key] = text;
     else if (key === "rule" && Object.hasOwn(ENGINE_RULES, text)) view.rule = text;
   }
-  view.lock = Math.round(view.lock);
+  for (const key of ["map", "lock"]) view[key] = Math.round(view[key]);
   return view;
 }
 
@@ -33,7 +33,7 @@ function hashOfView(view) {
   return changed.map((key) => `${key}=${text(view[key])}`).join("&");
 }
 
-function cameraOf(view) {
+function lookCamera(view) {
   const [a, e, d] = [view.azimuth * DEGREE, view.elevation * DEGREE, 2 ** view.distance];
   const back = [Math.sin(a) * Math.cos(e), -Math.cos(a) * Math.cos(e), Math.sin(e)];
   return { eye: TARGET.map((one, i) => one + d * back[i]), target: TARGET, back };
@@ -49,38 +49,89 @@ function raysOf({ back }, aspect) {
     ...back.map((one) => -one)];
 }
 
+/** World to clip space for the same camera, column by column. */
+function clipMatrix(camera, aspect) {
+  const rays = raysOf(camera, aspect), half = Math.tan(20 * DEGREE);
+  const rows = [rays.slice(0, 3).map((one) => one / (half * aspect)), rays.slice(3, 6).map((one) => one / half),
+    camera.back];
+  const toEye = new Float64Array(16);
+  rows.forEach((row, r) => row.forEach((one, c) => { toEye[4 * c + r] = one; }));
+  rows.forEach((row, r) => { toEye[12 + r] = -dot(row, camera.eye); });
+  toEye[15] = 1;
+  const far = Math.hypot(...camera.eye.map((one, i) => one - camera.target[i])) + 2 * MODEL_RADIUS, near = far / 1000;
+  const toClip = new Float64Array(16);
+  toClip.set([1 / (half * aspect), 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0,
+    2 * far * near / (near - far), 0]);
+  return multiplied(toClip, toEye);
+}
+
 class LookPage {
   constructor(data) {
     this.data = data;
     this.view = viewOfHash(location.hash);
-    byId("title").textContent = data.title;
-    byId("about").textContent = data.about;
-    document.title = data.title;
     const table = new Uint16Array(bytesOfBase64(data.ggxTable).buffer);
     this.gl = new LookGl(byId("canvas"), data.shaders, table);
-    const normals = parseKtx2(bytesOfBase64(data.normals));
-    this.setNormals(normals.width, normals.height, normals.levels[0]);
-    this.gl.setMaterial("export", exportedLevels(normals, parseKtx2(bytesOfBase64(data.roughness))));
-    this.setLobes(parseLobes(bytesOfBase64(data.lobes)));
+    this.dropped = null; // a map that was dropped
     this.addControls();
+    this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
     this.addPointers();
     this.addKeys();
-    this.addDrops();
+    this.drops = new Drops(this, byId("look-worker").textContent);
     byId("main").hidden = false;
     new ResizeObserver(() => this.change({})).observe(byId("stage"));
     this.change({});
   }
 
-  setNormals(width, height, rg) {
-    this.means = meanNormals(width, height, rg);
+  /** One of the page's maps; what is shown stays where it is damaged. */
+  showOwn(number) {
+    const map = this.data.maps[number];
+    const normals = parseKtx2(bytesOfBase64(map.normals));
+    this.show(map, normals.width, normals.height, normalsOfBytes(normals.levels[0]),
+      parseLobes(bytesOfBase64(map.lobes)), exportedLevels(normals, parseKtx2(bytesOfBase64(map.roughness))));
+    this.shown = number;
+    this.view.map = number;
+  }
+
+  /** A map that was dropped: decodeExr() of its file, its normals, title and about. It is the list's last. */
+  install(map) {
+    this.show(map, map.width, map.height, map.normals, map.file, null);
+    this.dropped = map;
+    this.shown = "dropped";
+    this.listMaps();
+  }
+
+  show({ title, about }, width, height, normals, file, exported) {
+    const means = meanNormals(width, height, normals);
+    this.checkFits(file, means);
+    this.setMeans(means);
+    this.setLobes(file);
+    if (exported === null) this.gl.removeMaterial("export");
+    else this.gl.setMaterial("export", exported);
+    // The one-lobe export is fitted by multum export, not here.
+    for (const id of ["left", "right"])
+      [...byId(id).options].find(({ value }) => value === "export").disabled = exported === null;
+    byId("lock").replaceChildren(...[[-1, "by distance"], ...means.map((_, level) => [level, `level ${level}`])].map(
+      ([value, text]) => new Option(text, value)));
+    byId("title").textContent = title;
+    byId("about").textContent = about;
+    document.title = title;
+  }
+
+  setNormals(width, height, normals) { this.setMeans(meanNormals(width, height, normals)); }
+
+  setMeans(means) {
+    this.means = means;
     this.gl.setMaterial("mip", ruledLevels(this.means, this.data.baseRoughness, (length, base) => base));
     this.ruled = null;
   }
 
-  setLobes(file) {
-    const [found, map] = [`${file.lobes.mapWidth} x ${file.lobes.mapHeight}`,
-      `${this.means[0].width} x ${this.means[0].height}`];
+  checkFits(file, means) {
+    const [found, map] = [`${file.lobes.mapWidth} x ${file.lobes.mapHeight}`, `${means[0].width} x ${means[0].height}`];
     if (found !== map) throw new Error(`found lobes of a map of ${found}, expected ${map}, as the normal map has`);
+  }
+
+  setLobes(file) {
+    this.checkFits(file, this.means);
     this.gl.setLobes(file, this.means);
     this.file = file;
   }
@@ -90,7 +141,10 @@ class LookPage {
     options("left", METHODS);
     options("right", METHODS);
     options("rule", Object.entries(ENGINE_RULES).map(([id, [name]]) => [id, name]));
-    options("lock", [[-1, "by distance"], ...this.means.map((_, level) => [level, `level ${level}`])]);
+    this.listMaps();
+    byId("shape").addEventListener("change", (event) => this.setModel(event.target.value === "plane" ? null
+      : this.model, byId("shape").options[1].text));
+    byId("map").addEventListener("change", (event) => this.choose(event.target.value));
     for (const id of ["left", "right", "rule"]) byId(id).addEventListener("change", (event) =>
       this.change({ [id]: event.target.value }));
     for (const id of ["split", "distance", "exposure"]) byId(id).addEventListener("input", (event) =>
@@ -100,7 +154,36 @@ class LookPage {
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
     addEventListener("hashchange", () =>
-      { if (location.hash.slice(1) !== hashOfView(this.view)) this.change(viewOfHash(location.hash)); });
+      { if (location.hash.slice(1) !== hashOfView(this.view)) this.take(viewOfHash(location.hash)); });
+  }
+
+  listMaps() {
+    const dropped = this.dropped === null ? [] : [["dropped", `${this.dropped.title} (dropped)`]];
+    const all = [...this.data.maps.map(({ title }, i) => [i, title]), ...dropped];
+    byId("map").replaceChildren(...all.map(([value, text]) => new Option(text, value)));
+    byId("map-label").hidden = all.length < 2;
+  }
+
+  /** readModel() of a file, which then can be chosen, or null for the plane. */
+  setModel(model, name) {
+    this.gl.setModel(model);
+    this.model = model ?? this.model;
+    byId("shape").replaceChildren(new Option("plane", "plane"), new Option(name, "model"));
+    byId("shape").value = model === null ? "plane" : "model";
+    byId("shape-label").hidden = false;
+    this.change({});
+  }
+
+  /** The number of one of the page's maps, or "dropped". */
+  choose(value) {
+    say("");
+    try {
+      if (value === "dropped") this.install(this.dropped);
+      else this.showOwn(Number(value));
+    } catch (error) {
+      say(`This map cannot be shown: ${error.message}`);
+    }
+    this.change({});
   }
 
   addPointers() {
@@ -164,38 +247,11 @@ class LookPage {
     });
   }
 
-  addDrops() {
-    addEventListener("dragover", (event) => event.preventDefault());
-    addEventListener("drop", async (event) => {
-      event.preventDefault();
-      for (const file of event.dataTransfer.files) await this.take(file);
-    });
-  }
-
-  /** A KTX2 of lobes, or a normal map as an image of the browser's. */
-  async take(file) {
-    try {
-      const bytes = new Uint8Array(await file.arrayBuffer());
-      if (bytes[1] === KTX2_IDENTIFIER[1] && bytes[2] === KTX2_IDENTIFIER[2]) this.setLobes(parseLobes(bytes));
-      else this.takeImage(await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
-      say("");
-    } catch (error) {
-      say(`${file.name}: ${error.message}`);
-    }
-    this.change({});
-  }
-
-  takeImage(image) {
-    const { width, height } = this.means[0];
-    if (image.width !== width || image.height !== height)
-      throw new Error(`found ${image.width} x ${image.height}, expected ${width} x ${height}, as the lobes have`);
-    const canvas = new OffscreenCanvas(width, height);
-    const context = canvas.getContext("2d");
-    context.drawImage(image, 0, 0);
-    const rgba = context.getImageData(0, 0, width, height).data;
-    this.setNormals(width, height,
-      Uint8Array.from({ length: 2 * width * height }, (_, i) => rgba[4 * (i >> 1) + (i & 1)]));
-    this.gl.setLobes(this.file, this.means);
+  /** The view of an address, whose map may be another. */
+  take(view) {
+    const number = clamp(view.map, [0, this.data.maps.length - 1]);
+    if (number !== this.view.map) this.choose(number);
+    this.change({ ...view, map: this.view.map });
   }
 
   /** Changes the view, and draws it with the next frame. */
@@ -204,6 +260,7 @@ class LookPage {
     view.azimuth = ((view.azimuth + 540) % 360) - 180;
     for (const [key, limits] of Object.entries(LIMITS)) view[key] = clamp(view[key], limits);
     view.lock = Math.min(view.lock, this.means.length - 1);
+    for (const id of ["left", "right"]) if (!this.gl.has(view[id])) view[id] = HOME[id];
     this.view = view;
     if (this.waiting !== undefined) return;
     this.waiting = new Promise((resolve) => requestAnimationFrame(() => {
@@ -215,10 +272,11 @@ class LookPage {
 
   scene() {
     const { view, data } = this;
-    const camera = cameraOf(view);
+    const camera = lookCamera(view);
     const [width, height] = this.gl.size;
     const size = Math.hypot(view.x, view.y, view.z);
-    return { rays: raysOf(camera, width / height), eye: camera.eye,
+    return { rays: raysOf(camera, width / height),
+      toClip: clipMatrix(camera, width / height), eye: camera.eye,
       light: [view.x / size, view.y / size, view.z / size], diffuse: data.diffuse, specular: data.specular, f0: data.f0,
       alpha: data.baseRoughness ** 2, lock: view.lock < 0 ? null : view.lock, exposure: 2 ** view.exposure,
       split: view.split, difference: view.difference !== 0 };
@@ -236,7 +294,7 @@ class LookPage {
     }
     const begin = performance.now();
     this.gl.draw(view.left, view.right, this.scene());
-    this.show();
+    this.showControls();
     this.timeFrame(begin);
     const hash = hashOfView(view);
     if (location.hash.slice(1) !== hash) history.replaceState(null, "", `#${hash}`);
@@ -259,10 +317,11 @@ class LookPage {
 
   nameOf(method) { return method === "rule" ? ENGINE_RULES[this.view.rule][0] : Object.fromEntries(METHODS)[method]; }
 
-  show() {
+  showControls() {
     const { view } = this;
     for (const id of ["left", "right", "rule", "split", "distance", "exposure", "lock"]) byId(id).value =
       String(view[id]);
+    byId("map").value = String(this.shown);
     byId("difference").checked = view.difference !== 0;
     byId("left-name").textContent = this.nameOf(view.left);
     byId("right-name").textContent = this.nameOf(view.right);
@@ -274,7 +333,8 @@ class LookPage {
   showFacts() {
     const megabytes = (method) => `${this.nameOf(method)} ${(this.gl.bytesOf(method) / 1e6).toFixed(2)} MB`;
     const size = `${this.means[0].width} x ${this.means[0].height}`;
-    byId("facts").textContent = `Map of ${size}, ${this.file.lobes.lobes.length} lobes. On the GPU: ` +
+    const count = this.file.lobes.lobes.length;
+    byId("facts").textContent = `Map of ${size}, ${count} ${count === 1 ? "lobe" : "lobes"}. On the GPU: ` +
       `${megabytes(this.view.left)}, ${megabytes(this.view.right)} (one normal: as BC5 and BC4). ` +
       `A frame of both takes ${this.frameMs === undefined ? "..." : this.frameMs.toFixed(1)} ms.`;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a plane by WebGL 2 with the shading that multum-view draws with (runtime_gl/shaders), lobes or one normal a
-// texel, each method into a texture; the screen shows one of them left and one right of a divider, or their difference.
+// Draws a plane, or a model with the map on it, by WebGL 2 with the shading that multum-view draws with
+// (runtime_gl/shaders), lobes or one normal a texel, each method into a texture; the screen shows one of them left and
+// one right of a divider, or their difference.
 const FILTER = { taps: 2, bias: -0.25 }; // docs/FILTER.md
 
 const SCREEN_VERTEX = `#version 300 es
@@ -31,6 +32,49 @@ void main() {
   for (int i = 0; i < footprint.tap_count; ++i)
     sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, position, v);
   o_colour = vec4(ray.z < 0.0 ? sum / float(footprint.tap_count) : vec3(0.0), 1.0);
+}`;
+
+const MODEL_VERTEX = `#version 300 es
+uniform mat4 u_to_clip;
+layout(location = 0) in vec3 a_position;
+layout(location = 1) in vec3 a_normal;
+layout(location = 2) in vec2 a_st;
+out vec3 v_position;
+out vec3 v_normal;
+out vec2 v_st;
+void main() {
+  v_position = a_position;
+  v_normal = a_normal;
+  v_st = a_st;
+  gl_Position = u_to_clip * vec4(a_position, 1.0);
+}`;
+
+// The tangent frame is that of the texture coordinates' derivatives (Schueler 2013, "Followup: Normal Mapping Without
+// Precomputed Tangents"), orthonormal; +Y of normal maps is where v shrinks.
+const MODEL_MAIN = `
+uniform vec3 u_eye;
+uniform float u_locked_level;  // as of the plane
+in vec3 v_position;
+in vec3 v_normal;
+in vec2 v_st;
+layout(location = 0) out vec4 o_colour;
+void main() {
+  vec3 n = normalize(gl_FrontFacing ? v_normal : -v_normal);
+  vec3 across = cross(dFdy(v_position), n), along = cross(n, dFdx(v_position));
+  vec2 st_x = dFdx(v_st), st_y = dFdy(v_st);
+  vec3 t = across * st_x.x + along * st_y.x, b = -(across * st_x.y + along * st_y.y);
+  t = normalize(t - n * dot(n, t) + vec3(1e-20, 0.0, 0.0));
+  vec3 up = cross(n, t);
+  mat3 to_world = mat3(t, dot(up, b) < 0.0 ? -up : up, n);
+  vec3 v = normalize(u_eye - v_position) * to_world;
+  MultumFootprint footprint = multum_surface_footprint(v_st);
+  if (u_locked_level > -100.0) footprint.level = u_locked_level;
+  MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
+  vec2 place = multum_first_tap(v_st, footprint);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < footprint.tap_count; ++i)
+    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, v_position, v);
+  o_colour = vec4(sum / float(footprint.tap_count), 1.0);
 }`;
 
 // One normal and roughness a texel, filtered as an engine does.
@@ -80,8 +124,8 @@ class LookGl {
     this.nothing = gl.createVertexArray();
     gl.bindVertexArray(this.nothing);
     this.screen = this.program(SCREEN_VERTEX, SCREEN_FRAGMENT);
-    this.oneNormal = this.program(SCREEN_VERTEX,
-      this.fragment(["MULTUM_ROUGHNESS_TEXTURE"], shaders.oneNormal, ONE_NORMAL));
+    this.model = null; // what is drawn instead of the plane: an array of vertices and their count
+    this.oneNormal = this.programs(["MULTUM_ROUGHNESS_TEXTURE"], shaders.oneNormal, ONE_NORMAL);
     this.ggxTable = this.texture(gl.TEXTURE_2D, gl.RGBA16F, { width: 32, height: 32 }, 1, gl.CLAMP_TO_EDGE, () =>
       gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 32, 32, gl.RGBA, gl.HALF_FLOAT, table));
     this.materials = new Map(); // { texture, bytes } by method
@@ -89,11 +133,38 @@ class LookGl {
     this.size = [0, 0];
   }
 
-  fragment(flags, texts, surface) {
+  /** Programs of the plane and, from when one is first drawn, of models. */
+  programs(flags, texts, surface) {
+    return { plane: this.program(SCREEN_VERTEX, this.fragment(flags, texts, surface, LOOK_MAIN)), model: null,
+      makeModel: () => this.program(MODEL_VERTEX, this.fragment(flags, texts, surface, MODEL_MAIN)) };
+  }
+
+  /** readModel() of a file, or null for the plane. */
+  setModel(model) {
+    const { gl } = this;
+    if (this.model !== null) {
+      gl.deleteVertexArray(this.model.array);
+      gl.deleteBuffer(this.model.buffer);
+    }
+    this.model = null;
+    if (model === null) return;
+    const array = gl.createVertexArray(), buffer = gl.createBuffer();
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, model.vertices, gl.STATIC_DRAW);
+    [[3, 0], [3, 12], [2, 24]].forEach(([size, offset], location) => {
+      gl.enableVertexAttribArray(location);
+      gl.vertexAttribPointer(location, size, gl.FLOAT, false, 32, offset);
+    });
+    gl.bindVertexArray(this.nothing);
+    this.model = { array, buffer, count: model.count };
+  }
+
+  fragment(flags, texts, surface, main) {
     const all = [`MULTUM_TAPS ${FILTER.taps}`, "MULTUM_SHADE_TAPS", "MULTUM_GGX", "MULTUM_VISIBILITY", "MULTUM_FRESNEL",
       "MULTUM_FRESNEL_DIFFUSE", "MULTUM_DIRECTIONAL_LIGHTS 1", ...flags];
     return `#version 300 es\nprecision highp float;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n` +
-      `${all.map((flag) => `#define ${flag}\n`).join("")}${texts}${surface}\n${this.shaders.lights}${LOOK_MAIN}`;
+      `${all.map((flag) => `#define ${flag}\n`).join("")}${texts}${surface}\n${this.shaders.lights}${main}`;
   }
 
   program(vertex, fragment) {
@@ -141,6 +212,11 @@ class LookGl {
       sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
   }
 
+  removeMaterial(method) {
+    this.gl.deleteTexture(this.materials.get(method)?.texture ?? null);
+    this.materials.delete(method);
+  }
+
   /** parseLobes() of a file; `normals`: mean normals of the finer levels. */
   setLobes(file, normals) {
     const { gl } = this;
@@ -160,14 +236,17 @@ class LookGl {
     const map = this.texture(gl.TEXTURE_2D, gl.RGBA16F, normals[0], file.lobes.firstLevel, gl.REPEAT, () =>
       normals.slice(0, file.lobes.firstLevel).forEach((level, l) =>
         gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.FLOAT, level.texels)));
-    const program = this.program(SCREEN_VERTEX, this.fragment([`MULTUM_LOBE_COUNT ${file.lobes.lobes.length}`,
-      `MULTUM_LOBE_LAYERS ${file.lobes.layersPerLobe}`, "MULTUM_NORMAL_MAP"], this.shaders.lobes, ""));
+    const programs = this.programs([`MULTUM_LOBE_COUNT ${file.lobes.lobes.length}`,
+      `MULTUM_LOBE_LAYERS ${file.lobes.layersPerLobe}`, "MULTUM_NORMAL_MAP"], this.shaders.lobes, "");
     for (const old of [this.lobes?.texture, this.lobes?.map]) gl.deleteTexture(old ?? null);
-    gl.deleteProgram(this.lobes?.program ?? null);
-    this.lobes = { texture, map, program, unpacking: file.unpacking, firstLevel: file.lobes.firstLevel,
+    for (const old of [this.lobes?.programs.plane, this.lobes?.programs.model]) gl.deleteProgram(old ?? null);
+    this.lobes = { texture, map, programs, unpacking: file.unpacking, firstLevel: file.lobes.firstLevel,
       bytes: file.levels.reduce((sum, level) => sum + level.length, 0) + texelBytes(VK_BC5, normals[0].width,
         normals[0].height) };
   }
+
+  /** Engines' rule is made when it is drawn. */
+  has(method) { return method !== "export" || this.materials.has(method); }
 
   bytesOf(method) { return method === "lobes" ? this.lobes.bytes : this.materials.get(method).bytes; }
 
@@ -175,6 +254,10 @@ class LookGl {
     const { gl } = this;
     if (this.size[0] === width && this.size[1] === height) return;
     for (const { texture, frame } of this.targets) { gl.deleteTexture(texture); gl.deleteFramebuffer(frame); }
+    gl.deleteRenderbuffer(this.depth ?? null);
+    this.depth = gl.createRenderbuffer(); // of both
+    gl.bindRenderbuffer(gl.RENDERBUFFER, this.depth);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
     this.targets = [0, 1].map(() => {
       const texture = gl.createTexture();
       gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -184,12 +267,13 @@ class LookGl {
       const frame = gl.createFramebuffer();
       gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.depth);
       return { texture, frame };
     });
     this.size = [width, height];
   }
 
-  /** `scene`: rays, eye, light, diffuse, specular, f0, alpha, lock (a level, or null), exposure,
+  /** `scene`: rays, toClip, eye, light, diffuse, specular, f0, alpha, lock (a level, or null), exposure,
     split (0..1). */
   draw(left, right, scene) {
     const { gl } = this;
@@ -222,13 +306,18 @@ class LookGl {
     const lobes = method === "lobes" ? this.lobes : null;
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
     gl.clearColor(0, 0, 0, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    const at = this.use(lobes ? lobes.program : this.oneNormal, lobes
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const programs = lobes ? lobes.programs : this.oneNormal;
+    const at = this.use(this.model === null ? programs.plane : programs.model ??= programs.makeModel(), lobes
       ? [["u_lobe_layers", gl.TEXTURE_2D_ARRAY, lobes.texture], ["u_normal_map", gl.TEXTURE_2D, lobes.map],
         ["u_ggx_lobe_table", gl.TEXTURE_2D, this.ggxTable]]
       : [["u_material", gl.TEXTURE_2D, this.materials.get(method).texture]]);
-    gl.uniformMatrix3fv(at("u_rays"), false, scene.rays);
-    gl.uniform2f(at("u_size"), ...this.size);
+    if (this.model === null) {
+      gl.uniformMatrix3fv(at("u_rays"), false, scene.rays);
+      gl.uniform2f(at("u_size"), ...this.size);
+    } else {
+      gl.uniformMatrix4fv(at("u_to_clip"), false, scene.toClip);
+    }
     gl.uniform3fv(at("u_eye"), scene.eye);
     gl.uniform3fv(at("u_light_directions"), scene.light);
     gl.uniform3fv(at("u_light_irradiances"), [Math.PI, Math.PI, Math.PI]);
@@ -238,6 +327,14 @@ class LookGl {
     gl.uniform1f(at("u_level_bias"), FILTER.bias);
     gl.uniform1f(at("u_locked_level"), scene.lock === null ? -1000 : scene.lock - (lobes?.firstLevel ?? 0));
     if (lobes) gl.uniform1fv(at("u_lobe_unpacking"), lobes.unpacking);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    if (this.model === null) {
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
+      return;
+    }
+    gl.bindVertexArray(this.model.array);
+    gl.enable(gl.DEPTH_TEST);
+    gl.drawArrays(gl.TRIANGLES, 0, this.model.count);
+    gl.disable(gl.DEPTH_TEST);
+    gl.bindVertexArray(this.nothing);
   }
 }

@@ -111,11 +111,14 @@ function halved({ width, height, texels }) {
   return { width: w, height: h, texels: out };
 }
 
-/** Mean normals (x, y, z, 1) of all levels from RG8 of level 0. */
-function meanNormals(width, height, rg) {
+/** x and y of normals that are RG8. */
+const normalsOfBytes = (rg) => Float32Array.from(rg, (one) => 2 * one / 255 - 1);
+
+/** Mean normals (x, y, z, 1) of all levels from x and y of level 0. */
+function meanNormals(width, height, normals) {
   const texels = new Float32Array(4 * width * height);
   for (let i = 0; i < width * height; ++i) {
-    const [x, y] = [2 * rg[2 * i] / 255 - 1, 2 * rg[2 * i + 1] / 255 - 1];
+    const [x, y] = [normals[2 * i], normals[2 * i + 1]];
     texels.set([x, y, Math.sqrt(Math.max(0, 1 - x * x - y * y)), 1], 4 * i);
   }
   const levels = [{ width, height, texels }];

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that are dropped onto the page, or opened by its button: what they are, and .ndf.exr decoded by a worker.
+const FILE_BYTES_MAX = 256e6;
+const DECODING_MS_MAX = 120000;
+const NORMALS_APART_MAX = 0.1; // root mean square of x and y: another map's are several times as far apart
+
+/** "exr", "ktx2", "glb" or "image", by a file's first bytes. */
+async function kindOf(file) {
+  const head = new Uint8Array(await file.slice(0, 12).arrayBuffer());
+  if (head[0] === 0x76 && head[1] === 0x2f && head[2] === 0x31) return "exr";
+  if (new TextDecoder().decode(head.subarray(0, 4)) === "glTF") return "glb";
+  return KTX2_IDENTIFIER[1] === head[1] && KTX2_IDENTIFIER[2] === head[2] ? "ktx2" : "image";
+}
+
+async function bytesOfFile(file) {
+  if (file.size > FILE_BYTES_MAX)
+    throw new Error(`found ${(file.size / 1e6).toFixed(0)} MB, expected at most ${FILE_BYTES_MAX / 1e6}`);
+  return new Uint8Array(await file.arrayBuffer());
+}
+
+/** What decodeExr() of `source`, the text of look_exr.js, gives of `bytes`; `progress` has done and total. */
+function decodeInWorker(source, bytes, progress) {
+  const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
+  const worker = new Worker(url);
+  let timer;
+  return new Promise((resolve, reject) => {
+    timer = setTimeout(() => reject(new Error(`is not decoded after ${DECODING_MS_MAX / 1000} s`)), DECODING_MS_MAX);
+    worker.onerror = (event) => reject(new Error(event.message ?? "its worker broke down"));
+    worker.onmessage = ({ data }) => {
+      if (data.error !== undefined) reject(new Error(data.error));
+      else if (data.decoded !== undefined) resolve(data.decoded);
+      else progress(data.done, data.total);
+    };
+    worker.postMessage(bytes, [bytes.buffer]);
+  }).finally(() => {
+    clearTimeout(timer);
+    worker.terminate();
+    URL.revokeObjectURL(url);
+  });
+}
+
+/** x and y of an image's red and green, +Y up. */
+function normalsOfImage(image) {
+  const { width, height } = image;
+  const context = new OffscreenCanvas(width, height).getContext("2d");
+  context.drawImage(image, 0, 0);
+  const rgba = context.getImageData(0, 0, width, height).data;
+  return normalsOfBytes(Uint8Array.from({ length: 2 * width * height }, (_, i) => rgba[4 * (i >> 1) + (i & 1)]));
+}
+
+/** How far the x and y of `level`, a level of meanNormals(), are from `means` (x, y), y times `sign`. */
+function normalsApart(level, means, sign) {
+  let sum = 0;
+  for (let i = 0; i < means.length / 2; ++i)
+    sum += (level.texels[4 * i] - means[2 * i]) ** 2 + (sign * level.texels[4 * i + 1] - means[2 * i + 1]) ** 2;
+  return Math.sqrt(sum / means.length);
+}
+
+/**
+ * The image's x and y, with green turned up where it is down: `means` are x and y of level `level` of the lobes. Throws
+ * where it is no map of theirs and `isStrict`.
+ */
+function matchingNormals(image, level, means, isStrict) {
+  const normals = normalsOfImage(image);
+  const averaged = meanNormals(image.width, image.height, normals)[level];
+  const [up, down] = [1, -1].map((sign) => normalsApart(averaged, means, sign));
+  if (isStrict && Math.min(up, down) > NORMALS_APART_MAX)
+    throw new Error(`found normals that are ${Math.min(up, down).toFixed(2)} from those of the lobes in the mean, ` +
+      `expected the map that they were baked from (at most ${NORMALS_APART_MAX})`);
+  if (down < up) for (let i = 1; i < normals.length; i += 2) normals[i] = -normals[i];
+  return normals;
+}
+
+/** Takes files for `page`, a LookPage: install(map), setNormals(), and say() of what was wrong. */
+class Drops {
+  constructor(page, workerSource) {
+    this.page = page;
+    this.workerSource = workerSource;
+    this.unfinished = null; // a decoded file that waits for its map
+    this.last = Promise.resolve(); // one file after another, whoever brings them
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      this.take(event.dataTransfer.files);
+    });
+    byId("open").addEventListener("change", (event) => {
+      this.take(event.target.files);
+      event.target.value = "";
+    });
+  }
+
+  /** Lobes come before maps: a map is looked at beside them. */
+  take(files) {
+    const list = [...files];
+    this.last = this.last.then(async () => {
+      const kinds = await Promise.all(list.map((file) => kindOf(file).catch(() => "image")));
+      const order = ["exr", "ktx2", "image", "glb"];
+      const sorted = list.map((file, i) => [file, kinds[i]]).sort((a, b) => order.indexOf(a[1]) - order.indexOf(b[1]));
+      say("");
+      for (const [file, kind] of sorted) await this.takeOne(file, kind);
+    });
+    return this.last;
+  }
+
+  async takeOne(file, kind) {
+    const reading = byId("reading");
+    reading.textContent = `Reading ${file.name} ...`;
+    try {
+      const progress = (share) => { reading.textContent = `Reading ${file.name}: ${share} %`; };
+      if (kind === "exr") await this.takeExr(file, progress);
+      else if (kind === "ktx2") this.page.setLobes(parseLobes(await bytesOfFile(file)));
+      else if (kind === "glb") await this.takeModel(file);
+      else this.takeImage(await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
+    } catch (error) {
+      say(`${file.name}: ${error.message}`);
+    }
+    reading.textContent = this.unfinished === null ? ""
+      : `${this.unfinished.title} leaves level 0 to its normal map: drop that too.`;
+    this.page.change({});
+  }
+
+  async takeExr(file, progress) {
+    const bytes = await bytesOfFile(file);
+    const decoded = await decodeInWorker(this.workerSource, bytes, (done, total) =>
+      progress(Math.floor((100 * done) / total)));
+    const map = { ...decoded, title: file.name, about: `${file.name}, decoded here` };
+    this.unfinished = decoded.normals === null ? map : null;
+    if (this.unfinished === null) this.page.install(map);
+  }
+
+  /** Drawn with its own normal map where that has the size of the lobes' map, else with the map that is shown. */
+  async takeModel(file) {
+    const model = readModel(await bytesOfFile(file), TARGET);
+    this.page.setModel(model, file.name);
+    this.page.change({ distance: Math.min(this.page.view.distance, MODEL_DISTANCE) });
+    if (model.image === null || this.unfinished !== null) return;
+    const image = await createImageBitmap(model.image, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+    const { width, height } = this.page.means[0];
+    if (image.width === width && image.height === height) this.takeImage(image);
+  }
+
+  takeImage(image) {
+    const { page, unfinished } = this;
+    const { width, height } = unfinished ?? page.means[0];
+    if (image.width !== width || image.height !== height)
+      throw new Error(`found ${image.width} x ${image.height}, expected ${width} x ${height}, as the lobes have`);
+    if (unfinished !== null) {
+      const { file, means } = unfinished;
+      page.install({ ...unfinished, normals: matchingNormals(image, file.lobes.firstLevel, means, true) });
+      this.unfinished = null;
+    } else {
+      const level = Math.min(3, page.means.length - 1), texels = page.means[level].texels;
+      const means = Float32Array.from({ length: texels.length / 2 }, (_, i) => texels[4 * (i >> 1) + (i & 1)]);
+      page.setNormals(width, height, matchingNormals(image, level, means, false));
+      page.gl.setLobes(page.file, page.means);
+    }
+  }
+}

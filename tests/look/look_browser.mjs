@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What tests of the page of multum look share: programs in a folder of their own, headless Chromium, open pages. Ends
+// with exit code 77, skipped, where something is not there.
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+
+const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
+
+export async function startLook(bin) {
+  const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium",
+    "/usr/local/bin/chromium"].find(existsSync);
+  if (executablePath === undefined) skip("no Chromium (Debian package chromium)");
+  if (!existsSync(path.join(bin, "multum-view"))) skip("no multum-view was built");
+  const { chromium } = await import("../service/web/node_modules/playwright-core/index.mjs").catch(() =>
+    skip("no playwright-core: tools/install_dependencies test"));
+  const folder = mkdtempSync(path.join(os.tmpdir(), "multum-look-"));
+  const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new",
+    "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+  const complaints = []; // errors of pages, and requests to others
+  const inFolder = (name) => path.join(folder, name);
+  return {
+    inFolder,
+    complaints,
+    run: (program, ...words) => execFileSync(path.join(bin, program), words, { cwd: folder, encoding: "utf8",
+      stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, DISPLAY: ":99" } }),
+    open: async (file, hash = "", { width = 344, height = 700, ...more } = {}) => {
+      const page = await (await browser.newContext({ viewport: { width, height }, ...more })).newPage();
+      page.setDefaultTimeout(60000);
+      page.on("pageerror", (error) => complaints.push(String(error)));
+      page.on("request", (request) =>
+        { if (!/^(data|blob|file):/.test(request.url())) complaints.push(request.url()); });
+      await page.goto(pathToFileURL(inFolder(file)).href + hash);
+      await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);
+      return page;
+    },
+    end: async () => {
+      await browser.close();
+      rmSync(folder, { recursive: true, force: true });
+    },
+  };
+}
+
+export const settled = (page) => page.evaluate(() => new Promise((resolve) =>
+  requestAnimationFrame(() => requestAnimationFrame(resolve))));
+export const viewOf = (page) => page.evaluate(() => ({ ...globalThis.multumLook.view }));
+export const pixelsOf = (page) => page.evaluate(() => document.getElementById("canvas").toDataURL());
+
+/** What the page says of files that are dropped onto it, [name, bytes] each. */
+export const drop = (page, ...files) => page.evaluate(async (list) => {
+  await globalThis.multumLook.drops.take(list.map(([name, base64]) =>
+    new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name)));
+  return document.getElementById("problem").textContent;
+}, files.map(([name, bytes]) => [name, bytes.toString("base64")]));
