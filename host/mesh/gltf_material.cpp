@@ -87,8 +87,10 @@ class MaterialReader {
     made.metallic_roughness = read_texture(surface, "metallicRoughnessTexture", name);
     made.normal = read_texture(material, "normalTexture", name);
     if (made.normal) made.normal_scale = material.at("normalTexture").value("scale", 1.0f);
+    if (material.contains("extensions") && material.at("extensions").contains("KHR_materials_anisotropy"))
+      made.anisotropy = material.at("extensions").at("KHR_materials_anisotropy").value("anisotropyStrength", 0.0f);
     for (const float value :
-         {made.base_colour.r, made.base_colour.g, made.base_colour.b, made.metallic, made.roughness})
+         {made.base_colour.r, made.base_colour.g, made.base_colour.b, made.metallic, made.roughness, made.anisotropy})
       if (!(value >= 0.0f && value <= 1.0f))
         refuse(fmt::format("material '{}' has a factor of {}, expected 0 to 1", name, value));
     if (!std::isfinite(made.normal_scale))

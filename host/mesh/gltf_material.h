@@ -24,6 +24,7 @@ struct GltfMaterial {
   float metallic = 1.0f;
   float roughness = 1.0f;
   float normal_scale = 1.0f;  // of the normal texture's x and y
+  float anisotropy = 0.0f;    // strength, 0..1 (KHR_materials_anisotropy)
   std::optional<GltfTexture> normal;
   std::optional<GltfTexture> colour;              // base colour
   std::optional<GltfTexture> metallic_roughness;  // listed; not used

@@ -114,7 +114,14 @@ class Model {
       : picture_(options.picture), scenes_(scenes), materials_(materials) {
     files_ = parse_materials(options.materials);
     std::set<std::string> names;
-    for (const GltfMaterial& material : materials.materials) names.insert(material.name);
+    for (const GltfMaterial& material : materials.materials) {
+      names.insert(material.name);
+      if (material.anisotropy > 0.0f && picture_.material.brdfs.empty())
+        throw Error(ErrorCode::kInput,
+                    fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected "
+                                "materials of roughness alone, which lobes are shaded with; --brdf takes another",
+                                picture_.surface.mesh, material.name, material.anisotropy));
+    }
     for (const auto& [name, file] : files_)
       if (names.count(name) == 0)
         throw Error(ErrorCode::kUsage, fmt::format("--material '{}': {} has no such material, expected one of: {}",

@@ -102,6 +102,31 @@ TEST_F(ViewCommandTest, HelpShowsNoOldSpelling) {
     EXPECT_EQ(help.find(std::string("\n  ") + old + " "), std::string::npos) << old;
 }
 
+// A triangle of one material; `extension`: of it, what glTF has under "extensions".
+std::string model_of_material(const std::string& extension) {
+  return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"NORMAL":0},"material":0}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":"data:;base64,)"
+         R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],)"
+         R"("materials":[{"name":"brushed","extensions":{)" +
+         extension + "}}]}";
+}
+
+TEST_F(ViewCommandTest, ModelsOfAnisotropicMaterialsAreRefused) {
+  const auto draw = [&](const std::string& extension) {
+    testing::write_bytes(path("model.gltf"), model_of_material(extension));
+    return run({"model", path("model.gltf"), "-o", path("a.png"), "--size", "16x12"});
+  };
+  const ChildResult refused = draw(R"("KHR_materials_anisotropy":{"anisotropyStrength":0.5})");
+  EXPECT_EQ(refused.exit_code, exit_code(ErrorCode::kInput));
+  testing::expect_says(refused.output, {"model.gltf", "brushed", "KHR_materials_anisotropy", "0.5", "--brdf"});
+  for (const char* extension : {"", R"("KHR_materials_anisotropy":{"anisotropyRotation":1})"}) {
+    const ChildResult drawn = draw(extension);
+    EXPECT_EQ(drawn.exit_code, 0) << drawn.output;
+  }
+}
+
 TEST_F(ViewCommandTest, APlanIsDrawnAsItsOptionsAre) {
   write_plan();
   const std::string picture = path("a.exr");
