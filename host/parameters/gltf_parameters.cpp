@@ -35,6 +35,12 @@ std::vector<Parameter> gltf_rows() {
            .default_text = "where Node.js looks for packages",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
+          {.name = "lobes",
+           .help = "put the lobes of normals beside the new textures, in the extension MULTUM_lobes, which "
+                   "@multum/three draws; other viewers draw the new textures",
+           .group = kStorageGroup,
+           .excludes = {"anisotropy"},
+           .surfaces = kOnCommandLine},
           lobe_anisotropy_parameter(kOnCommandLine),
           fast_lobe_parameter(kOnCommandLine)};
 }

@@ -324,7 +324,7 @@ class ShadingLanguagesTest(unittest.TestCase):
         for number, name in enumerate(("common/texture_filter.glsl", "surface/lobes.glsl"), start=1):
             self.assertEqual(json.loads(fetching[number]), (shaders / name).read_text())
         self.assertEqual((self.path / "three" / "multum_lobes.js").read_text(), text)
-        numbers = text[text.index("Uint16Array([") + len("Uint16Array(["):text.index("])")]
+        numbers = re.search(r"Uint16Array\(\[([\d,]*)\]\)", text)[1]
         self.assertEqual(tuple(map(int, numbers.split(","))), self.halves)
 
     def test_what_cannot_be_translated_is_refused(self):
