@@ -19,8 +19,16 @@ function materialsOf(model) {
   return [...found];
 }
 
+const loaded = new Map(); // promises, for all views of a page
+
+function load(model) {
+  const key = JSON.stringify(model);
+  if (!loaded.has(key)) loaded.set(key, loadAnew(model));
+  return loaded.get(key);
+}
+
 /** `lobes`: by the plugin; `unfiltered`: its maps of normals and of the surface have no mips. */
-async function load({ url, lobes = false, unfiltered = false }) {
+async function loadAnew({ url, lobes = false, unfiltered = false }) {
   const loader = new GLTFLoader().setKTX2Loader(ktx2);
   if (lobes) loader.register((parser) => new GltfLobes(parser, renderer));
   const gltf = await loader.loadAsync(url);
@@ -62,10 +70,13 @@ function drawn(scene, camera, width, height, samples) {
   return made;
 }
 
-/** The mean of `frames` x `frames` pictures, each shifted by a part of a pixel: temporal antialiasing. */
-function settled(scene, camera, width, height, frames) {
+/**
+ * The mean of `frames` x `frames` pictures, each shifted by a part of a pixel, as temporal antialiasing has them; each
+ * with `edges` samples of edges.
+ */
+function settled(scene, camera, width, height, frames, edges) {
   const made = new Float32Array(4 * width * height), halves = new Uint16Array(made.length);
-  const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType });
+  const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType, samples: edges });
   renderer.setRenderTarget(target);
   for (let frame = 0; frame < frames ** 2; ++frame) {
     const shift = (k) => (k + 0.5) / frames - 0.5;
@@ -134,9 +145,10 @@ function framed(model, { direction, distance, ...view }) {
 }
 
 /**
- * `models`: [{ url, lobes }], the first the one whose unfiltered samples are the reference. `view`: { eye, target,
- * angle, width, height, samples, frames, light, intensity, room, crop, zoom }, or direction and distance in place of
- * eye, target, crop and zoom. Returns { models: [{ error, energy }], strip }, the reference first in the strip.
+ * `models`: [{ url, lobes }], the first the one whose unfiltered samples are the reference. `asked`: { eye, target,
+ * angle, width, height, samples, frames, edges, light, intensity, room, crop, zoom }, or direction and distance in
+ * place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom, strip }, the reference first
+ * in the strip; `lobed`: how many materials draw lobes.
  */
 async function pictures(models, asked) {
   const unfiltered = await load({ ...models[0], unfiltered: true });
@@ -154,23 +166,13 @@ async function pictures(models, asked) {
     scene.environmentIntensity = view.room;
     return scene;
   };
-  const leave = (gltf) => {
-    gltf.scene.traverse(({ geometry, material }) => {
-      geometry?.dispose();
-      for (const value of Object.values(material ?? {})) if (value?.isTexture) value.dispose();
-      material?.dispose();
-    });
-    for (const lobes of gltf.userData.lobes ?? []) lobes.dispose();
-  };
   const reference = drawn(sceneOf(unfiltered.scene), camera, width, height, view.samples);
   const shown = [reference], found = [];
-  leave(unfiltered);
   for (const model of models) {
     const gltf = await load(model);
     const lobed = materialsOf(gltf.scene).filter((material) => lobesOf(material) !== null).length;
-    shown.push(settled(sceneOf(gltf.scene), camera, width, height, view.frames));
+    shown.push(settled(sceneOf(gltf.scene), camera, width, height, view.frames, view.edges));
     found.push({ ...compared(shown.at(-1), reference), lobed });
-    leave(gltf);
   }
   const error = renderer.getContext().getError();
   if (error !== 0) throw new Error(`GL error ${error}`);

@@ -173,7 +173,7 @@ class GltfLobesTest(unittest.TestCase):
         """Far away lobes are nearer to many samples a pixel than one lobe is, and both than plain mips."""
         run = self.run_gltf("in.glb", "mips.glb", "--lobes")
         self.assertEqual(run.returncode, 0, run.stderr)
-        view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1,
+        view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,
                 "light": [1, 0.6, 1.5], "intensity": 3, "room": 0, "crop": [0, 0, 64, 64], "zoom": 4}
         eye = [0.3, 0.2, 1]
         plan = {"models": [{"file": "in.glb"}, {"file": "mips.glb"}, {"file": "mips.glb", "lobes": True}],
