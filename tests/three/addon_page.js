@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What addon_test.mjs asks of a page: scenes that three.js draws with @multum/three, as linear floats.
 import * as THREE from "three";
-import { addLobes, LobeLoader, lobesOf, removeLobes } from "@multum/three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { addLobes, GltfLobes, LobeLoader, lobesOf, removeLobes } from "@multum/three";
 
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 renderer.shadowMap.enabled = true;
@@ -90,6 +91,26 @@ function sceneOf(material, ...objects) {
   return scene;
 }
 
+/** A model of one triangle by GLTFLoader with the plugin: the glTF's `more`, and the files of its views in base64. */
+async function loadModel(material, more, views) {
+  const bytes = views.map((one) => Uint8Array.from(atob(one), (c) => c.charCodeAt(0)));
+  const corners = new Uint8Array(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
+  const all = [corners, ...bytes], offsets = all.map((_, i) => all.slice(0, i).reduce((sum, one) =>
+    sum + 4 * Math.ceil(one.length / 4), 0));
+  const binary = new Uint8Array(offsets.at(-1) + all.at(-1).length);
+  all.forEach((one, i) => binary.set(one, offsets[i]));
+  const uri = URL.createObjectURL(new Blob([binary]));
+  const json = { asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0, NORMAL: 0, TEXCOORD_0: 1 }, material: 0 }] }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [0, 0, 0], max: [1, 1, 0] },
+      { bufferView: 0, componentType: 5126, count: 3, type: "VEC2" }],
+    buffers: [{ uri, byteLength: binary.length }],
+    bufferViews: all.map(({ length }, i) => ({ buffer: 0, byteOffset: offsets[i], byteLength: length })),
+    materials: [material], extensionsUsed: ["MULTUM_lobes"], ...more };
+  const loader = new GLTFLoader().register((parser) => new GltfLobes(parser, renderer));
+  return loader.parseAsync(JSON.stringify(json), "");
+}
+
 /** Relative L1: sum of |picture - reference| over sum of the reference, and the ratio of their sums. */
 function compared(picture, reference) {
   let [difference, all, wanted] = [0, 0, 0];
@@ -141,5 +162,5 @@ async function png(pixels, width, height) {
   return btoa(text);
 }
 
-globalThis.lab = { THREE, renderer, addLobes, LobeLoader, lobesOf, removeLobes, loadLobes, loadNormals, drawn, cameraAt,
-  VIEWS, surface, directional, sceneOf, planeGeometry, compared, beside, png };
+globalThis.lab = { THREE, renderer, addLobes, LobeLoader, lobesOf, removeLobes, loadLobes, loadModel, loadNormals, drawn,
+  cameraAt, VIEWS, surface, directional, sceneOf, planeGeometry, compared, beside, png };

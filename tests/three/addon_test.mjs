@@ -414,6 +414,38 @@ async function refusesMaterials(page) {
   for (const [name, words] of Object.entries(expected)) assert.match(found[name], words, name);
 }
 
+/** MULTUM_lobes, whole and damaged. */
+async function loadsModels(page, complaints) {
+  const views = ["map_normal.png", "map.ktx2"].map((name) => readFileSync(inFolder(name)).toString("base64"));
+  const load = (extension, top, material = {}) => inPage(page, async ([views, extension, top, material]) => {
+    const { lab } = globalThis;
+    const dressed = { normalTexture: { index: 0 }, pbrMetallicRoughness: { roughnessFactor: 0.9 }, ...material,
+      extensions: { MULTUM_lobes: extension, ...material.extensions } };
+    const more = { images: [{ bufferView: 1, mimeType: "image/png" }], textures: [{ source: 0 }],
+      extensions: { MULTUM_lobes: top } };
+    try {
+      const gltf = await lab.loadModel(dressed, more, views);
+      const drawn = gltf.scene.getObjectByProperty("isMesh", true).material;
+      return { lobed: lab.lobesOf(drawn) !== null, roughness: drawn.roughness, count: gltf.userData.lobes.length };
+    } catch (error) {
+      return { error: error.message };
+    }
+  }, [views, extension, top, material]);
+  const top = { lobes: [{ bufferView: 2, mimeType: "image/ktx2" }] };
+  assert.deepEqual(await load({ lobes: 0, roughnessFactor: 0.25 }, top), { lobed: true, roughness: 0.25, count: 1 });
+  assert.match((await load({ lobes: 5 }, top)).error, /lobes 5, expected the index/);
+  assert.match((await load({}, top)).error, /lobes undefined, expected the index/);
+  assert.match((await load({ lobes: 0 }, { lobes: [{ bufferView: 9 }] })).error, /lobes 0, expected the index/);
+  assert.match((await load({ lobes: 0 }, { lobes: 7 })).error, /lobes 0, expected the index/);
+  const picture = await load({ lobes: 0 }, { lobes: [{ bufferView: 1 }] });
+  assert.match(picture.error, /^MULTUM_lobes, lobes 0: found a file/);
+  assert.deepEqual(complaints, []);
+  const sheen = { extensions: { KHR_materials_sheen: { sheenColorFactor: [1, 1, 1] } } };
+  const kept = await load({ lobes: 0, roughnessFactor: 0.25 }, top, sheen);
+  assert.deepEqual(kept, { lobed: false, roughness: 0.9, count: 1 });
+  assert.match(complaints.pop(), /found sheen 1, expected 0.*without lobes/);
+}
+
 function checkPackage() {
   const facts = JSON.parse(readFileSync(inFolder("shaders/three/package.json"), "utf8"));
   assert.equal(facts.name, "@multum/three");
@@ -438,6 +470,7 @@ try {
     await part(page);
     assert.deepEqual(complaints, []);
   }
+  await loadsModels(page, complaints);
   await refusesMaterials(page);
   await refusesBrokenFiles(page);
   console.log(`${Math.round(process.uptime())} s`);
