@@ -162,5 +162,5 @@ async function png(pixels, width, height) {
   return btoa(text);
 }
 
-globalThis.lab = { THREE, renderer, addLobes, LobeLoader, lobesOf, removeLobes, loadLobes, loadModel, loadNormals, drawn,
-  cameraAt, VIEWS, surface, directional, sceneOf, planeGeometry, compared, beside, png };
+globalThis.lab = { THREE, renderer, addLobes, LobeLoader, lobesOf, removeLobes, loadLobes, loadModel, loadNormals,
+  drawn, cameraAt, VIEWS, surface, directional, sceneOf, planeGeometry, compared, beside, png };
