@@ -12,6 +12,8 @@ namespace {
 using Kind = ParameterKind;
 
 std::vector<Parameter> gltf_rows() {
+  Parameter anisotropy = lobe_anisotropy_parameter(kOnCommandLine);
+  anisotropy.excludes = {"lobes"};
   return {{.name = "format",
            .kind = Kind::kChoice,
            .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
@@ -41,7 +43,7 @@ std::vector<Parameter> gltf_rows() {
            .group = kStorageGroup,
            .excludes = {"anisotropy"},
            .surfaces = kOnCommandLine},
-          lobe_anisotropy_parameter(kOnCommandLine),
+          std::move(anisotropy),
           fast_lobe_parameter(kOnCommandLine)};
 }
 
