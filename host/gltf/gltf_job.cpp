@@ -17,6 +17,7 @@
 #include "host/base/stopwatch.h"
 #include "host/gltf/gltf_rewrite.h"
 #include "host/gltf/source_fit.h"
+#include "host/gltf/source_lobes.h"
 #include "host/mesh/gltf_document.h"
 
 namespace multum {
@@ -138,10 +139,11 @@ class GltfConversion {
   std::vector<SourceTextures> make_textures(const GltfAsset& asset, const std::vector<PreparedSource>& prepared) {
     std::uint64_t units = 0;
     for (const PreparedSource& source : prepared)
-      if (source.kept.empty()) units += (source.source.is_anisotropic ? 4 : 3) * source.texel_count();
+      if (source.kept.empty())
+        units += ((source.source.is_anisotropic ? 4u : 3u) + (job_.has_lobes ? 1u : 0u)) * source.texel_count();
     progress_start(progress_, units);
     std::vector<SourceTextures> made;
-    double fit_seconds = 0.0, encode_seconds = 0.0;
+    double fit_seconds = 0.0, encode_seconds = 0.0, lobe_seconds = 0.0;
     for (const PreparedSource& source : prepared) {
       made.emplace_back();
       if (!source.kept.empty()) continue;
@@ -154,9 +156,17 @@ class GltfConversion {
       made.back().surface = encode(fitted.surface, source, "metallic_roughness");
       if (source.source.is_anisotropic) made.back().anisotropy = encode(fitted.anisotropy, source, "anisotropy");
       encode_seconds += stopwatch_.lap();
+      if (!job_.has_lobes) continue;
+      progress_stage(progress_, "lobes");
+      made.back().lobes =
+          encode_source_lobes(device_, asset, source, report_.textures.size() - 1, fit_settings(), progress_);
+      report_.textures.back().bytes["lobes"] = made.back().lobes->byte_count;
+      progress_advance(progress_, source.texel_count());
+      lobe_seconds += stopwatch_.lap();
     }
     report_.seconds.emplace_back("fit", fit_seconds);
     report_.seconds.emplace_back("encode", encode_seconds);
+    if (job_.has_lobes) report_.seconds.emplace_back("lobes", lobe_seconds);
     return made;
   }
 
@@ -202,6 +212,7 @@ std::string GltfReport::to_json(const GltfJob& job) const {
                                  {"output", job.output},
                                  {"format", format_name(job.format)},
                                  {"anisotropy", job.is_anisotropic},
+                                 {"lobes", job.has_lobes},
                                  {"fast", job.is_fast},
                                  {"bytes_before", bytes_before},
                                  {"bytes_after", bytes_after},

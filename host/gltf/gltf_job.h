@@ -21,6 +21,7 @@ struct GltfJob {
   std::string report;  // JSON; empty: none
   GltfTextureFormat format = GltfTextureFormat::kUastc;
   bool is_anisotropic = false;
+  bool has_lobes = false;  // beside the fitted textures, in MULTUM_lobes
   bool is_fast = false;
   int uastc_effort = 1;
   std::string encoder;                                    // UastcSettings::encoder
@@ -38,7 +39,7 @@ struct GltfReport {
   /// Of materials that have the same.
   struct Textures {
     int width = 0, height = 0, level_count = 0;
-    std::map<std::string, std::uint64_t> bytes;  // "normal", "metallic_roughness", "anisotropy"
+    std::map<std::string, std::uint64_t> bytes;  // "normal", "metallic_roughness", "anisotropy", "lobes"
   };
   std::vector<Material> materials;
   std::vector<Textures> textures;

@@ -30,6 +30,7 @@ struct TextureRequest {
   ImageKey image;
 };
 
+constexpr const char* kLobesExtension = "MULTUM_lobes";
 constexpr int kLinearMipmapLinear = 9987, kLinearFilter = 9729;  // GL's
 
 class GltfRewriter {
@@ -65,8 +66,10 @@ class GltfRewriter {
     const MaterialPlan& plan = plan_.materials[number];
     const LobeSource& source = plan_.sources[plan.source];
     const SourceTextures& textures = sources_[plan.source];
+    const std::size_t lobes = textures.lobes ? lobes_of(plan.source) : 0;  // before materials: what it makes moves them
     GltfJson& material = made_.json["materials"][number];
     const GltfJson::json_pointer place("/materials/" + std::to_string(number));
+    if (textures.lobes) material["extensions"][kLobesExtension] = lobes_object(material, lobes);
     GltfJson& normal = material["normalTexture"];
     const auto normal_texture = normal.at("index").get<std::size_t>();
     if (source.normal_scale != 1.0) normal.erase("scale");
@@ -81,8 +84,9 @@ class GltfRewriter {
       surface.erase("roughnessFactor");
       const bool had_one = surface.contains("metallicRoughnessTexture");
       if (!had_one) surface["metallicRoughnessTexture"] = beside;
+      // Lobes go with the roughness that there was before, so its texture stays.
       request(place / "pbrMetallicRoughness" / "metallicRoughnessTexture",
-              surface["metallicRoughnessTexture"].at("index").get<std::size_t>(), had_one,
+              surface["metallicRoughnessTexture"].at("index").get<std::size_t>(), had_one && !textures.lobes,
               {plan.source, TextureRole::kSurface});
     }
     if (source.has_occlusion)
@@ -93,6 +97,29 @@ class GltfRewriter {
       request(place / "extensions" / "KHR_materials_anisotropy" / "anisotropyTexture", normal_texture, false,
               {plan.source, TextureRole::kAnisotropy});
     }
+  }
+
+  // The index of a source's lobes in the extension's array.
+  std::size_t lobes_of(std::size_t source) {
+    if (const auto found = lobes_.find(source); found != lobes_.end()) return found->second;
+    const std::size_t view = array("bufferViews").size();
+    array("bufferViews").push_back(GltfJson::object());
+    const EncodedTexture& texture = *sources_[source].lobes;
+    made_.contents.emplace(view, ViewContent{"", texture.file, texture.byte_count});
+    GltfJson& all = made_.json["extensions"][kLobesExtension]["lobes"];
+    if (!all.is_array()) all = GltfJson::array();
+    all.push_back({{"bufferView", view}, {"mimeType", texture.type}});
+    return lobes_[source] = all.size() - 1;
+  }
+
+  // Roughness as the material has it, before it is fitted.
+  static GltfJson lobes_object(const GltfJson& material, std::size_t lobes) {
+    GltfJson made = {{"lobes", lobes}};
+    const auto surface = material.find("pbrMetallicRoughness");
+    if (surface == material.end()) return made;
+    for (const char* name : {"roughnessFactor", "metallicRoughnessTexture"})
+      if (surface->contains(name)) made[name] = surface->at(name);
+    return made;
   }
 
   void request(const GltfJson::json_pointer& info, std::size_t old_texture, bool replaces, const ImageKey& image) {
@@ -248,6 +275,7 @@ class GltfRewriter {
         for (const char* list : {"extensionsUsed", "extensionsRequired"}) declare(list, "KHR_texture_basisu");
       if (key.role == TextureRole::kAnisotropy) declare("extensionsUsed", "KHR_materials_anisotropy");
     }
+    if (!lobes_.empty()) declare("extensionsUsed", kLobesExtension);
   }
 
   const GltfAsset& asset_;
@@ -260,6 +288,7 @@ class GltfRewriter {
   std::map<std::size_t, ImageKey> new_textures_;  // by index
   std::map<std::size_t, std::size_t> instead_;    // of an old texture, the first
   std::set<std::size_t> renewed_images_;
+  std::map<std::size_t, std::size_t> lobes_;  // by source, where they are in the extension's array
 };
 
 }  // namespace

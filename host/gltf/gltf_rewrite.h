@@ -16,6 +16,7 @@ namespace multum {
 /// Of a LobeSource.
 struct SourceTextures {
   std::optional<EncodedTexture> normal, surface, anisotropy;
+  std::optional<EncodedTexture> lobes;  // for MULTUM_lobes
 };
 
 struct RewrittenGltf {

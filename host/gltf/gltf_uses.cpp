@@ -35,7 +35,8 @@ constexpr std::string_view kKnownExtensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_lights_punctual",
                                                  "KHR_animation_pointer",
                                                  "KHR_node_visibility",
-                                                 "KHR_xmp_json_ld"};
+                                                 "KHR_xmp_json_ld",
+                                                 "MULTUM_lobes"};
 
 bool is_known(std::string_view name) {
   for (const std::string_view known : kKnownExtensions)

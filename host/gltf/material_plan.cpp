@@ -159,6 +159,7 @@ class Planner {
     for (const char* name : {"KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_materials_anisotropy"})
       if (extension_of(material, name) != nullptr)
         return fmt::format("{} says otherwise what its surface reflects", name);
+    if (extension_of(material, "MULTUM_lobes") != nullptr) return "it has lobes already (MULTUM_lobes)";
     static const GltfJson kNone = GltfJson::object();
     const GltfJson* found = object_at(material, "pbrMetallicRoughness");
     const GltfJson& surface = found == nullptr ? kNone : *found;

@@ -29,20 +29,6 @@ SpillPolicy spill_of(const SourceFitSettings& settings) {
   return {settings.folder, static_cast<std::int64_t>(settings.memory_bytes / 4)};
 }
 
-// What readers say of a file in the folder is said of the image that it was.
-template <typename Body>
-auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file, const Body& body) {
-  try {
-    return body();
-  } catch (const Error& error) {
-    std::string message = error.what();
-    const std::string name = fmt::format("{}: image {}", asset.path, image);
-    if (const std::size_t at = message.find(file); at != std::string::npos) message.replace(at, file.size(), name);
-    else message = name + ": " + message;
-    throw Error(error.code(), message);
-  }
-}
-
 std::string extracted(const GltfAsset& asset, std::size_t image, const std::string& folder) {
   const std::string bytes = read_gltf_image(asset, image).bytes, type = gltf_image_type(bytes);
   const std::string file = fmt::format("{}/image_{}.{}", folder, image, type.substr(type.find('/') + 1));
@@ -96,18 +82,9 @@ PlaneStore read_surface(const std::string& file, const LobeSource& source, bool 
 PlaneStore read_normals(const GltfAsset& asset, const PreparedSource& prepared, const SourceFitSettings& settings,
                         Progress* progress) {
   const LobeSource& source = prepared.source;
-  NormalMapSettings reading;  // all that glTF says of a normal texture
-  reading.bump_format = BumpFormat::kNormal;
-  reading.green = GreenAxis::kUp;
-  reading.is_signed = false;
-  reading.two_channel = false;
-  reading.normal_scale = static_cast<float>(source.normal_scale);
-  reading.wrap_s = source.wrap_s;
-  reading.wrap_t = source.wrap_t;
-  reading.wrap_s_origin = reading.wrap_t_origin = WrapOrigin::kSaid;
-  reading.repair_share_max = 1.0f;  // a renderer draws any; what was repaired is warned of
   NormalMapRows map = of_image(asset, source.normal_image, prepared.normal_file, [&] {
-    return read_normal_map_rows(prepared.normal_file, reading, spill_of(settings), settings.threads, progress);
+    return read_normal_map_rows(prepared.normal_file, gltf_normal_reading(source), spill_of(settings), settings.threads,
+                                progress);
   });
   for (const std::string& warning : map.report.warnings)
     log_warning(fmt::format("{}: image {}: {}", asset.path, source.normal_image, warning));
@@ -183,6 +160,20 @@ class LevelSink : public MaterialSink {
 int rounded_up(int side, int multiple) { return (side + multiple - 1) / multiple * multiple; }
 
 }  // namespace
+
+NormalMapSettings gltf_normal_reading(const LobeSource& source) {
+  NormalMapSettings reading;
+  reading.bump_format = BumpFormat::kNormal;
+  reading.green = GreenAxis::kUp;
+  reading.is_signed = false;
+  reading.two_channel = false;
+  reading.normal_scale = static_cast<float>(source.normal_scale);
+  reading.wrap_s = source.wrap_s;
+  reading.wrap_t = source.wrap_t;
+  reading.wrap_s_origin = reading.wrap_t_origin = WrapOrigin::kSaid;
+  reading.repair_share_max = 1.0f;  // a renderer draws any; what was repaired is warned of
+  return reading;
+}
 
 PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings) {
   PreparedSource made;

@@ -3,15 +3,19 @@
 // every level (host/export/one_lobe_fit.h).
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "host/base/error.h"
 #include "host/base/progress.h"
 #include "host/export/one_lobe_fit.h"
 #include "host/gltf/level_file.h"
 #include "host/gltf/material_plan.h"
+#include "host/image/normals/normal_map.h"
 #include "host/opencl/device.h"
 
 namespace multum {
@@ -34,6 +38,23 @@ struct PreparedSource {
 
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
 };
+
+/// Runs `body`; what it says of `file`, which an image was written to, is said of the image.
+template <typename Body>
+auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file, const Body& body) {
+  try {
+    return body();
+  } catch (const Error& error) {
+    std::string message = error.what();
+    const std::string name = fmt::format("{}: image {}", asset.path, image);
+    if (const std::size_t at = message.find(file); at != std::string::npos) message.replace(at, file.size(), name);
+    else message = name + ": " + message;
+    throw Error(error.code(), message);
+  }
+}
+
+/// All that glTF says of a normal texture.
+NormalMapSettings gltf_normal_reading(const LobeSource& source);
 
 /// Writes the images into the folder and looks at their sizes. Throws Error(kInput) naming the image, kEnvironment.
 PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings);

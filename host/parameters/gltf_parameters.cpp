@@ -12,6 +12,8 @@ namespace {
 using Kind = ParameterKind;
 
 std::vector<Parameter> gltf_rows() {
+  Parameter anisotropy = lobe_anisotropy_parameter(kOnCommandLine);
+  anisotropy.excludes = {"lobes"};
   return {{.name = "format",
            .kind = Kind::kChoice,
            .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
@@ -35,7 +37,13 @@ std::vector<Parameter> gltf_rows() {
            .default_text = "where Node.js looks for packages",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
-          lobe_anisotropy_parameter(kOnCommandLine),
+          {.name = "lobes",
+           .help = "put the lobes of normals beside the new textures, in the extension MULTUM_lobes, which "
+                   "@multum/three draws; other viewers draw the new textures",
+           .group = kStorageGroup,
+           .excludes = {"anisotropy"},
+           .surfaces = kOnCommandLine},
+          std::move(anisotropy),
           fast_lobe_parameter(kOnCommandLine)};
 }
 

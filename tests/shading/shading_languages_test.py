@@ -317,9 +317,14 @@ class ShadingLanguagesTest(unittest.TestCase):
 
     def test_javascript_module_holds_the_same(self):
         text = self.text("js")
-        glsl = json.loads(text[text.index('lobesGlsl = "') + len("lobesGlsl = "):text.index(";\nexport const ggxLobe")])
+        glsl = json.loads(re.search(r'lobesGlsl = (".*");\n', text)[1])
         self.assertEqual(glsl, self.text("glsl"))
-        numbers = text[text.index("Uint16Array([") + len("Uint16Array(["):text.index("])")]
+        fetching = re.search(r'lobeTextureGlsl = (".*") \+\n  (".*");\n', text)
+        shaders = HERE.parents[1] / "runtime_gl" / "shaders"
+        for number, name in enumerate(("common/texture_filter.glsl", "surface/lobes.glsl"), start=1):
+            self.assertEqual(json.loads(fetching[number]), (shaders / name).read_text())
+        self.assertEqual((self.path / "three" / "multum_lobes.js").read_text(), text)
+        numbers = re.search(r"Uint16Array\(\[([\d,]*)\]\)", text)[1]
         self.assertEqual(tuple(map(int, numbers.split(","))), self.halves)
 
     def test_what_cannot_be_translated_is_refused(self):

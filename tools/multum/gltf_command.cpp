@@ -31,6 +31,7 @@ int run_gltf(GltfOptions& o) {
   o.job.uastc_effort = values.integer("uastc_effort").value_or(o.job.uastc_effort);
   o.job.encoder = values.text("encoder").value_or("");
   o.job.is_anisotropic = values.flag("anisotropy");
+  o.job.has_lobes = values.flag("lobes");
   o.job.is_fast = values.flag("fast");
   if (const auto bytes = values.bytes("memory")) o.job.memory_bytes = static_cast<std::uint64_t>(*bytes);
   o.job.report = values.text("report").value_or("");
@@ -62,6 +63,7 @@ void add_gltf_command(CLI::App& app, int* exit_code) {
       app.add_subcommand("gltf",
                          "give a model's normal and roughness textures fitted mips, all else as it is (docs/GLTF.md)\n"
                          "  multum gltf helmet.glb -o helmet_mips.glb\n"
+                         "  multum gltf helmet.glb --lobes -o helmet_lobes.glb\n"
                          "  multum gltf scene/scene.gltf -o scene.glb --format rgba8 --report scene.json");
   command->add_option("input", o.job.input, "model to read: *.glb, or *.gltf with the files that it names")->required();
   command->add_option("-o,--output", o.job.output, "model to write: *.glb")->required();

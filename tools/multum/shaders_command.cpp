@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum shaders: the shading of lobes for engines, a file a language, with the table that GGX takes.
+// multum shaders: the shading of lobes for engines, a file a language, with the table that GGX takes, and the npm
+// package @multum/three.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -9,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/brdf/ggx_lobe.h"
 #include "host/export/texture_file.h"
@@ -23,17 +25,23 @@ struct ShadersOptions {
   std::string folder;
 };
 
+std::string json_string(std::string_view text) { return nlohmann::json(std::string(text)).dump(); }
+
 /// A module for three.js and whoever else takes GLSL as a string.
 std::string javascript_module() {
+  const auto& fetching = lobe_texture_shaders();
   std::string numbers;
   for (const std::uint16_t half : ggx_lobe_table()) numbers += fmt::format("{}{}", numbers.empty() ? "" : ",", half);
   return fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n"
-      "// Shading of multum's lobes for three.js, and the table that GGX takes: halves, RGBA, linear filter, clamped.\n"
+      "// Shading of multum's lobes for three.js, how textures of multum export --lobes are fetched, and the table "
+      "that\n"
+      "// GGX takes: halves, RGBA, linear filter, clamped.\n"
       "export const lobesGlsl = {};\n"
+      "export const lobeTextureGlsl = {} +\n  {};\n"
       "export const ggxLobeTable = {{ width: {}, height: {}, data: new Uint16Array([{}]) }};\n",
-      nlohmann::json(std::string(shading_files().at("multum_lobes.glsl"))).dump(), kGgxLobeTableSide, kGgxLobeTableSide,
-      numbers);
+      json_string(shading_files().at("multum_lobes.glsl")), json_string(fetching.at("common/texture_filter.glsl")),
+      json_string(fetching.at("surface/lobes.glsl")), kGgxLobeTableSide, kGgxLobeTableSide, numbers);
 }
 
 void write_table(const std::string& path) {
@@ -44,19 +52,17 @@ void write_table(const std::string& path) {
 
 int run_shaders(const ShadersOptions& o) {
   apply(o.common);
-  const std::filesystem::path folder(o.folder);
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (!std::filesystem::is_directory(folder))
-    throw Error(ErrorCode::kEnvironment,
-                std::filesystem::exists(folder)
-                    ? o.folder + ": is a file, expected a folder"
-                    : fmt::format("{}: the folder cannot be made: {}", o.folder, failure.message()));
+  const std::filesystem::path folder(o.folder), package = folder / "three";
+  make_folder(package.string());
   for (const auto& [name, text] : shading_files()) write_text_file((folder / name).string(), text);
-  write_text_file((folder / "multum_lobes.js").string(), javascript_module());
+  for (const auto& [name, text] : three_package_files()) write_text_file((package / name).string(), text);
+  for (const std::filesystem::path& place : {folder, package})
+    write_text_file((place / "multum_lobes.js").string(), javascript_module());
   write_table((folder / "ggx_lobe_table.ktx2").string());
   if (o.common.quiet) return 0;
-  print_shown(stdout, "%s: written: multum_lobes in GLSL, HLSL, Metal, WGSL and JavaScript, ggx_lobe_table.ktx2\n",
+  print_shown(stdout,
+              "%s: written: multum_lobes in GLSL, HLSL, Metal, WGSL and JavaScript, ggx_lobe_table.ktx2, and in three "
+              "the npm package @multum/three\n",
               o.folder.c_str());
   return 0;
 }
@@ -66,7 +72,9 @@ int run_shaders(const ShadersOptions& o) {
 void add_shaders_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ShadersOptions>();
   CLI::App* command = app.add_subcommand(
-      "shaders", "the shading of lobes for engines, in GLSL, HLSL, Metal, WGSL and JavaScript (docs/INTEGRATION.md)");
+      "shaders",
+      "the shading of lobes for engines, in GLSL, HLSL, Metal, WGSL and JavaScript, and @multum/three for three.js "
+      "(docs/INTEGRATION.md)");
   command->add_option("-o,--output", options->folder, "folder to write to")->required();
   add_common_options(*command, options->common);
   command->callback([options, exit_code] { *exit_code = run_shaders(*options); });

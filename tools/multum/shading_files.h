@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shading of lobes in other languages, as tools/shading_languages.py writes it when the project is built.
+// Files that `multum shaders` writes, as they were when the project was built.
 #pragma once
 
 #include <map>
@@ -8,7 +8,13 @@
 
 namespace multum {
 
-/// By file name.
+/// The shading of lobes in every language, of tools/shading_languages.py, by file name.
 const std::map<std::string, std::string_view>& shading_files();
+
+/// GLSL that fetches lobes from textures of `multum export --lobes`, by path in runtime_gl/shaders.
+const std::map<std::string, std::string_view>& lobe_texture_shaders();
+
+/// The npm package @multum/three without multum_lobes.js, by file name.
+const std::map<std::string, std::string_view>& three_package_files();
 
 }  // namespace multum

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The extension MULTUM_lobes, `multum gltf IN.glb --lobes -o OUT.glb` (docs/GLTF.md), for three.js's GLTFLoader.
+import { addLobes } from "./lobe_material.js";
+import { LobeLoader } from "./lobe_texture.js";
+
+const NAME = "MULTUM_lobes";
+
+/**
+ * A plugin of GLTFLoader that has a model's materials draw its lobes.
+ *
+ *     loader.register((parser) => new GltfLobes(parser, renderer));
+ *
+ * What GLTFLoader returns has the LobeTextures in `userData.lobes`, to be disposed of with the model. `options` are
+ * addLobes()'s. A damaged extension makes the loading fail; a material that cannot have lobes keeps its own textures,
+ * with a warning on the console.
+ */
+export class GltfLobes {
+  constructor(parser, renderer, options = {}) {
+    this.name = NAME;
+    this.parser = parser;
+    this.options = options;
+    this.loader = new LobeLoader().detectSupport(renderer);
+  }
+
+  async afterRoot(result) {
+    const { json } = this.parser, all = json.extensions?.[NAME]?.lobes ?? [];
+    const textures = new Map(); // promises by index
+    const lobesAt = (index) => {
+      if (!textures.has(index)) textures.set(index, this.lobes(all, index));
+      return textures.get(index);
+    };
+    const materials = new Map(); // extension's objects; GLTFLoader draws with clones of its materials where it must
+    for (const scene of result.scenes)
+      scene.traverse(({ material }) => {
+        const index = this.parser.associations.get(material)?.materials;
+        const extension = json.materials?.[index]?.extensions?.[NAME];
+        if (extension !== undefined) materials.set(material, extension);
+      });
+    const loaded = await Promise.allSettled([...materials.values()].map(({ lobes }) => lobesAt(lobes)));
+    const failed = loaded.find(({ status }) => status === "rejected");
+    if (failed !== undefined) {
+      for (const { value } of loaded) value?.dispose();
+      throw failed.reason;
+    }
+    for (const [material, extension] of materials)
+      await this.dress(material, extension, await lobesAt(extension.lobes));
+    result.userData.lobes = await Promise.all(textures.values());
+  }
+
+  async lobes(all, index) {
+    const view = Array.isArray(all) ? all[index]?.bufferView : undefined;
+    if (!Number.isInteger(view) || this.parser.json.bufferViews?.[view] === undefined)
+      throw new Error(`${NAME}: found a material of lobes ${index}, expected the index of an object with a bufferView`);
+    return this.loader.parse(await this.parser.getDependency("bufferView", view), `${NAME}, lobes ${index}`);
+  }
+
+  async dress(material, extension, lobes) {
+    try {
+      addLobes(material, lobes, this.options);
+    } catch (error) {
+      console.warn(`${NAME}: ${error.message}; it is drawn without lobes`);
+      return;
+    }
+    // The roughness of the surface itself; the material's has the normals' in it.
+    material.roughness = extension.roughnessFactor ?? 1;
+    material.roughnessMap = null;
+    if (extension.metallicRoughnessTexture !== undefined)
+      await this.parser.assignTexture(material, "roughnessMap", extension.metallicRoughnessTexture);
+  }
+}

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lobe textures, `multum export NAME.ndf.exr --lobes -o NAME.ktx2` (docs/FORMAT.md, "Lobes for GPUs"), for three.js.
+// Its KTX2Loader makes textures of one layer of such formats, so the file is read by the reader that it has inside.
+import { ClampToEdgeWrapping, CompressedArrayTexture, DataTexture, FileLoader, HalfFloatType, LinearFilter,
+  LinearMipmapLinearFilter, Loader, LoaderUtils, MirroredRepeatWrapping, RED_GREEN_RGTC2_Format, RepeatWrapping,
+  RGBAFormat, UnsignedByteType } from "three";
+import { KHR_SUPERCOMPRESSION_NONE, KHR_SUPERCOMPRESSION_ZSTD, read, VK_FORMAT_BC5_UNORM_BLOCK,
+  VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM } from "three/addons/libs/ktx-parse.module.js";
+import { ZSTDDecoder } from "three/addons/libs/zstddec.module.js";
+import { ggxLobeTable } from "./multum_lobes.js";
+
+const SIDE_MAX = 16384, LOBES_MAX = 8;
+const BYTES_OF_TEXEL = { [VK_FORMAT_R8G8B8A8_UNORM]: 4, [VK_FORMAT_R16G16B16A16_SFLOAT]: 8 };
+// Beyond a black border FORMAT.md allows a clamp.
+const WRAPPING = { periodic: RepeatWrapping, clamp: ClampToEdgeWrapping, mirror: MirroredRepeatWrapping,
+  black: ClampToEdgeWrapping };
+
+const levelSize = (side, level) => Math.max(1, side >> level);
+const isWhole = (value, low, high) => Number.isInteger(value) && value >= low && value <= high;
+
+function levelBytes(format, width, height) {
+  if (format === VK_FORMAT_BC5_UNORM_BLOCK) return 16 * Math.ceil(width / 4) * Math.ceil(height / 4);
+  return width * height * BYTES_OF_TEXEL[format];
+}
+
+/** The table of GGX over lobes, shared by all lobe textures and gone with the last of them. */
+const sharedTable = {
+  texture: null,
+  users: 0,
+  take() {
+    if (this.users++ === 0) {
+      const { width, height, data } = ggxLobeTable;
+      this.texture = new DataTexture(data, width, height, RGBAFormat, HalfFloatType);
+      this.texture.minFilter = this.texture.magFilter = LinearFilter;
+      this.texture.needsUpdate = true;
+    }
+    return this.texture;
+  },
+  giveBack() {
+    if (--this.users > 0) return;
+    this.texture.dispose();
+    this.texture = null;
+  },
+};
+
+/** Lobes on the GPU, for any number of materials. */
+export class LobeTexture {
+  /** `facts`: the JSON of the file's key multumLobes, checked. */
+  constructor(texture, facts, layersPerLobe) {
+    this.texture = texture;
+    this.facts = facts;
+    this.lobeCount = facts.lobes.length;
+    this.layersPerLobe = layersPerLobe;
+    this.firstLevel = facts.firstLevel;
+    this.unpacking = new Float32Array(facts.lobes.flatMap((one) => [...one.columns.flat(), ...one.offset]));
+    this.ggxTable = sharedTable.take();
+  }
+
+  /** Bytes on the GPU, without the table's 8 KB. */
+  get byteCount() { return this.texture.mipmaps.reduce((sum, { data }) => sum + data.byteLength, 0); }
+
+  /** Materials that have it must be disposed of before, or given others. */
+  dispose() {
+    if (this.ggxTable === null) return;
+    this.texture.dispose();
+    sharedTable.giveBack();
+    this.ggxTable = null;
+  }
+}
+
+function factsOf(container, refuse) {
+  const text = container.keyValue.multumLobes;
+  if (text === undefined) refuse("no key multumLobes", "a KTX2 file of multum export --lobes");
+  let facts;
+  try {
+    facts = JSON.parse(typeof text === "string" ? text : new TextDecoder().decode(text).replace(/\0+$/, ""));
+  } catch (error) {
+    refuse(`a key multumLobes that is not JSON (${error.message})`, "that of the export");
+  }
+  if (facts?.version !== 1) refuse(`version ${facts?.version} of multumLobes`, "1: is this package older than multum?");
+  const isVector = (one) => Array.isArray(one) && one.length === 4 && one.every(Number.isFinite);
+  const isLobe = (one) => Array.isArray(one?.columns) && one.columns.length === 4 && one.columns.every(isVector) &&
+    isVector(one.offset);
+  if (!Array.isArray(facts.lobes) || !isWhole(facts.lobes.length, 1, LOBES_MAX) || !facts.lobes.every(isLobe))
+    refuse("lobes without their four columns and an offset", `1 to ${LOBES_MAX} with them`);
+  if (!isWhole(facts.firstLevel, 1, 14) || !(facts.wrapS in WRAPPING) || !(facts.wrapT in WRAPPING))
+    refuse(`first level ${facts.firstLevel}, wrap modes ${facts.wrapS} and ${facts.wrapT}`, "those of the export");
+  const { pixelWidth, pixelHeight, layerCount, vkFormat } = container;
+  const found = `${pixelWidth} x ${pixelHeight} texels in ${layerCount} layers`;
+  const sides = [facts.mapWidth, facts.mapHeight];
+  if (!sides.every((side) => isWhole(side, 1, 2 * SIDE_MAX)) ||
+      pixelWidth !== levelSize(facts.mapWidth, facts.firstLevel) ||
+      pixelHeight !== levelSize(facts.mapHeight, facts.firstLevel))
+    refuse(found, `level ${facts.firstLevel} of a map of ${sides.join(" x ")}`);
+  const layers = (vkFormat === VK_FORMAT_BC5_UNORM_BLOCK ? 2 : 1) * facts.lobes.length;
+  if (layerCount !== layers) refuse(found, `${layers} layers for ${facts.lobes.length} lobes`);
+  return facts;
+}
+
+function checkShape({ vkFormat, pixelWidth, pixelHeight, pixelDepth, faceCount, levels }, refuse) {
+  if (vkFormat !== VK_FORMAT_BC5_UNORM_BLOCK && !(vkFormat in BYTES_OF_TEXEL))
+    refuse(`VkFormat ${vkFormat}`, "141 (BC5), 37 (RGBA8) or 97 (RGBA16F)");
+  if (!isWhole(pixelWidth, 1, SIDE_MAX) || !isWhole(pixelHeight, 1, SIDE_MAX) || pixelDepth !== 0 || faceCount !== 1)
+    refuse(`${pixelWidth} x ${pixelHeight} x ${pixelDepth} texels, ${faceCount} faces`,
+      `a 2D texture with sides of at most ${SIDE_MAX}`);
+  const most = 1 + Math.floor(Math.log2(Math.max(pixelWidth, pixelHeight)));
+  if (!isWhole(levels.length, 1, most)) refuse(`${levels.length} levels`, `1 to ${most}`);
+}
+
+/** The bytes of each level, which have the length that the format asks for. */
+async function levelsOf(container, refuse) {
+  const { levels, supercompressionScheme, vkFormat, pixelWidth, pixelHeight, layerCount } = container;
+  let zstd = null;
+  if (supercompressionScheme === KHR_SUPERCOMPRESSION_ZSTD) {
+    zstd = new ZSTDDecoder();
+    await zstd.init();
+  } else if (supercompressionScheme !== KHR_SUPERCOMPRESSION_NONE) {
+    refuse(`supercompression ${supercompressionScheme}`, "none or Zstandard");
+  }
+  return levels.map(({ levelData, uncompressedByteLength }, level) => {
+    const [width, height] = [levelSize(pixelWidth, level), levelSize(pixelHeight, level)];
+    const expected = layerCount * levelBytes(vkFormat, width, height);
+    const lengthOf = (length) => {
+      if (length !== expected) refuse(`${length} bytes of level ${level}`, `${expected}`);
+    };
+    lengthOf(zstd ? uncompressedByteLength : levelData.byteLength);
+    const data = zstd ? zstd.decode(levelData, expected) : levelData;
+    lengthOf(data.byteLength);
+    return { data, width, height };
+  });
+}
+
+/** A block of BC4 into every fourth byte of `out` from `at`, rows of `stride` bytes, up to the edge. */
+function decodeBc4(block, out, at, stride, columns, rows) {
+  const [first, last] = block;
+  const steps = first > last ? 7 : 5;
+  const palette = [first, last];
+  for (let step = 1; step < steps; ++step) palette.push(Math.round(((steps - step) * first + step * last) / steps));
+  if (steps === 5) palette.push(0, 255);
+  for (let texel = 0; texel < 16; ++texel) {
+    const bit = 16 + 3 * texel, byte = bit >> 3;
+    const index = ((block[byte] | (block[byte + 1] ?? 0) << 8) >> (bit & 7)) & 7;
+    const [x, y] = [texel & 3, texel >> 2];
+    if (x < columns && y < rows) out[at + y * stride + 4 * x] = palette[index];
+  }
+}
+
+/** Two layers of BC5 a lobe as one of RGBA8, for GPUs without EXT_texture_compression_rgtc. */
+function decodedLevel({ data, width, height }, layerCount) {
+  const out = new Uint8Array(2 * width * height * layerCount);
+  const [columns, rows] = [Math.ceil(width / 4), Math.ceil(height / 4)];
+  for (let layer = 0; layer < layerCount; ++layer)
+    for (let row = 0; row < rows; ++row)
+      for (let column = 0; column < columns; ++column)
+        for (let channel = 0; channel < 2; ++channel) {
+          const from = 8 * (channel + 2 * (column + columns * (row + rows * layer)));
+          const to = 4 * (4 * column + width * (4 * row + height * (layer >> 1))) + 2 * (layer & 1) + channel;
+          decodeBc4(data.subarray(from, from + 8), out, to, 4 * width, width - 4 * column, height - 4 * row);
+        }
+  return { data: out, width, height };
+}
+
+function textureOf(levels, { vkFormat, layerCount }, facts, decodesBlocks) {
+  const isBlocks = vkFormat === VK_FORMAT_BC5_UNORM_BLOCK && !decodesBlocks;
+  const isHalf = vkFormat === VK_FORMAT_R16G16B16A16_SFLOAT;
+  const mipmaps = isHalf ? levels.map(({ data, ...size }) => ({ data: new Uint16Array(data.slice().buffer), ...size }))
+    : decodesBlocks ? levels.map((level) => decodedLevel(level, layerCount)) : levels;
+  const texture = new CompressedArrayTexture(mipmaps, mipmaps[0].width, mipmaps[0].height,
+    decodesBlocks ? layerCount / 2 : layerCount, isBlocks ? RED_GREEN_RGTC2_Format : RGBAFormat,
+    isHalf ? HalfFloatType : UnsignedByteType);
+  texture.minFilter = mipmaps.length > 1 ? LinearMipmapLinearFilter : LinearFilter;
+  texture.magFilter = LinearFilter;
+  texture.wrapS = WRAPPING[facts.wrapS];
+  texture.wrapT = WRAPPING[facts.wrapT];
+  texture.generateMipmaps = false;
+  texture.unpackAlignment = 1;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/**
+ * Loads lobe textures: `load`, `loadAsync` and `parse` as three.js's other loaders have them, of LobeTexture.
+ *
+ *     const lobes = await new LobeLoader().detectSupport(renderer).loadAsync("bricks.ktx2");
+ */
+export class LobeLoader extends Loader {
+  constructor(manager) {
+    super(manager);
+    this.hasBlocks = false; // without detectSupport(): BC5 is decoded, which draws everywhere and takes twice the bytes
+  }
+
+  detectSupport(renderer) {
+    this.hasBlocks = renderer.extensions.has("EXT_texture_compression_rgtc");
+    return this;
+  }
+
+  load(url, onLoad, onProgress, onError) {
+    const loader = new FileLoader(this.manager);
+    loader.setPath(this.path).setResponseType("arraybuffer").setRequestHeader(this.requestHeader)
+      .setWithCredentials(this.withCredentials);
+    const fail = (error) => {
+      if (onError) onError(error);
+      else console.error(error);
+      this.manager.itemError(url);
+    };
+    loader.load(url, (buffer) => this.parse(buffer, LoaderUtils.resolveURL(url, this.path)).then(onLoad, fail),
+      onProgress, fail);
+  }
+
+  /** Of a file's bytes, `name` for what is said of it. Rejects with an Error: what was found, what was expected. */
+  async parse(buffer, name = "lobe texture") {
+    const refuse = (found, expected) => { throw new Error(`${name}: found ${found}, expected ${expected}`); };
+    // Readers of KTX2 trust that an array's buffer ends with it.
+    const bytes = ArrayBuffer.isView(buffer) ? new Uint8Array(buffer).slice() : new Uint8Array(buffer);
+    let container;
+    try {
+      container = read(bytes);
+    } catch (error) {
+      refuse(`a file that cannot be read (${error.message})`, "a whole KTX2 file of multum export --lobes");
+    }
+    checkShape(container, refuse);
+    const facts = factsOf(container, refuse);
+    const levels = await levelsOf(container, refuse).catch((error) => {
+      if (error.message.startsWith(name)) throw error;
+      refuse(`levels that cannot be decompressed (${error.message})`, "them as the export wrote them");
+    });
+    const isBc5 = container.vkFormat === VK_FORMAT_BC5_UNORM_BLOCK, decodes = isBc5 && !this.hasBlocks;
+    return new LobeTexture(textureOf(levels, container, facts, decodes), facts, isBc5 && !decodes ? 2 : 1);
+  }
+}

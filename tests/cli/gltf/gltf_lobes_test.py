@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`multum gltf --lobes`: what MULTUM_lobes says of materials (docs/GLTF.md, "Lobes"), what stays as it was, and what
+gltf-validator, three.js and @multum/three make of it.
+
+  gltf_lobes_test.py MULTUM [unittest's arguments]
+"""
+import copy
+import json
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from gltf_readers_test import MODULES, ridges
+from gltf_test import CLAMP, LINEAR, MIPMAPPED, REPEAT, packed, plain_model
+from model_writing import Glb, Model, bumps, png
+
+MULTUM = ""
+USAGE = 2
+HERE = pathlib.Path(__file__).resolve().parent
+BC5, ZSTANDARD = 141, 2
+NAME = "MULTUM_lobes"
+
+
+def key_of(data):
+    """The form of a KTX2 file, its layers, and the JSON of its key multumLobes."""
+    assert data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
+    form, _, _, _, _, layers, _, _, scheme = struct.unpack("<9I", data[12:48])
+    at, length = struct.unpack("<2I", data[56:64])
+    text = data[at:at + length]
+    begin = text.index(b"multumLobes\0") + len(b"multumLobes\0")
+    size, = struct.unpack("<I", text[begin - 16:begin - 12])
+    return form, layers, scheme, json.loads(text[begin:begin + size - 12].rstrip(b"\0"))
+
+
+class GltfLobesTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="multum_gltf_")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def run_gltf(self, source, output, *arguments, form="rgba8"):
+        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output), "--format", form,
+                               "--report", self.path("report.json"), *arguments],
+                              capture_output=True, text=True, check=False, timeout=300)
+
+    def convert(self, model, *arguments, output="out.glb", form="rgba8"):
+        with open(self.path("in.glb"), "wb") as file:
+            file.write(model.glb())
+        run = self.run_gltf("in.glb", output, *arguments, form=form)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return Glb(self.read(output)), json.loads(self.read("report.json"))
+
+    def lobes_of(self, after, index):
+        entry = after.json["extensions"][NAME]["lobes"][index]
+        self.assertEqual(entry["mimeType"], "image/ktx2")
+        return after.view(entry["bufferView"])
+
+    def test_lobes_lie_beside_the_fitted_textures(self):
+        model = plain_model(normal=bumps(32, 16), roughnessFactor=0.5)
+        model.json["materials"][0]["occlusionTexture"] = {"index": 1}
+        model.json["materials"][0]["normalTexture"]["scale"] = 0.5
+        before = copy.deepcopy(model.json)
+        plain, _ = self.convert(model, output="plain.glb")
+        after, report = self.convert(model, "--lobes")
+        self.assertIn(NAME, after.json["extensionsUsed"])
+        self.assertNotIn(NAME, after.json["extensionsRequired"])
+        extension = after.json["materials"][0]["extensions"][NAME]
+        self.assertEqual(extension, {"lobes": 0, "roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 1}})
+        # The surface's own roughness is the image that was there, where it was.
+        self.assertEqual(after.json["textures"][1], before["textures"][1])
+        self.assertEqual(after.image(1), packed(16, 8))
+        form, layers, scheme, key = key_of(self.lobes_of(after, 0))
+        self.assertEqual((form, layers, scheme), (BC5, 8, ZSTANDARD))
+        self.assertEqual((key["mapWidth"], key["mapHeight"], key["firstLevel"]), (32, 16, 1))
+        self.assertEqual((key["wrapS"], key["wrapT"], len(key["lobes"])), ("periodic", "periodic", 4))
+        self.assertEqual(report["textures"][0]["bytes"]["lobes"], len(self.lobes_of(after, 0)))
+        self.assertTrue(report["lobes"])
+        # Without the extension it is what it would be without --lobes.
+        here, there = after.json["materials"][0], plain.json["materials"][0]
+        self.assertEqual(set(here) - set(there), {"extensions"})
+        for place in (("normalTexture",), ("pbrMetallicRoughness", "metallicRoughnessTexture"), ("occlusionTexture",)):
+            one, other = here, there
+            for name in place:
+                one, other = one[name], other[name]
+            self.assertEqual(after.image(one["index"]), plain.image(other["index"]), place)
+            self.assertNotIn("scale", one)
+        self.assertNotIn("roughnessFactor", here["pbrMetallicRoughness"])
+
+    def test_roughness_by_a_factor_and_shared_lobes(self):
+        model = Model()
+        model.square()
+        sampler = model.sampler(magFilter=LINEAR, minFilter=MIPMAPPED, wrapS=REPEAT, wrapT=CLAMP)
+        image = model.image(bumps(16, 16))
+        one, other = (model.texture(image, sampler=sampler) for _ in range(2))
+        transform = {"KHR_texture_transform": {"scale": [4, 4]}}
+        model.material(normalTexture={"index": one, "extensions": transform},
+                       pbrMetallicRoughness={"roughnessFactor": 0.3})
+        model.material(normalTexture={"index": other}, pbrMetallicRoughness={"roughnessFactor": 0.3})
+        model.material(normalTexture={"index": other}, pbrMetallicRoughness={"roughnessFactor": 0.7})
+        model.material(name="smooth", pbrMetallicRoughness={"roughnessFactor": 0.7})
+        after, report = self.convert(model, "--lobes")
+        materials = after.json["materials"]
+        extensions = [material.get("extensions", {}).get(NAME) for material in materials]
+        self.assertEqual(extensions, [{"lobes": 0, "roughnessFactor": 0.3}, {"lobes": 0, "roughnessFactor": 0.3},
+                                      {"lobes": 1, "roughnessFactor": 0.7}, None])
+        self.assertEqual(len(report["textures"]), 2)
+        self.assertEqual(key_of(self.lobes_of(after, 1))[3]["wrapT"], "clamp")
+        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map; roughness is not in it
+
+    def test_models_that_have_lobes_stay(self):
+        self.convert(plain_model(), "--lobes", output="first.glb")
+        run = self.run_gltf("first.glb", "second.glb", "--lobes")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        first, second = Glb(self.read("first.glb")), Glb(self.read("second.glb"))
+        for name, value in first.json.items():
+            if name not in ("buffers", "bufferViews"):
+                self.assertEqual(second.json[name], value, name)
+        self.assertEqual(self.lobes_of(first, 0), self.lobes_of(second, 0))
+        self.assertIn("lobes already", json.loads(self.read("report.json"))["materials"][0]["kept"])
+
+    def test_extensions_of_others_stay(self):
+        model = plain_model()
+        model.json["extensions"] = {"X_other": {"lobes": [7]}}
+        model.json["extensionsUsed"] = ["X_other"]
+        model.json["materials"][0]["extensions"] = {"X_other": {"a": 1}}
+        after, _ = self.convert(model, "--lobes")
+        self.assertEqual(after.json["extensions"]["X_other"], {"lobes": [7]})
+        self.assertEqual(after.json["materials"][0]["extensions"]["X_other"], {"a": 1})
+        self.assertEqual(len(after.json["extensions"][NAME]["lobes"]), 1)
+
+    def test_anisotropy_is_refused_beside_lobes(self):
+        with open(self.path("in.glb"), "wb") as file:
+            file.write(plain_model().glb())
+        run = self.run_gltf("in.glb", "out.glb", "--lobes", "--anisotropy")
+        self.assertEqual(run.returncode, USAGE, run.stderr)
+        self.assertIn("--anisotropy", run.stderr)
+        self.assertEqual(os.listdir(self.folder), ["in.glb"])
+
+    @unittest.skipUnless(shutil.which("node") and (MODULES / "three").is_dir(),
+                         "no npm packages: tools/install_dependencies test")
+    def test_others_read_and_draw_it(self):
+        model = Model()
+        model.square(repeats=4.0)
+        sampler = model.sampler(magFilter=LINEAR, minFilter=MIPMAPPED, wrapS=REPEAT, wrapT=REPEAT)
+        normal = model.texture(model.image(ridges(128, 128)), sampler=sampler)
+        surface = model.texture(model.image(png(64, 64, lambda x, y: (255, 90 + 40 * (x // 32), 255))),
+                                sampler=sampler)
+        model.material(normalTexture={"index": normal},
+                       pbrMetallicRoughness={"baseColorFactor": [0.9, 0.7, 0.4, 1.0],
+                                             "metallicRoughnessTexture": {"index": surface}})
+        self.convert(model, "--lobes", form="png")
+        run = subprocess.run(["node", str(HERE / "gltf_reading.mjs"), self.path("out.glb")], capture_output=True,
+                             text=True, check=False, timeout=120)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        read, = json.loads(run.stdout)
+        self.assertEqual((read["errors"], read["warnings"]), (0, 0), read)
+        self.draw()
+
+    def draw(self):
+        """Far away lobes are nearer to many samples a pixel than one lobe is, and both than plain mips."""
+        run = self.run_gltf("in.glb", "mips.glb", "--lobes")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,
+                "light": [1, 0.6, 1.5], "intensity": 3, "room": 0, "crop": [0, 0, 64, 64], "zoom": 4}
+        eye = [0.3, 0.2, 1]
+        plan = {"models": [{"file": "in.glb"}, {"file": "mips.glb"}, {"file": "mips.glb", "lobes": True}],
+                "views": [{**view, "name": name, "eye": [at * far for at in eye]}
+                          for name, far in (("near", 0.14), ("far", 5.2))]}
+        with open(self.path("plan.json"), "w", encoding="utf-8") as file:
+            json.dump(plan, file)
+        subprocess.run([MULTUM, "shaders", "-o", self.path("shaders"), "--quiet"], check=True)
+        out = os.environ.get("MULTUM_SCREENSHOTS", self.folder)
+        os.makedirs(out, exist_ok=True)
+        run = subprocess.run(["node", str(HERE.parents[1] / "three" / "model_pictures.mjs"),
+                              self.path("shaders/three"), self.path("plan.json"), out],
+                             capture_output=True, text=True, check=False, timeout=300)
+        if run.returncode == 77:
+            self.skipTest(run.stdout)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        drawn = json.loads(run.stdout)
+        print(json.dumps(drawn["views"]))
+        self.assertEqual(drawn["complaints"], [])
+        near, far = (drawn["views"][name]["models"] for name in ("near", "far"))
+        self.assertEqual([one["lobed"] for one in far], [0, 0, 1])
+        for one in near[1:]:
+            self.assertAlmostEqual(one["energy"], near[0]["energy"], delta=0.1)
+        plain, fitted, lobes = (one["error"] for one in far)
+        self.assertLess(fitted, 0.6 * plain)
+        self.assertLess(lobes, 0.8 * fitted)
+
+
+if __name__ == "__main__":
+    MULTUM = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
