@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Notes which files a share of a scene or of inference made, in OUTPUT/shards/3-of-8.shard. A merge reads the records of
-// all shares, and a share that runs again its own.
+// Notes which files a share of a scene or of inference made, in OUTPUT/shards/3-of-8.shard. A merge reads the records
+// of all shares, and a share that runs again its own.
 //
 //   {"multumShare": 1, "kind": "scene", "share": 3, "of": 8, "key": "...", "content": {...}}
 //   SHA-256 of the first line, without its end
