@@ -38,10 +38,12 @@ poll_s = {poll}
 visible_s = 0.5
 {more}
 """
-# In front of Slurm's own: kills the controller as soon as it has accepted a job, or answers with the number of another's
-# job, when a test has asked for that.
+# In front of Slurm's own, when a test has asked for that: kills the controller as soon as it has accepted a job, or
+# answers with the number of another's job.
 SBATCH = """#!/bin/sh
-if [ -e {flag}.other ]; then rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'; fi
+if [ -e {flag}.other ]; then
+  rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'
+fi
 answer=$({sbatch} "$@"); code=$?
 if [ -e {flag} ]; then rm {flag}; kill -9 $(cat {flag}.pid); fi
 printf '%s\\n' "$answer"
