@@ -23,6 +23,13 @@ WorkShard parse_work_shard(const std::string& option, const std::string& text) {
               fmt::format("{} is '{}', expected I/N or I-J/N, shares I to J of N, from 1: 3/8", option, text));
 }
 
+WorkShard parse_merged_shard(const std::string& option, const std::string& text) {
+  const WorkShard shard = parse_work_shard(option, text);
+  if (shard.count <= kMergedSharesMax) return shard;
+  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected {} shares at most, which --merge puts together",
+                                             option, text, kMergedSharesMax));
+}
+
 std::string share_file(const std::string& output, int index, int count) {
   return fmt::format("{}.shard-{}-of-{}", output, index, count);
 }

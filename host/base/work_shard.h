@@ -24,6 +24,12 @@ struct WorkShard {
 /// "3/8", or "3-5/8" for shares 3, 4 and 5. Throws Error(kUsage) that names `option`.
 WorkShard parse_work_shard(const std::string& option, const std::string& text);
 
+/// Shares that one merge puts together, at most.
+inline constexpr int kMergedSharesMax = 4096;
+
+/// The same of shares that a merge follows. Throws Error(kUsage) for more of them, too.
+WorkShard parse_merged_shard(const std::string& option, const std::string& text);
+
 /// The file of a share of one map, beside its output: OUTPUT.shard-3-of-8.
 std::string share_file(const std::string& output, int index, int count);
 

@@ -74,25 +74,31 @@ void add_shards(FarmJson& step, FarmJson parameter) {
   step["parameterSpace"] = {{"taskParameterDefinitions", FarmJson::array({std::move(parameter)})}};
 }
 
+void add_dependency(FarmJson& step, const char* name) {
+  step["dependencies"] = FarmJson::array({FarmJson{{"dependsOn", name}}});
+}
+
+FarmJson merge_step(const FarmCommand& command, const char* after) {
+  FarmJson merge = step(command, "Merge", {"--merge", std::to_string(command.shards)});
+  add_dependency(merge, after);
+  return merge;
+}
+
 FarmJson steps_of(const FarmCommand& command) {
   if (command.shards == 1) return FarmJson::array({step(command, "Run", {})});
   const std::string range = fmt::format("1-{}", command.shards);
   if (!command.is_one_map) {
-    FarmJson run = step(command, "Run", share_words(command));
+    FarmJson run = step(command, command.is_merged ? "Shares" : "Run", share_words(command));
     const FarmJson chunks = {
         {"defaultTaskCount", 1}, {"targetRuntimeSeconds", kChunkSeconds}, {"rangeConstraint", "CONTIGUOUS"}};
     add_shards(run, {{"name", "Shard"}, {"type", "CHUNK[INT]"}, {"range", range}, {"chunks", chunks}});
-    return FarmJson::array({run});
+    return command.is_merged ? FarmJson::array({run, merge_step(command, "Shares")}) : FarmJson::array({run});
   }
-  FarmJson bands = step(command, "Bands", share_words(command)),
-           merge = step(command, "Merge", {"--merge", std::to_string(command.shards)});
+  FarmJson bands = step(command, "Bands", share_words(command));
   add_shards(bands, {{"name", "Shard"}, {"type", "INT"}, {"range", range}});
-  const auto add_dependency = [](FarmJson& on, const char* name) {
-    on["dependencies"] = FarmJson::array({FarmJson{{"dependsOn", name}}});
-  };
   add_dependency(bands, "Coarse");
-  add_dependency(merge, "Bands");
-  return FarmJson::array({step(command, "Coarse", {"--shard", fmt::format("0/{}", command.shards)}), bands, merge});
+  return FarmJson::array(
+      {step(command, "Coarse", {"--shard", fmt::format("0/{}", command.shards)}), bands, merge_step(command, "Bands")});
 }
 
 void append_yaml(const FarmJson& value, int indent, bool is_in_list, std::string& out) {

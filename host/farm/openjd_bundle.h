@@ -29,6 +29,7 @@ struct FarmCommand {
   std::vector<std::string> inputs, input_folders;  // all that is read, through those words and beyond them
   std::vector<std::string> output_folders;
   bool is_one_map = false;  // shares are of one map: its coarse levels, bands, and what puts them together
+  bool is_merged = false;   // shares of a scene, or of inference: `--merge` comes behind them
   int shards = 1;           // tasks; more than one: `--shard` is added
   int threads = 0;          // that a task takes; 0: not said
 };

@@ -124,43 +124,68 @@ void settle(const SceneFiles& files, MapPlan& map) {
   map.trials.reset();
 }
 
-// Rows of the maps in the report of an earlier bake, by name.
-std::map<std::string, nlohmann::json> earlier_rows(const std::string& path) {
-  std::map<std::string, nlohmann::json> rows;
-  std::ifstream file(path);
-  const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
-  if (!report.is_object() || !report.contains("maps") || !report["maps"].is_array()) return rows;
-  for (const nlohmann::json& row : report["maps"])
-    if (row.is_object() && row.contains("name") && row["name"].is_string()) rows[row["name"]] = row;
-  return rows;
+nlohmann::json map_row(const SceneMapReport& map, const MapPlan& planned) {
+  if (!map.earlier.empty()) {
+    nlohmann::json row = nlohmann::json::parse(map.earlier);
+    if (map.bake.unchanged) row["unchanged"] = true;
+    return row;
+  }
+  nlohmann::json row = {{"name", map.name},
+                        {"seconds", map.seconds},
+                        {"file_bytes", map.file_bytes},
+                        {"estimate_ms", planned.chosen.cost.ms},
+                        {"default_estimate_ms", planned.default_bake.cost.ms},
+                        {"bytes", planned.chosen.cost.bytes},
+                        {"bytes_saved", planned.default_bake.cost.bytes - planned.chosen.cost.bytes},
+                        {"ms_saved_estimate", planned.default_bake.cost.ms - planned.chosen.cost.ms},
+                        {"by_trials", map.is_by_trials},
+                        {"bake", nlohmann::json::parse(map.bake.to_json())}};
+  if (!map.options.empty()) row["options"] = map.options;
+  if (map.difference)
+    row["difference_from_default"] = {{"brdf", map.difference->part},
+                                      {"error", map.difference->error},
+                                      {"confidence", map.difference->confidence},
+                                      {"worst_level", map.difference->worst_level},
+                                      {"worst_level_error", map.difference->worst_error},
+                                      {"worst_level_confidence", map.difference->worst_confidence},
+                                      {"at_most", map.difference->at_most()}};
+  if (map.has_colours) row["colours"] = nlohmann::json::parse(map.colours.to_json());
+  return row;
 }
 
 }  // namespace
 
-SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
-                       const SceneMapDone& done, Progress* progress) {
+SceneMapRows earlier_rows(const std::string& path) {
+  SceneMapRows rows;
+  std::ifstream file(path);
+  const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
+  if (!report.is_object() || !report.contains("maps") || !report["maps"].is_array()) return rows;
+  for (const nlohmann::json& row : report["maps"])
+    if (row.is_object() && row.contains("name") && row["name"].is_string()) rows[row["name"]] = row.dump();
+  return rows;
+}
+
+SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
+                            const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress) {
   const Stopwatch stopwatch;
-  write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
-  const std::map<std::string, nlohmann::json> earlier = earlier_rows(files.report());
   SceneReport report;
   report.plan = plan;
-  bool is_settled = false;
-  for (MapPlan& map : report.plan.maps) {
+  for (const MapPlan& map : report.plan.maps) {
     const auto row = earlier.find(map.name);
-    const nlohmann::json before = row != earlier.end() ? row->second : nlohmann::json();
-    report.maps.push_back(bake_map(scene, map, files, before, device, progress));
+    const std::string before = row != earlier.end() ? row->second : "null";
+    report.maps.push_back(bake_map(scene, map, files, nlohmann::json::parse(before, nullptr, false), device, progress));
     SceneMapReport& made = report.maps.back();
-    if (made.bake.unchanged && before.is_object()) made.earlier = before.dump();
-    if (made.is_by_trials) settle(files, map), is_settled = true;
+    if (made.bake.unchanged && row != earlier.end()) made.earlier = before;
     if (done) done(map, made);
   }
-  report.plan.cost = {};
-  for (const MapPlan& map : report.plan.maps) report.plan.cost += map.chosen.cost;
-  report.plan.cost_min = report.plan.cost_max = report.plan.cost;
-  if (is_settled) write_text_file(files.plan(), plan_json(scene, report.plan, files).dump(2) + "\n");
   report.launches = device.launch_counts();
   report.builds = device.build_counts();
   report.seconds = stopwatch.seconds();
+  return report;
+}
+
+void compare_scene_maps(const SceneDescription& scene, const ScenePlan& plan, SceneReport& report, Device& device,
+                        Progress* progress) {
   const Stopwatch comparing;
   for (std::size_t m = 0; m < plan.maps.size(); ++m) {
     const MapPlan& map = plan.maps[m];
@@ -170,6 +195,25 @@ SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, con
     report.maps[m].difference = measure_difference(scene, map, device, progress);
   }
   report.compare_seconds = comparing.seconds();
+}
+
+void write_settled_plan(const SceneDescription& scene, const SceneFiles& files, SceneReport& report) {
+  report.plan.cost = {};
+  bool is_settled = false;
+  for (std::size_t m = 0; m < report.maps.size(); ++m) {
+    if (report.maps[m].is_by_trials) settle(files, report.plan.maps[m]), is_settled = true;
+    report.plan.cost += report.plan.maps[m].chosen.cost;
+  }
+  report.plan.cost_min = report.plan.cost_max = report.plan.cost;
+  if (is_settled) write_text_file(files.plan(), plan_json(scene, report.plan, files).dump(2) + "\n");
+}
+
+SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
+                       const SceneMapDone& done, Progress* progress) {
+  write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
+  SceneReport report = bake_scene_maps(scene, plan, files, earlier_rows(files.report()), device, done, progress);
+  write_settled_plan(scene, files, report);
+  compare_scene_maps(scene, plan, report, device, progress);
   write_text_file(files.report(), report.to_json().dump(2) + "\n");
   return report;
 }
@@ -185,38 +229,14 @@ nlohmann::json SceneReport::to_json() const {
                          {"launches", launches},
                          {"builds", builds},
                          {"maps", nlohmann::json::array()}};
-  for (std::size_t m = 0; m < maps.size(); ++m) {
-    const SceneMapReport& map = maps[m];
-    const MapPlan& planned = plan.maps[m];
-    if (!map.earlier.empty()) {
-      nlohmann::json row = nlohmann::json::parse(map.earlier);
-      row["unchanged"] = true;
-      json["maps"].push_back(std::move(row));
-      continue;
-    }
-    nlohmann::json row = {{"name", map.name},
-                          {"seconds", map.seconds},
-                          {"file_bytes", map.file_bytes},
-                          {"estimate_ms", planned.chosen.cost.ms},
-                          {"default_estimate_ms", planned.default_bake.cost.ms},
-                          {"bytes", planned.chosen.cost.bytes},
-                          {"bytes_saved", planned.default_bake.cost.bytes - planned.chosen.cost.bytes},
-                          {"ms_saved_estimate", planned.default_bake.cost.ms - planned.chosen.cost.ms},
-                          {"by_trials", map.is_by_trials},
-                          {"bake", nlohmann::json::parse(map.bake.to_json())}};
-    if (!map.options.empty()) row["options"] = map.options;
-    if (map.difference)
-      row["difference_from_default"] = {{"brdf", map.difference->part},
-                                        {"error", map.difference->error},
-                                        {"confidence", map.difference->confidence},
-                                        {"worst_level", map.difference->worst_level},
-                                        {"worst_level_error", map.difference->worst_error},
-                                        {"worst_level_confidence", map.difference->worst_confidence},
-                                        {"at_most", map.difference->at_most()}};
-    if (map.has_colours) row["colours"] = nlohmann::json::parse(map.colours.to_json());
-    json["maps"].push_back(std::move(row));
-  }
+  json["maps"] = map_rows();
   return json;
+}
+
+nlohmann::json SceneReport::map_rows() const {
+  nlohmann::json rows = nlohmann::json::array();
+  for (std::size_t m = 0; m < maps.size(); ++m) rows.push_back(map_row(maps[m], plan.maps[m]));
+  return rows;
 }
 
 std::string SceneReport::to_text() const {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,7 +22,7 @@ struct SceneMapReport {
   BakeReport bake;
   bool is_by_trials = false;  // lobes for the scene's target error, and not as planned:
   std::string options;        // what was chosen; empty where it was there already
-  std::string earlier;        // of a map that was left as it is, its row in the report of before (JSON); may be empty
+  std::string earlier;        // of a map that was left as it is, or that a share baked, its row in the report (JSON)
   bool has_colours = false;   // in a file of their own:
   MipReport colours;
   double seconds = 0.0;
@@ -40,6 +41,7 @@ struct SceneReport {
   std::map<std::string, int> builds;              // by kernels/FILE.cl
 
   nlohmann::json to_json() const;
+  nlohmann::json map_rows() const;  // its "maps"
   /// Some lines for a terminal.
   std::string to_text() const;
 };
@@ -49,5 +51,24 @@ using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;
 /// The folder must be there. Throws Error for the first map that fails, Cancelled; maps before it stay.
 SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress);
+
+// What bake_scene() is made of, for shares of it (host/scene/scene_share.h).
+
+/// Rows of maps in a report, as JSON, by name.
+using SceneMapRows = std::map<std::string, std::string>;
+
+/// Of the report of an earlier bake; empty where there is none.
+SceneMapRows earlier_rows(const std::string& path);
+
+/// Bakes the plan's maps; neither plan nor report is written.
+SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
+                            const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress);
+
+/// Measures differences from the default bake, of maps that were baked otherwise. Throws Cancelled.
+void compare_scene_maps(const SceneDescription& scene, const ScenePlan& plan, SceneReport& report, Device& device,
+                        Progress* progress);
+
+/// Puts what trials chose into the report's plan, by the baked files, and writes that where they chose anything.
+void write_settled_plan(const SceneDescription& scene, const SceneFiles& files, SceneReport& report);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes that do not come to their end. kill -9 leaves at most a temporary file, hidden and named
-// .multum-tmp-PID-NUMBER-NAME, and finished rows in .multum-partial-NAME: both go with the next bake of NAME. SIGINT
-// and SIGTERM leave nothing.
+// .multum-tmp-PID-NUMBER-PLACE-NAME, and finished rows in .multum-partial-NAME: both go with the next bake of NAME.
+// SIGINT and SIGTERM leave nothing.
 #include <signal.h>
 
 #include <chrono>

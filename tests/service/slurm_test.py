@@ -34,16 +34,25 @@ priority = 10
 folder = "{folder}"
 queues = ["farm"]
 cpus = 1
-poll_s = 0.1
+poll_s = {poll}
 visible_s = 0.5
 {more}
 """
-# In front of Slurm's own: kills the controller as soon as it has accepted a job, when a test has asked for that.
+# In front of Slurm's own, when a test has asked for that: kills the controller as soon as it has accepted a job, or
+# answers with the number of another's job.
 SBATCH = """#!/bin/sh
+if [ -e {flag}.other ]; then
+  rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'
+fi
 answer=$({sbatch} "$@"); code=$?
 if [ -e {flag} ]; then rm {flag}; kill -9 $(cat {flag}.pid); fi
 printf '%s\\n' "$answer"
 exit $code
+"""
+# The same, which notes what it was asked to cancel.
+SCANCEL = """#!/bin/sh
+echo "$@" >>{flag}.cancelled
+exec {scancel} "$@"
 """
 # Of nodes, instead of multum: share 1 ends before it has begun, as often as a test has asked for that.
 PROGRAM = """#!/bin/sh
@@ -83,10 +92,15 @@ class SlurmTest(ClientCase):
         os.mkdir(folder)
         write_program(os.path.join(folder, "sbatch"),
                       SBATCH.format(sbatch=shutil.which("sbatch", path=cls.slurm.environment["PATH"]), flag=cls.flag))
+        scancel = shutil.which("scancel", path=cls.slurm.environment["PATH"])
+        write_program(os.path.join(folder, "scancel"), SCANCEL.format(scancel=scancel, flag=cls.flag))
         cls.path = folder + ":" + cls.slurm.environment["PATH"]
 
     def setUp(self):
         super().setUp()
+        for name in ("", ".other", ".cancelled"):
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(self.flag + name)
         self.shared = os.path.join(self.folder, "shared")
         os.mkdir(self.shared, mode=0o700)
 
@@ -94,9 +108,10 @@ class SlurmTest(ClientCase):
         self.slurm.run("scancel", "--user=root")
         super().tearDown()
 
-    def start_slurm(self, more="", **settings):
+    def start_slurm(self, more="", poll=0.1, **settings):
         environment = dict(self.slurm.environment, PATH=self.path)
-        service = self.start(config=CONFIG.format(folder=self.shared, more=more), environment=environment, **settings)
+        config = CONFIG.format(folder=self.shared, more=more, poll=poll)
+        service = self.start(config=config, environment=environment, **settings)
         with open(os.path.join(service.data, "instance"), encoding="utf-8") as file:
             self.instance = file.read().strip()
         return service
@@ -111,6 +126,17 @@ class SlurmTest(ClientCase):
     def first_part(self, number):
         """Empty as long as nothing is sent."""
         return next(iter(self.parts(number)), {"node": "", "progress": None})
+
+    def kill_controller_when_it_accepts(self):
+        with open(self.flag + ".pid", "w", encoding="utf-8") as file:
+            file.write(str(self.slurm.processes["slurmctld"].pid))
+        open(self.flag, "w", encoding="utf-8").close()
+
+    def cancelled(self):
+        """What scancel was asked, a line each."""
+        with contextlib.suppress(FileNotFoundError), open(self.flag + ".cancelled", encoding="utf-8") as file:
+            return file.read().splitlines()
+        return []
 
     def submitted_count(self):
         return self.service.metric("multum_slurm_submitted_total")
@@ -260,13 +286,31 @@ class SlurmTest(ClientCase):
             self.assertIn(service.wait_for(number)["state"], ("cancelled", "succeeded"))
         self.nothing_is_left()
 
+    def test_who_has_a_forgotten_number_is_not_cancelled(self):
+        # As a controller leaves it that has forgotten the daemon's job, and given its number to the next.
+        service = self.start_slurm(poll=4)  # so that the daemon does not hear of it before it cancels
+        with open(self.flag + ".other", "w", encoding="utf-8"):
+            pass
+        number = self.farm("forgotten", 30)
+        self.slurm.wait_until("another has its number", lambda: [line.split()[1] for line in self.slurm.jobs()] ==
+                              ["other"])
+        [other] = [line.split()[0] for line in self.slurm.jobs()]
+        self.slurm.wait_until("it is sent", lambda: self.submitted_count() == 1)
+        self.assertEqual(service.ask("POST", f"/v1/jobs/{number}/cancel")[0], 202)
+        self.slurm.wait_until("it is cancelled", self.cancelled)
+        [asked] = self.cancelled()
+        self.assertIn(f"--name=multum-{self.instance}-", asked)
+        self.assertEqual(asked.split()[-1], other)
+        time.sleep(0.5)
+        self.assertEqual([line.split()[1] for line in self.slurm.jobs("PENDING,RUNNING")], ["other"])
+        self.slurm.run("scancel", other)
+        self.slurm.wait_for_nodes()
+
     # ---- What dies
 
     def test_a_controller_that_dies_when_it_has_accepted(self):
         service = self.start_slurm()
-        with open(self.flag + ".pid", "w", encoding="utf-8") as file:
-            file.write(str(self.slurm.processes["slurmctld"].pid))
-        open(self.flag, "w", encoding="utf-8").close()
+        self.kill_controller_when_it_accepts()
         number = self.farm("forgotten", 0.2)
         self.slurm.wait_until("it is dead", lambda: not os.path.exists(self.flag))
         self.slurm.processes["slurmctld"].wait()
@@ -390,7 +434,7 @@ class SlurmSettingsTest(ClientCase):
         shared = folder or os.path.join(self.folder, "shared")
         config = os.path.join(self.folder, "serve.toml")
         with open(config, "w", encoding="utf-8") as file:
-            file.write(CONFIG.format(folder=shared, more=more))
+            file.write(CONFIG.format(folder=shared, more=more, poll=0.1))
         os.makedirs(os.path.join(self.folder, "root"), exist_ok=True)
         done = subprocess.run([MULTUM, "serve", "--data", os.path.join(self.folder, "data"), "--root",
                                os.path.join(self.folder, "root"), "--listen", "127.0.0.1:0", "--config", config],

@@ -114,8 +114,8 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
 
 // The shares of one map are put together.
 void check_merge(const BakeOptions& o, bool is_several) {
+  if (o.merged_shards == 1) throw Error(ErrorCode::kUsage, "--merge is 1, expected 2 shares of one map, or more");
   if (is_several) throw Error(ErrorCode::kUsage, "--merge is given, expected one map: shares of several need no merge");
-  if (!o.shard.empty()) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
   if (has_target(o))
     throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: shares have their settings");
 }
@@ -133,13 +133,18 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_target_options(o);
   apply(o.values, job);
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
+  if (!o.shard.empty() && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
   if (has_manifest) {
+    if (o.merged_shards > 0) check_merge(o, true);
     if (!o.shard.empty()) o.manifest.shard = parse_work_shard("--shard", o.shard);
     return run_manifest(o.manifest, job, device_choice, o.common, printing(o));
   }
-  if (has_scene && !o.shard.empty())
-    throw Error(ErrorCode::kUsage, o.inputs[0] + ": --shard divides several maps, found a scene");
-  if (has_scene) return run_scene(o.inputs[0], job, device_choice, o.common, printing(o));
+  if (has_scene) {
+    SceneDivision division;
+    if (!o.shard.empty()) division.shares = parse_merged_shard("--shard", o.shard);
+    division.merged_shards = o.merged_shards;
+    return run_scene(o.inputs[0], job, device_choice, o.common, printing(o), division);
+  }
   if (o.values.has("region") == job.onto.empty())
     throw Error(
         ErrorCode::kUsage,
@@ -175,12 +180,15 @@ void add_bake_command(CLI::App& app, int* exit_code) {
                        "its maps into the folder --output (docs/SCENE.md)");
   bake->add_option("-o,--output", options->job.output,
                    "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>");
-  bake->add_option("--shard", options->shard,
-                   "bake share I of N of several maps alone, I/N, or shares I to J, I-J/N; of one map: 0/N its coarse "
-                   "levels, then 1/N to N/N, bands of the others: for farms (docs/FARMS.md)");
-  bake->add_option("--merge", options->merged_shards, "write the file of one map from its shares 0/N to N/N")
+  bake->add_option(
+      "--shard", options->shard,
+      "bake share I of N of several maps or a scene alone, I/N, or shares I to J, I-J/N; of one map: 0/N its "
+      "coarse levels, then 1/N to N/N, bands of the others: for farms (docs/FARMS.md)");
+  bake->add_option("--merge", options->merged_shards,
+                   "write the file of one map from its shares 0/N to N/N; of a scene, check what shares 1/N to N/N "
+                   "baked, and write its plan and report")
       ->type_name("N")
-      ->check(CLI::Range(2, 4096));
+      ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*bake, options->values);
   add_manifest_options(*bake, options->manifest);
   add_common_options(*bake, options->common);

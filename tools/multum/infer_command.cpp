@@ -4,21 +4,25 @@
 #include <filesystem>
 #include <memory>
 #include <numeric>
+#include <optional>
 
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
+#include "host/base/work_shard.h"
 #include "host/parameters/infer_parameters.h"
 #include "host/texture_inference/job/animation_job_reading.h"
 #include "host/texture_inference/pipeline/inference_pipeline.h"
+#include "host/texture_inference/pipeline/inference_share.h"
 #include "host/texture_inference/report/inference_comparison.h"
 #include "host/texture_inference/report/inference_frames.h"
 #include "host/texture_inference/report/inference_page.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/openjd_lines.h"
 
 namespace multum {
 namespace {
@@ -28,6 +32,8 @@ struct InferOptions {
   AnimationInferSettings settings;
   ParameterValues values{infer_parameters()};
   std::string job;
+  std::string shard;  // empty: all of it
+  int merged_shards = 0;
 };
 
 void apply(const ParameterValues& values, AnimationInferSettings& settings) {
@@ -61,30 +67,54 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
               inference_report_text(report).c_str(), o.settings.output.c_str());
 }
 
+// Frames, the comparison of samplers and the report, of all textures.
+void finish(InferOptions& o, const ParameterizedScene& field, int sample, AnimationInferResult& result,
+            Progress* progress) {
+  const bool has_frames = !o.values.flag("no_frames"), has_comparison = !o.values.flag("no_comparison");
+  InferenceFrames frames;
+  if (has_frames) {
+    frames = render_frames(field, {o.settings.output, o.settings.viewer, o.settings.context}, all_samples(field.job()),
+                           progress);
+    result.seconds.rendering = frames.seconds;
+  }
+  InferenceComparison comparison;
+  if (has_comparison) comparison = compare_inference(field, sample, result.mappings, o.settings, progress);
+  progress_finish(progress);
+  const InferenceReport report = {
+      field.job(), o.settings, result, sample, has_frames ? &frames : nullptr, has_comparison ? &comparison : nullptr};
+  write_inference_report(field, report);
+  if (!o.common.quiet) print_results(o, report);
+}
+
+void infer_shares(const InferOptions& o, const ParameterizedScene& field, const WorkShard& shares) {
+  for (int i = shares.first; i <= shares.last; ++i) {
+    openjd_part(static_cast<std::size_t>(i - shares.first), static_cast<std::size_t>(shares.last - shares.first + 1));
+    const std::unique_ptr<Progress> progress = make_progress(o.common);
+    const InferenceShareResult result = infer_share(field, o.settings, {i, shares.count}, progress.get());
+    progress_finish(progress.get());
+    if (!o.common.quiet)
+      print_shown(stdout, "share %d of %d: %d texture%s, %s\n", i, shares.count, result.textures,
+                  result.textures == 1 ? "" : "s", result.was_there ? "unchanged" : "written");
+  }
+}
+
 int run_infer(InferOptions& o) {
   o.settings.threads = apply(o.common);
   apply(o.values, o.settings);
   o.settings.viewer = find_viewer();
+  std::optional<WorkShard> shares;
+  if (!o.shard.empty()) shares = parse_merged_shard("--shard", o.shard);
+  if (shares && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const ParameterizedScene field(read_animation_job(o.job));
   make_folder(o.settings.output);
   const std::string shown = o.values.text("report_sample").value_or("");
   const int sample = shown.empty() ? middle_sample(field.job()) : sample_named(field.job(), shown);
-  const bool has_frames = !o.values.flag("no_frames"), has_comparison = !o.values.flag("no_comparison");
-  AnimationInferResult result = infer_animation(field, o.settings, progress.get());
-  InferenceFrames frames;
-  if (has_frames) {
-    frames = render_frames(field, {o.settings.output, o.settings.viewer, o.settings.context}, all_samples(field.job()),
-                           progress.get());
-    result.seconds.rendering = frames.seconds;
-  }
-  InferenceComparison comparison;
-  if (has_comparison) comparison = compare_inference(field, sample, result.mappings, o.settings, progress.get());
-  progress_finish(progress.get());
-  const InferenceReport report = {
-      field.job(), o.settings, result, sample, has_frames ? &frames : nullptr, has_comparison ? &comparison : nullptr};
-  write_inference_report(field, report);
-  if (!o.common.quiet) print_results(o, report);
+  if (shares) return infer_shares(o, field, *shares), 0;
+  AnimationInferResult result = o.merged_shards > 0
+                                    ? merge_inference(field, o.settings, o.merged_shards, progress.get())
+                                    : infer_animation(field, o.settings, progress.get());
+  finish(o, field, sample, result, progress.get());
   return 0;
 }
 
@@ -102,6 +132,14 @@ void add_infer_command(CLI::App& app, int* exit_code) {
   CLI::App* infer = app.add_subcommand("infer", "infer textures from ray-traced pictures (docs/ANIMATION.md)");
   infer->add_option("job", o.job, infer_parameters().at("job").help)->required();
   infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
+  infer->add_option("--shard", o.shard,
+                    "infer the textures of share I of N alone, I/N, or of shares I to J, I-J/N, into the same folder: "
+                    "for farms (docs/FARMS.md)");
+  infer
+      ->add_option("--merge", o.merged_shards,
+                   "check what shares 1/N to N/N inferred, and write the manifest, frames and report")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*infer, o.values);
   add_common_options(*infer, o.common);
   add_decoding_option(*infer);

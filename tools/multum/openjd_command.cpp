@@ -14,6 +14,7 @@
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
+#include "host/base/work_shard.h"
 #include "host/export/batch/export_manifest.h"
 #include "host/farm/openjd_bundle.h"
 #include "host/manifest/bake_manifest.h"
@@ -36,7 +37,7 @@ constexpr char kUdim[] = "<UDIM>";
 struct OpenJdOptions {
   CommonOptions common;
   std::string output, name;
-  int shards = 0;  // 0: one a map
+  int shards = 0;  // 0: one a map; of inference one
   std::vector<std::string> words;
 };
 
@@ -89,7 +90,12 @@ std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std:
   return found;
 }
 
-std::vector<BakeJob> jobs_of_bake(const std::vector<std::string>& words, const std::vector<FarmWord>& paths) {
+struct BakedMaps {
+  std::vector<BakeJob> jobs;
+  bool is_scene = false;
+};
+
+BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<FarmWord>& paths) {
   BakeJob pattern;
   std::vector<std::string> maps;
   std::string manifest;
@@ -98,32 +104,34 @@ std::vector<BakeJob> jobs_of_bake(const std::vector<std::string>& words, const s
     if (words[i - 1] == "-o" || words[i - 1] == "--output") pattern.output = words[i];
   }
   if (!manifest.empty()) {
-    std::vector<BakeJob> jobs;
-    for (ManifestMap& map : read_bake_manifest(manifest, pattern)) jobs.push_back(std::move(map.job));
-    return jobs;
+    BakedMaps baked;
+    for (ManifestMap& map : read_bake_manifest(manifest, pattern)) baked.jobs.push_back(std::move(map.job));
+    return baked;
   }
   for (const FarmWord& path : paths)
     if (!path.is_output && !words[path.word - 1].starts_with("--")) maps.push_back(words[path.word]);
   if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no map that is there, expected one, or --manifest");
-  if (maps.size() == 1 && maps.front().ends_with(".toml")) return {};  // a scene
-  return make_bake_jobs(pattern, maps);
+  if (maps.size() > 1 || !maps.front().ends_with(".toml")) return {make_bake_jobs(pattern, maps), false};
+  BakedMaps scene{{}, true};
+  for (SceneMap& map : read_scene(maps.front(), {}).maps) scene.jobs.push_back(std::move(map.job));
+  return scene;
 }
 
 // All that a command reads beyond its words, and the folders that it writes to.
-void collect_files(FarmCommand& command, const std::vector<BakeJob>& bakes) {
+void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   std::vector<std::string>& files = command.inputs;
   for (const FarmWord& path : command.paths) {
     if (path.is_output) command.output_folders.push_back(path.is_folder ? path.path : folder_of(path.path));
     else if (path.is_folder) command.input_folders.push_back(path.path);
     else files.push_back(path.path);
   }
-  for (const BakeJob& job : bakes) {
+  for (const BakeJob& job : bakes.jobs) {
     for (const std::string& file : input_files(job)) files.push_back(file);
     if (!job.output.empty()) command.output_folders.push_back(folder_of(job.output));
   }
   const auto add = [&](const std::vector<std::string>& more) { files.insert(files.end(), more.begin(), more.end()); };
   for (std::size_t i = 0; i < files.size() && files[i].ends_with(".toml"); ++i) {
-    if (command.words[0] == "bake" && bakes.empty()) add(scene_files(files[i]));
+    if (bakes.is_scene) add(scene_files(files[i]));
     if (command.words[0] != "infer") continue;
     const AnimationJob job = read_animation_job(files[i]);
     files.push_back(job.geometry_file);
@@ -162,14 +170,18 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   if (kResumable.contains(kind) &&
       std::find(command.words.begin(), command.words.end(), "--resume") == command.words.end())
     command.words.emplace_back("--resume");
-  std::vector<BakeJob> bakes;
-  if (kind == "bake") bakes = jobs_of_bake(command.words, command.paths);
+  BakedMaps bakes;
+  if (kind == "bake") bakes = maps_of_bake(command.words, command.paths);
   collect_files(command, bakes);
   collect_exports(command);
-  const int pieces = std::max(1, static_cast<int>(bakes.size()));
-  command.is_one_map = bakes.size() == 1;
+  const int pieces = std::max(1, static_cast<int>(bakes.jobs.size()));
+  command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene;
+  command.is_merged = bakes.is_scene || kind == "infer";
   command.shards = o.shards > 0 ? o.shards : pieces;
-  if (command.shards > pieces && !command.is_one_map)
+  if (kind == "infer" && command.shards > kMergedSharesMax)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--shards is {}, expected at most {}", command.shards, kMergedSharesMax));
+  if (command.shards > pieces && !command.is_one_map && kind != "infer")
     throw Error(ErrorCode::kUsage,
                 fmt::format("--shards is {}, expected at most {}, the maps that are baked", command.shards, pieces));
   command.name = o.name.empty() ? "multum " + kind : o.name;
@@ -201,7 +213,8 @@ void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const
   openjd
       ->add_option(
           "--shards", options->shards,
-          "tasks of several maps (default: one a map); of one map: bands that it is divided into (default: none)")
+          "tasks of several maps or a scene (default: one per map), or of inference (default: one); of one map: bands "
+          "that it is divided into (default: none)")
       ->check(CLI::Range(1, 999999));
   openjd->add_option("--name", options->name, "of the job (default: the command's)");
   add_common_options(*openjd, options->common);

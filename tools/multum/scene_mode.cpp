@@ -19,8 +19,10 @@
 #include "host/image/files/image_container.h"
 #include "host/parameters/bake_parameters.h"
 #include "host/scene/scene_bake.h"
+#include "host/scene/scene_share.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
+#include "tools/multum/openjd_lines.h"
 #include "tools/multum/share_plan_mode.h"
 
 namespace multum {
@@ -94,6 +96,49 @@ void check_outputs(const std::string& scene_file, const SceneDescription& scene,
   check_paths_differ(inputs, outputs);
 }
 
+void print_map(const MapPlan& map, const SceneMapReport& report, const SceneFiles& files,
+               const BakePrinting& printing) {
+  BakeJob job = map.job;
+  job.output = files.baked(map);
+  print_report(job, printing, report.bake);
+  if (report.has_colours && !printing.quiet)
+    print_shown(printing.out, "%s: %s\n", files.colours(map).c_str(),
+                report.colours.unchanged ? "unchanged" : "written");
+}
+
+// How each object is looked at.
+void print_views(const ScenePlan& plan, const SceneFiles& files, const BakePrinting& printing) {
+  for (const ObjectPlan& object : plan.objects)
+    print_shown(printing.out, "multum-view scene %s --object %s -o %s.png\n", files.plan().c_str(), object.name.c_str(),
+                object.name.c_str());
+}
+
+int run_scene_shares(const SceneRun& run, const WorkShard& shares, const DeviceChoice& device_choice,
+                     const CommonOptions& common, const SceneMapDone& done) {
+  for (int i = shares.first; i <= shares.last; ++i) {
+    openjd_part(static_cast<std::size_t>(i - shares.first), static_cast<std::size_t>(shares.last - shares.first + 1));
+    const auto progress = make_progress(common);
+    Device device = Device::when_needed(device_choice);
+    const SceneShareReport report = bake_scene_share(run, i, shares.count, device, done, progress.get());
+    progress_finish(progress.get());
+    if (!common.quiet)
+      print_shown(stdout, "share %d of %d: %d map%s, %s\n", i, shares.count, report.maps, report.maps == 1 ? "" : "s",
+                  report.was_there ? "unchanged" : "written");
+  }
+  return 0;
+}
+
+int run_scene_merge(const SceneRun& run, int count, const CommonOptions& common, const BakePrinting& printing) {
+  const auto progress = make_progress(common);
+  const SceneReport report = merge_scene(run, count, progress.get());
+  progress_finish(progress.get());
+  if (printing.quiet) return 0;
+  print_shown(printing.out, "%s: %zu maps of %d share%s\n", run.files.report().c_str(), report.maps.size(), count,
+              count == 1 ? "" : "s");
+  print_views(report.plan, run.files, printing);
+  return 0;
+}
+
 }  // namespace
 
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene) {
@@ -111,36 +156,31 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
 }
 
 int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice& device_choice,
-              const CommonOptions& common, const BakePrinting& printing) {
-  const SceneFiles files{pattern.output};
+              const CommonOptions& common, const BakePrinting& printing, const SceneDivision& division) {
+  SceneRun run;
+  run.scene_file = scene_file;
+  run.files = {pattern.output};
+  run.force = pattern.force;
   pattern.output.clear();
-  if (pattern.scratch_folder.empty()) pattern.scratch_folder = files.folder;
-  const SceneDescription scene = read_scene(scene_file, pattern);
-  check_outputs(scene_file, scene, files);
-  std::error_code failed;
-  fs::create_directories(files.folder, failed);
-  if (failed) throw Error(ErrorCode::kEnvironment, files.folder + ": cannot create the folder: " + failed.message());
-  const auto progress = make_progress(common);
-  PlanSettings settings;
-  settings.threads = pattern.threads;
-  const ScenePlan plan = plan_scene(scene, settings, progress.get());
-  progress_finish(progress.get());
-  if (!printing.quiet) write_shown(printing.out, plan_text(scene, plan, terminal_width()));
-  Device device = Device::open(device_choice);
+  if (pattern.scratch_folder.empty()) pattern.scratch_folder = run.files.folder;
+  run.planning.threads = pattern.threads;
+  run.scene = read_scene(scene_file, pattern);
+  check_outputs(scene_file, run.scene, run.files);
+  make_folder(run.files.folder);
   const auto done = [&](const MapPlan& map, const SceneMapReport& report) {
-    BakeJob job = map.job;
-    job.output = files.baked(map);
-    print_report(job, printing, report.bake);
-    if (report.has_colours && !printing.quiet)
-      print_shown(printing.out, "%s: %s\n", files.colours(map).c_str(),
-                  report.colours.unchanged ? "unchanged" : "written");
+    print_map(map, report, run.files, printing);
   };
-  const SceneReport report = bake_scene(scene, plan, files, device, done, progress.get());
+  if (division.shares) return run_scene_shares(run, *division.shares, device_choice, common, done);
+  if (division.merged_shards > 0) return run_scene_merge(run, division.merged_shards, common, printing);
+  const auto progress = make_progress(common);
+  const ScenePlan plan = plan_scene(run.scene, run.planning, progress.get());
+  progress_finish(progress.get());
+  if (!printing.quiet) write_shown(printing.out, plan_text(run.scene, plan, terminal_width()));
+  Device device = Device::open(device_choice);
+  const SceneReport report = bake_scene(run.scene, plan, run.files, device, done, progress.get());
   if (printing.quiet) return 0;
   write_shown(printing.out, report.to_text());
-  for (const ObjectPlan& object : plan.objects)
-    print_shown(printing.out, "multum-view scene %s --object %s -o %s.png\n", files.plan().c_str(), object.name.c_str(),
-                object.name.c_str());
+  print_views(plan, run.files, printing);
   return 0;
 }
 

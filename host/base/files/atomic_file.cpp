@@ -7,11 +7,13 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
 
 namespace multum {
 namespace {
@@ -20,19 +22,45 @@ namespace fs = std::filesystem;
 
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
-// ".multum-tmp-PID-COUNTER-NAME": hidden, owned by a process, and with the final name's extension.
+// ".multum-tmp-PID-COUNTER-PLACE-NAME": hidden, owned by a process of a place, and with the final name's extension.
 constexpr char kPrefix[] = ".multum-tmp-";
+constexpr std::size_t kPlaceDigits = 8;
+constexpr auto kForeignAge = std::chrono::hours(24);
 
-// Temporary files for `name` whose process is gone are left-overs of a killed run. The sweep costs one directory
-// listing a file written and never touches a living process's file.
+// Of the machine, or of the container: numbers of processes say something there alone, and many write to one folder.
+const std::string& place() {
+  static const std::string digits = [] {
+    char host[256] = {};
+    gethostname(host, sizeof(host) - 1);
+    std::error_code ignored;
+    return hash_text(host + fs::read_symlink("/proc/self/ns/pid", ignored).string()).substr(0, kPlaceDigits);
+  }();
+  return digits;
+}
+
+// Whether a temporary file of `name` was left by a process that is gone. Of other places nobody knows: a day is enough.
+bool is_leftover(const fs::directory_entry& entry, const std::string& name) {
+  const std::string found = entry.path().filename().string();
+  if (!is_temporary_name(found)) return false;
+  const std::size_t number = found.find('-', sizeof(kPrefix) - 1);
+  const std::size_t rest = number == std::string::npos ? number : found.find('-', number + 1);
+  if (rest == std::string::npos) return false;
+  const std::string owner = found.substr(rest + 1);
+  if (owner == name || owner == place() + "-" + name) {
+    const long pid = std::strtol(found.c_str() + sizeof(kPrefix) - 1, nullptr, 10);
+    return pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
+  }
+  std::error_code failed;
+  const auto written = entry.last_write_time(failed);
+  return owner.size() == kPlaceDigits + 1 + name.size() && owner.ends_with("-" + name) && !failed &&
+         fs::file_time_type::clock::now() - written > kForeignAge;
+}
+
+// The sweep costs one directory listing a file written and never touches a living process's file.
 void sweep_leftovers(const fs::path& folder, const std::string& name) {
   std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string found = entry.path().filename().string();
-    if (!is_temporary_name(found) || !found.ends_with("-" + name)) continue;
-    const long pid = std::strtol(found.c_str() + sizeof(kPrefix) - 1, nullptr, 10);
-    if (pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH) fs::remove(entry.path(), ignored);
-  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (is_leftover(entry, name)) fs::remove(entry.path(), ignored);
 }
 
 void sync_path(const std::string& path, int flags) {
@@ -63,8 +91,8 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   if (access(folder.c_str(), W_OK) != 0) fail_by_errno(path_, "the folder " + folder.string() + " cannot be written");
   sweep_leftovers(folder, name);
   static std::atomic<unsigned> counter{0};
-  temporary_path_ =
-      (folder / (kPrefix + std::to_string(getpid()) + "-" + std::to_string(counter++) + "-" + name)).string();
+  const std::string owner = std::to_string(getpid()) + "-" + std::to_string(counter++) + "-" + place();
+  temporary_path_ = (folder / (kPrefix + owner + "-" + name)).string();
 }
 
 AtomicFile::~AtomicFile() {

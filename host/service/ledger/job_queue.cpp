@@ -548,9 +548,33 @@ std::vector<std::int64_t> JobQueue::needs_of(std::int64_t id) {
   return ids(needs);
 }
 
-constexpr char kFilter[] =
-    "WHERE (?1 IS NULL OR state = ?1) AND (?2 = '' OR queue = ?2) AND (?3 IS NULL OR id < ?3) ORDER BY id DESC LIMIT "
-    "?4";
+namespace {
+
+// ?1 state, ?2 queue, ?3 before, ?4 limit. Each reads in the order of an index and stops at the limit, but for a
+// queue's state: the numbers of all of its jobs are read, of an index too.
+constexpr char kOfAll[] =
+    "WHERE (?2 = '' OR queue = ?2) AND id < IFNULL(?3, 9223372036854775807) ORDER BY id DESC LIMIT ?4";
+constexpr char kOfState[] =
+    "INDEXED BY jobs_listed WHERE state = ?1 AND ?2 = '' AND id < IFNULL(?3, 9223372036854775807) ORDER BY id DESC "
+    "LIMIT ?4";
+constexpr char kOfQueueAndState[] =
+    "WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_next WHERE queue = ?2 AND state = ?1 AND id < IFNULL(?3, "
+    "9223372036854775807) ORDER BY id DESC LIMIT ?4) ORDER BY id DESC";
+
+// A query for each kind of filter, which `text` makes of its conditions.
+struct FilteredQueries {
+  template <typename Text>
+  explicit FilteredQueries(const Text& text)
+      : all(text(kOfAll)), of_state(text(kOfState)), of_queue_and_state(text(kOfQueueAndState)) {}
+
+  const char* of(const JobFilter& filter) const {
+    return (!filter.state ? all : filter.queue.empty() ? of_state : of_queue_and_state).c_str();
+  }
+
+  std::string all, of_state, of_queue_and_state;
+};
+
+}  // namespace
 
 SqliteStatement& JobQueue::bind_filter(SqliteStatement& query, const JobFilter& filter) {
   query.bind(1, filter.state ? std::optional<std::int64_t>(number_of(*filter.state)) : std::nullopt);
@@ -558,8 +582,8 @@ SqliteStatement& JobQueue::bind_filter(SqliteStatement& query, const JobFilter& 
 }
 
 std::vector<Job> JobQueue::list(const JobFilter& filter) {
-  static const std::string sql = select_jobs(kFilter);
-  SqliteStatement& query = bind_filter(statement(sql.c_str()), filter);
+  static const FilteredQueries sql(select_jobs);
+  SqliteStatement& query = bind_filter(statement(sql.of(filter)), filter);
   std::vector<Job> jobs;
   while (query.step()) jobs.push_back(job_from_row(query));
   for (Job& job : jobs) job.needs = needs_of(job.id);
@@ -569,12 +593,14 @@ std::vector<Job> JobQueue::list(const JobFilter& filter) {
 std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
   // As blobs: the length of a text is one of characters, for which all of it is read. Ten bytes a need, and 500 of a
   // job's names and times.
-  static const std::string sql = fmt::format(
-      "SELECT IFNULL(SUM(bytes), 0) FROM (SELECT 500 + length(CAST(parameters AS BLOB)) + length(CAST(label AS BLOB)) "
-      "+ length(CAST(output AS BLOB)) + length(CAST(inputs AS BLOB)) + length(CAST(message AS BLOB)) + 10 * (SELECT "
-      "COUNT(*) FROM needs WHERE needs.job = jobs.id) AS bytes FROM jobs {})",
-      kFilter);
-  SqliteStatement& query = bind_filter(statement(sql.c_str()), filter);
+  static const FilteredQueries sql([](const char* conditions) {
+    return fmt::format(
+        "SELECT IFNULL(SUM(bytes), 0) FROM (SELECT 500 + length(CAST(parameters AS BLOB)) + length(CAST(label AS "
+        "BLOB)) + length(CAST(output AS BLOB)) + length(CAST(inputs AS BLOB)) + length(CAST(message AS BLOB)) + 10 * "
+        "(SELECT COUNT(*) FROM needs WHERE needs.job = jobs.id) AS bytes FROM jobs {})",
+        conditions);
+  });
+  SqliteStatement& query = bind_filter(statement(sql.of(filter)), filter);
   query.step();
   const std::int64_t bytes = query.integer(0);
   query.reset();

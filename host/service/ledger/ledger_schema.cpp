@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-constexpr std::int64_t kSchemaVersion = 5;
+constexpr std::int64_t kSchemaVersion = 6;
 constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": what `file` and others know a ledger by
 
 // States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered.
@@ -96,6 +96,9 @@ CREATE INDEX slurm_parts_job ON slurm_parts (job);
 CREATE INDEX slurm_parts_sent ON slurm_parts (batch) WHERE state = 0;
 )sql";
 
+// Of version 6 on: numbers of jobs in a state, in order, for lists of one.
+constexpr const char* kListSchema = "CREATE INDEX IF NOT EXISTS jobs_listed ON jobs (state);";
+
 // From versions 1 and 2, of multum 0.1 before its release.
 constexpr const char* kAddInputs = R"sql(
 ALTER TABLE jobs ADD COLUMN inputs TEXT NOT NULL DEFAULT '';
@@ -158,7 +161,8 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
       if (found != 0) database.execute(kMoveNeeds);
       database.execute(kFilesSchema);
     }
-    database.execute(kSlurmSchema);
+    if (found < 5) database.execute(kSlurmSchema);
+    database.execute(kListSchema);
     database.execute(
         fmt::format("PRAGMA user_version = {}; PRAGMA application_id = {}", kSchemaVersion, kApplicationId));
     transaction.commit();

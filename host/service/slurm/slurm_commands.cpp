@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
 #include <sstream>
 
 #include "host/base/error.h"
-#include "host/base/processes/child_process.h"
 
 namespace multum {
 namespace {
@@ -54,7 +54,7 @@ std::string slurm_task_name(std::int64_t job, int item) {
 SlurmCommands::SlurmCommands(SlurmSettings settings, std::function<bool()> is_stopped)
     : settings_(std::move(settings)), is_stopped_(std::move(is_stopped)) {}
 
-std::string SlurmCommands::run(const std::vector<std::string>& words) const {
+ChildResult SlurmCommands::run_to_end(const std::vector<std::string>& words) const {
   ChildLimits limits;
   limits.time_max = kCommandTimeMax;
   limits.is_cancelled = is_stopped_;
@@ -62,6 +62,11 @@ std::string SlurmCommands::run(const std::vector<std::string>& words) const {
   if (done.is_over_time)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{} did not end within {} s", words.front(), kCommandTimeMax.count()));
+  return done;
+}
+
+std::string SlurmCommands::run(const std::vector<std::string>& words) const {
+  const ChildResult done = run_to_end(words);
   if (done.exit_code != 0)
     throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}", words.front(), in_one_line(done.output)));
   return done.output;
@@ -123,13 +128,20 @@ std::vector<SlurmTask> parse_squeue(const std::string& text) {
   return tasks;
 }
 
-void SlurmCommands::cancel(const std::vector<std::string>& names) const {
-  for (std::size_t begin = 0; begin < names.size(); begin += kNamesAtOnce) {
-    std::vector<std::string> words = {"scancel", "--quiet"};
-    const auto first = names.begin() + static_cast<std::ptrdiff_t>(begin);
-    words.insert(words.end(), first, first + static_cast<std::ptrdiff_t>(std::min(kNamesAtOnce, names.size() - begin)));
-    run(words);
-  }
+void SlurmCommands::cancel(const std::vector<SlurmTarget>& targets) const {
+  std::map<std::string, std::vector<std::string>> of_names;
+  for (const SlurmTarget& target : targets) of_names[target.name].push_back(slurm_task_name(target.job, target.item));
+  for (const auto& [name, tasks] : of_names)
+    for (std::size_t begin = 0; begin < tasks.size(); begin += kNamesAtOnce) {
+      std::vector<std::string> words = {"scancel", "--quiet", "--name=" + name};
+      const auto first = tasks.begin() + static_cast<std::ptrdiff_t>(begin);
+      words.insert(words.end(), first,
+                   first + static_cast<std::ptrdiff_t>(std::min(kNamesAtOnce, tasks.size() - begin)));
+      // Of a number that is not there it says nothing, with exit code 1.
+      const ChildResult done = run_to_end(words);
+      if (done.exit_code != 0 && !done.output.empty())
+        throw Error(ErrorCode::kEnvironment, "scancel: " + in_one_line(done.output));
+    }
 }
 
 }  // namespace multum

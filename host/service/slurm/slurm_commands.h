@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/processes/child_process.h"
 #include "host/service/slurm/slurm_settings.h"
 
 namespace multum {
@@ -38,8 +39,16 @@ struct SlurmTask {
   bool is_stuck() const;
 };
 
-/// How sbatch, scancel and scontrol name it: "12" or "12_3".
+/// How scancel and scontrol name it: "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
+
+/// What is to be cancelled: a job of this name and number, or a task of it; item -1: all of it. A controller that has
+/// forgotten a job gives its number to the next, which has another name.
+struct SlurmTarget {
+  std::string name;
+  std::int64_t job = 0;
+  int item = -1;
+};
 
 class SlurmCommands {
  public:
@@ -51,10 +60,12 @@ class SlurmCommands {
   /// Tasks of this user whose names begin so, those that have ended some minutes ago too. Throws Error(kEnvironment)
   /// when Slurm does not answer.
   std::vector<SlurmTask> list(const std::string& prefix) const;
-  /// Those that are not there are passed over. Throws as list() does.
-  void cancel(const std::vector<std::string>& names) const;
+  /// Those that are not there, or of another name, are passed over. Throws Error(kEnvironment) when scancel says
+  /// anything.
+  void cancel(const std::vector<SlurmTarget>& targets) const;
 
  private:
+  ChildResult run_to_end(const std::vector<std::string>& words) const;
   std::string run(const std::vector<std::string>& words) const;
   SlurmSettings settings_;
   std::function<bool()> is_stopped_;

@@ -380,13 +380,13 @@ void SlurmPool::give_up(std::int64_t job, const WorkResult& result) {
   work.result = result;
   work.result->have_inputs_changed |= work.have_inputs_changed;
   work.given_up_in = look_count_;
-  std::vector<std::string> names;
+  std::vector<SlurmTarget> targets;
   for (auto& [number, batch] : batches_) {
     const auto is_its = [&](const auto& part) { return part.second.row.job == job; };
     if (std::none_of(batch.parts.begin(), batch.parts.end(), is_its)) continue;
     if (std::all_of(batch.parts.begin(), batch.parts.end(), is_its)) {
       batch.is_revoked = true;
-      if (batch.slurm_job) names.push_back(slurm_task_name(*batch.slurm_job, -1));
+      if (batch.slurm_job) targets.push_back({name_of(number), *batch.slurm_job});
       beside(commands_thread_, [this, number = number]() -> std::function<void()> {
         folder_.batch(number).revoke_order();
         return [] {};
@@ -397,7 +397,7 @@ void SlurmPool::give_up(std::int64_t job, const WorkResult& result) {
         if (part.row.job == job) stop_item(number, item);
     }
   }
-  cancel_tasks(std::move(names));
+  cancel_tasks(std::move(targets));
   end_if_idle(job);
 }
 
@@ -412,11 +412,11 @@ void SlurmPool::stop_item(std::int64_t batch, int item) {
   });
 }
 
-void SlurmPool::cancel_tasks(std::vector<std::string> names) {
-  if (names.empty()) return;
-  beside(commands_thread_, [this, names = std::move(names)]() -> std::function<void()> {
+void SlurmPool::cancel_tasks(std::vector<SlurmTarget> targets) {
+  if (targets.empty()) return;
+  beside(commands_thread_, [this, targets = std::move(targets)]() -> std::function<void()> {
     try {
-      commands_.cancel(names);
+      commands_.cancel(targets);
     } catch (const Error& error) {  // it is tried again as long as Slurm has them
       service_log(LogSeverity::kWarning, 0, error.what());
     }
@@ -431,7 +431,7 @@ bool SlurmPool::cancel_part(std::int64_t job, std::int64_t number, int item) {
   if (part == found->second.parts.end() || part->second.row.job != job || part->second.kind.is_whole()) return false;
   part->second.is_cancelled = true;
   part->second.row.message = "cancelled by request";
-  cancel_tasks({slurm_task_name(*found->second.slurm_job, found->second.is_array ? item : -1)});
+  cancel_tasks({{name_of(number), *found->second.slurm_job, found->second.is_array ? item : -1}});
   return true;
 }
 

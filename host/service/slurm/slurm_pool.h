@@ -150,7 +150,7 @@ class SlurmPool {
   void take_sent(const std::vector<Sent>& sent);
 
   void stop_item(std::int64_t batch, int item);
-  void cancel_tasks(std::vector<std::string> names);
+  void cancel_tasks(std::vector<SlurmTarget> targets);
   void give_up(std::int64_t job, const WorkResult& result);
   void end_if_idle(std::int64_t job);
 
@@ -158,10 +158,10 @@ class SlurmPool {
   enum class Fate { kGoesOn, kEnded, kAgain };  // kAgain: to be sent again
   void look();
   void digest(std::uint64_t look_number, const SlurmLook& look);
-  std::vector<std::string> compare_lists(const SlurmLook& look);
+  std::vector<SlurmTarget> compare_lists(const SlurmLook& look);
   void follow_submission(Batch& batch);
   Fate follow(Batch& batch, Part& part, const SlurmLook::Seen& seen, const SlurmTask* task, std::uint64_t look_number,
-              std::vector<std::string>& to_cancel);
+              std::vector<SlurmTarget>& to_cancel);
   void follow_progress(Batch& batch, Part& part, const SlurmLook::Seen& seen);
   Fate follow_absence(Batch& batch, Part& part, const SlurmTask* task, const SlurmLook::Seen& seen);
   Fate end_part(Part& part, SlurmPartState state, const WorkResult& result);

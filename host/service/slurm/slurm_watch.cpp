@@ -66,7 +66,7 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
   is_up_ = look.is_up();
   std::map<std::pair<std::int64_t, int>, const SlurmTask*> tasks;
   for (const SlurmTask& task : look.tasks) tasks[{task.job, task.item}] = &task;
-  std::vector<std::string> to_cancel = is_up_ ? compare_lists(look) : std::vector<std::string>{};
+  std::vector<SlurmTarget> to_cancel = is_up_ ? compare_lists(look) : std::vector<SlurmTarget>{};
   std::vector<SlurmPart> ended;
   std::vector<std::int64_t> to_send_again;
   for (auto& [number, batch] : batches_) {
@@ -96,9 +96,9 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
 }
 
 // Adopts what Slurm has of a batch whose number there was not known; returns what it has and the ledger does not.
-std::vector<std::string> SlurmPool::compare_lists(const SlurmLook& look) {
+std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
   std::map<std::int64_t, std::int64_t> adopted;
-  std::set<std::int64_t> unknown;
+  std::map<std::int64_t, std::string> unknown;  // with their names
   for (const SlurmTask& task : look.tasks) {
     std::int64_t number = 0;
     const std::string name = task.name.substr(prefix().size());
@@ -112,7 +112,7 @@ std::vector<std::string> SlurmPool::compare_lists(const SlurmLook& look) {
     const auto done = done_.find(number);
     const bool is_ours = found != batches_.end() && (!found->second.slurm_job || *found->second.slurm_job == task.job);
     const bool lingers = done != done_.end() && Clock::now() - done->second < kLingering;
-    if (!task.is_over() && !is_ours && !lingers) unknown.insert(task.job);
+    if (!task.is_over() && !is_ours && !lingers) unknown[task.job] = task.name;
   }
   if (!adopted.empty())
     note(
@@ -120,14 +120,14 @@ std::vector<std::string> SlurmPool::compare_lists(const SlurmLook& look) {
           for (const auto& [number, job] : adopted) queue.slurm().set_slurm_job(number, job);
         },
         [] {});
-  std::vector<std::string> names;
-  for (const std::int64_t job : unknown) {
-    names.push_back(slurm_task_name(job, -1));
+  std::vector<SlurmTarget> targets;
+  for (const auto& [job, name] : unknown) {
+    targets.push_back({name, job});
     if (!cancelled_unknown_.insert(job).second) continue;
     ++counters_.cancelled_unknown;
     service_log(LogSeverity::kWarning, 0, fmt::format("Slurm has job {}, of which the ledger knows nothing", job));
   }
-  return names;
+  return targets;
 }
 
 // What was to be sent and is not there.
@@ -138,7 +138,7 @@ void SlurmPool::follow_submission(Batch& batch) {
 }
 
 SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::Seen& seen, const SlurmTask* task,
-                                  std::uint64_t look_number, std::vector<std::string>& to_cancel) {
+                                  std::uint64_t look_number, std::vector<SlurmTarget>& to_cancel) {
   const Clock::time_point now = Clock::now();
   if (seen.end) {
     const int code = seen.end->result.exit_code;
@@ -170,12 +170,12 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
                        (task->state == kCompleting && (batch.is_revoked || part.is_cancelled));
   if (is_gone) {
     if (task != nullptr && task->is_stuck())
-      to_cancel.push_back(slurm_task_name(*batch.slurm_job, batch.is_array ? task->item : -1));
+      to_cancel.push_back({task->name, *batch.slurm_job, batch.is_array ? task->item : -1});
     return follow_absence(batch, part, task, seen);
   }
   part.gone.reset();
   if (batch.is_revoked && is_given_up) {
-    to_cancel.push_back(slurm_task_name(*batch.slurm_job, -1));  // again: Slurm may not have heard of it
+    to_cancel.push_back({task->name, *batch.slurm_job});  // again: Slurm may not have heard of it
     return Fate::kGoesOn;
   }
   if (is_given_up && !batch.is_revoked)
@@ -189,7 +189,7 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   else if (now - *part.heard > settings_.slurm.lease) {
     part.is_cancelled = true;
     part.row.message = fmt::format("it was silent for {} ms and was cancelled", settings_.slurm.lease.count());
-    to_cancel.push_back(slurm_task_name(*batch.slurm_job, batch.is_array ? task->item : -1));
+    to_cancel.push_back({task->name, *batch.slurm_job, batch.is_array ? task->item : -1});
   }
   return Fate::kGoesOn;
 }

@@ -16,6 +16,7 @@
 #include "host/base/log.h"
 #include "host/base/stopwatch.h"
 #include "host/texture_inference/mapping/forward_mapping.h"
+#include "host/texture_inference/pipeline/inference_pieces.h"
 #include "host/texture_inference/pipeline/inference_rows.h"
 
 namespace multum {
@@ -33,90 +34,48 @@ struct ObjectSystem {
 
 class InferencePipeline {
  public:
-  InferencePipeline(const ParameterizedScene& field, const AnimationInferSettings& settings, Progress* progress)
+  InferencePipeline(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                    const ObjectMappings& mappings, const std::vector<InferencePiece>& pieces, Progress* progress)
       : field_(field),
         job_(field.job()),
         settings_(settings),
+        pieces_(pieces.begin(), pieces.end()),
         progress_(progress),
         device_(Device::open(settings.device)),
-        probe_(field, find_mappings(),
+        probe_(field, mappings_of(pieces, mappings),
                {settings.viewer, settings.context, settings.output + "/matrices", settings.threads}) {}
 
   AnimationInferResult run() {
     result_.device = device_.info().name;
     result_.nan_depths = field_.nan_depths();
     std::uint64_t units = probe_.unit_count();
-    for (const AnimationLayer& layer : job_.layers)
-      for (const ParameterPoint& point : field_.grid().points(layer))
-        units += point.samples.size() + job_.objects.size();
+    for (std::size_t l = 0; l < job_.layers.size(); ++l)
+      for (const ParameterPoint& point : field_.grid().points(job_.layers[l]))
+        if (has_any(l, point.block)) units += point.samples.size() + job_.objects.size();
     progress_start(progress_, units);
     {
       const ScopedStopwatch watch(result_.seconds.probing);
       probe_.run(progress_);
     }
     result_.matrices_measured = probe_.measured;
-    begin_manifest();
     for (std::size_t l = 0; l < job_.layers.size(); ++l) infer_layer(l);
-    write_inferred_manifest(result_.manifest, settings_.output + "/" + kInferredManifestName);
     return std::move(result_);
   }
 
  private:
-  ObjectMappings find_mappings() {
-    const ScopedStopwatch watch(result_.seconds.mapping);
-    ObjectMappings mappings(job_.objects.size());
-    for (std::size_t k = 0; k < job_.objects.size(); ++k) {
-      bool is_seen = false;
-      for (int block = 0; block < field_.grid().block_count(); ++block) {
-        mappings[k].push_back(field_.find_mapping(k, block));
-        is_seen = is_seen || mappings[k].back().width > 0;
-      }
-      if (!is_seen)
-        log_warning(
-            fmt::format("{}: object '{}' is seen in no picture and gets no texture", job_.path, job_.objects[k].name));
-    }
-    for (int block = 0; block < field_.grid().block_count(); ++block)
-      result_.blocks.push_back(field_.grid().block_name(block));
-    result_.mappings = mappings;
+  // Of what the pieces need; the rest is as if it was not seen.
+  static ObjectMappings mappings_of(const std::vector<InferencePiece>& pieces, ObjectMappings mappings) {
+    std::set<std::pair<std::size_t, int>> needed;
+    for (const InferencePiece& piece : pieces) needed.insert({piece.object, piece.block});
+    for (std::size_t k = 0; k < mappings.size(); ++k)
+      for (std::size_t block = 0; block < mappings[k].size(); ++block)
+        if (!needed.contains({k, static_cast<int>(block)})) mappings[k][block].width = 0;
     return mappings;
   }
 
-  void begin_manifest() {
-    InferredManifest& m = result_.manifest;
-    std::error_code error;
-    const fs::path relative = fs::relative(job_.geometry_file, settings_.output, error);
-    const bool is_absolute = settings_.has_absolute_geometry || error || relative.empty();
-    m.geometry_file = is_absolute ? fs::absolute(job_.geometry_file).lexically_normal().string() : relative.string();
-    m.geometry_hash = probe_.geometry_hash();
-    m.uv_set = job_.uv_set;
-    m.width = job_.width;
-    m.height = job_.height;
-    m.supersampling = job_.supersampling;
-    for (const AnimationParameter& parameter : job_.parameters) m.parameters.push_back(parameter.name);
-    for (std::size_t s = 0; s < job_.samples.size(); ++s)
-      m.samples.push_back({job_.samples[s].name, job_.samples[s].at,
-                           field_.world_to_clip(field_.pose_of(static_cast<int>(s))), job_.samples[s].object_to_world});
-    for (std::size_t k = 0; k < job_.objects.size(); ++k) {
-      InferredObject object;
-      object.name = job_.objects[k].name;
-      object.mesh = job_.objects[k].mesh;
-      for (TextureMapping mapping : result_.mappings[k]) {
-        mapping.width = std::max(1, mapping.width);  // where it is not seen
-        mapping.height = std::max(1, mapping.height);
-        object.mappings.push_back(mapping);
-      }
-      for (std::size_t s = 0; s < job_.samples.size(); ++s)
-        object.mapping_of_sample.push_back(field_.grid().block_of(static_cast<int>(s)));
-      object.anisotropy = static_cast<float>(job_.objects[k].texture.anisotropy);
-      for (const AnimationLayer& layer : job_.layers)
-        if (wants_layer(k, layer)) object.layers.push_back({layer.name, std::vector<std::string>(job_.samples.size())});
-      m.objects.push_back(object);
-    }
-  }
-
-  bool wants_layer(std::size_t object, const AnimationLayer& layer) const {
-    const std::vector<std::string>& wanted = job_.objects[object].layers;
-    return wanted.empty() || std::find(wanted.begin(), wanted.end(), layer.name) != wanted.end();
+  bool has_any(std::size_t l, int block) const {
+    return std::any_of(pieces_.begin(), pieces_.end(),
+                       [&](const InferencePiece& piece) { return piece.layer == l && piece.block == block; });
   }
 
   void infer_layer(std::size_t l) {
@@ -124,52 +83,43 @@ class InferencePipeline {
     systems_.clear();
     starts_.clear();
     int block = 0;
-    for (const ParameterPoint& point : field_.grid().points(layer)) {
-      progress_stage(progress_, fmt::format("infer {} {}", layer.name, point.name));
+    const std::vector<ParameterPoint> points = field_.grid().points(layer);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const ParameterPoint& point = points[i];
       if (point.block != block) starts_.clear();  // textures of another block have other coordinates
       block = point.block;
+      if (!has_any(l, block)) continue;
+      progress_stage(progress_, fmt::format("infer {} {}", layer.name, point.name));
       std::vector<std::vector<ObjectLayer>> pictures;  // [sample of the point][object]
       {
         const ScopedStopwatch watch(result_.seconds.segmentation);
+        PointReport of_point{l, i, {}};
         for (const int sample : point.samples) {
           SegmentationReport report;
           pictures.push_back(field_.segment(sample, layer, settings_.threads, &report));
-          result_.segmentation.add(report);
+          of_point.segmentation.add(report);
           progress_advance(progress_, 1);
         }
+        result_.points.push_back(of_point);
       }
       for (std::size_t k = 0; k < job_.objects.size(); ++k) {
-        if (wants_layer(k, layer) && probe_.is_seen(k, block)) infer_texture(k, l, point, pictures);
+        if (pieces_.contains({block, k, l})) infer_texture(k, l, i, point, pictures);
         progress_advance(progress_, 1);
       }
     }
-    // An object that is black in this layer in every sample has no such layer.
-    for (InferredObject& object : result_.manifest.objects)
-      std::erase_if(object.layers, [&](const InferredLayer& one) {
-        return one.name == layer.name &&
-               std::all_of(one.textures.begin(), one.textures.end(), [](const auto& file) { return file.empty(); });
-      });
   }
 
-  // Held out are pictures of a view, where the layer has the same texture in others.
-  bool is_held_out(const AnimationLayer& layer, int sample) const {
-    if (settings_.hold_out < 2) return false;
-    for (std::size_t d = 0; d < job_.parameters.size(); ++d)
-      if (job_.parameters[d].is_view && std::find(layer.depends_on.begin(), layer.depends_on.end(),
-                                                  job_.parameters[d].name) == layer.depends_on.end())
-        return job_.samples[static_cast<std::size_t>(sample)].at[d] % settings_.hold_out == settings_.hold_out - 1;
-    return false;
-  }
-
-  void infer_texture(std::size_t k, std::size_t l, const ParameterPoint& point,
+  void infer_texture(std::size_t k, std::size_t l, std::size_t point_number, const ParameterPoint& point,
                      const std::vector<std::vector<ObjectLayer>>& pictures) {
     const AnimationLayer& layer = job_.layers[l];
     TextureResult texture;
     texture.object = k;
     texture.layer = l;
+    texture.point = point_number;
     texture.block = point.block;
     texture.samples = point.samples;
-    for (const int sample : point.samples) texture.is_held_out.push_back(is_held_out(layer, sample));
+    for (const int sample : point.samples)
+      texture.is_held_out.push_back(is_held_out(job_, settings_.hold_out, layer, sample));
     const bool is_black = std::none_of(pictures.begin(), pictures.end(), [&](const std::vector<ObjectLayer>& objects) {
       return has_radiance(objects[k], job_.radiance_max);
     });
@@ -180,7 +130,7 @@ class InferencePipeline {
     }
     ObjectSystem& system = system_of(k, point, pictures, texture.is_held_out);
     const std::vector<float> colours = colours_of(k, system, pictures);
-    texture.file = fmt::format("textures/{}/{}_{}.exr", job_.objects[k].name, layer.name, point.name);
+    texture.file = texture_file(job_, k, l, point);
     const std::string path = settings_.output + "/" + texture.file;
     const std::string key = texture_key(k, layer, system, colours);
     std::vector<float> texels = texels_there(path, key);
@@ -205,9 +155,6 @@ class InferencePipeline {
           squared_errors(k, system, pictures, colours, forward_texels(k, point, pictures), texture.pixel_counts);
     }
     starts_[k] = std::move(texels);
-    for (InferredLayer& one : result_.manifest.objects[k].layers)
-      if (one.name == layer.name)
-        for (const int sample : point.samples) one.textures[static_cast<std::size_t>(sample)] = texture.file;
     result_.textures.push_back(std::move(texture));
   }
 
@@ -233,10 +180,8 @@ class InferencePipeline {
     }
     for (std::size_t i = 0; i < point.samples.size(); ++i) {
       const FilterMatrix& matrix = system.matrices[i];
-      if (counted_.insert({field_.pose_of(point.samples[i]), k}).second) {
-        result_.rows += matrix.row_count();
-        result_.rows_rejected += matrix.rows_rejected;
-      }
+      if (counted_.insert({field_.pose_of(point.samples[i]), k}).second)
+        result_.matrices.push_back({field_.pose_of(point.samples[i]), k, matrix.row_count(), matrix.rows_rejected});
       system.views.push_back({&matrix, is_held_out[i] ? std::vector<float>(matrix.row_count(), 0.0f)
                                                       : row_weights(matrix, pictures[i][k], job_.coverage_min)});
     }
@@ -274,7 +219,7 @@ class InferencePipeline {
 
   // Of the texture that an earlier run made with this key; empty when it is to be inferred.
   std::vector<float> texels_there(const std::string& path, const std::string& key) const {
-    if (settings_.force || provenance_key(path) != key) return {};
+    if (settings_.force || settings_.damaged.contains(path) || provenance_key(path) != key) return {};
     try {
       return read_inferred_texture(path).texels;
     } catch (const Error& damage) {
@@ -351,6 +296,7 @@ class InferencePipeline {
   const ParameterizedScene& field_;
   const AnimationJob& job_;
   const AnimationInferSettings& settings_;
+  std::set<InferencePiece> pieces_;
   Progress* progress_;
   AnimationInferResult result_;
   Device device_;
@@ -362,9 +308,51 @@ class InferencePipeline {
 
 }  // namespace
 
+std::string texture_file(const AnimationJob& job, std::size_t object, std::size_t layer, const ParameterPoint& point) {
+  return fmt::format("textures/{}/{}_{}.exr", job.objects[object].name, job.layers[layer].name, point.name);
+}
+
+bool is_held_out(const AnimationJob& job, int hold_out, const AnimationLayer& layer, int sample) {
+  if (hold_out < 2) return false;
+  for (std::size_t d = 0; d < job.parameters.size(); ++d)
+    if (job.parameters[d].is_view &&
+        std::find(layer.depends_on.begin(), layer.depends_on.end(), job.parameters[d].name) == layer.depends_on.end())
+      return job.samples[static_cast<std::size_t>(sample)].at[d] % hold_out == hold_out - 1;
+  return false;
+}
+
+AnimationInferResult infer_pieces(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                                  const ObjectMappings& mappings, const std::vector<InferencePiece>& pieces,
+                                  Progress* progress) {
+  return InferencePipeline(field, settings, mappings, pieces, progress).run();
+}
+
+void finish_inference(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                      const ObjectMappings& mappings, AnimationInferResult& result) {
+  result.mappings = mappings;
+  for (int block = 0; block < field.grid().block_count(); ++block)
+    result.blocks.push_back(field.grid().block_name(block));
+  for (const PointReport& point : result.points) result.segmentation.add(point.segmentation);
+  for (const MatrixRows& matrix : result.matrices) {
+    result.rows += matrix.rows;
+    result.rows_rejected += matrix.rejected;
+  }
+  result.manifest = manifest_of(field, settings, mappings, hash_file(field.job().geometry_file), result.textures);
+  write_inferred_manifest(result.manifest, settings.output + "/" + kInferredManifestName);
+}
+
 AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                      Progress* progress) {
-  return InferencePipeline(field, settings, progress).run();
+  double mapping_seconds = 0.0;
+  ObjectMappings mappings;
+  {
+    const ScopedStopwatch watch(mapping_seconds);
+    mappings = find_object_mappings(field);
+  }
+  AnimationInferResult result = infer_pieces(field, settings, mappings, inference_pieces(field, mappings), progress);
+  result.seconds.mapping = mapping_seconds;
+  finish_inference(field, settings, mappings, result);
+  return result;
 }
 
 }  // namespace multum

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct AnimationInferSettings {
   int threads = 1;
   bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output
   bool force = false;                  // textures that are there already are inferred again
+  std::set<std::string> damaged;       // of textures that are there, those that are not to be taken: paths
   int hold_out = 0;                    // 2 or more: every such sample along the views is left out of layers that do not
                                        // depend on them; 0: none
   bool with_baseline = true;           // measure forward mapping beside
@@ -41,6 +43,7 @@ struct AnimationInferSettings {
 struct TextureResult {
   std::size_t object = 0;
   std::size_t layer = 0;
+  std::size_t point = 0;               // of those that the grid has for the layer
   int block = 0;                       // of the grid: it says which of the object's mappings the texture has
   std::vector<int> samples;            // of the job
   std::vector<double> squared_errors;  // of each sample: mean over wholly covered pixels, 8-bit sRGB units
@@ -59,6 +62,19 @@ struct StageSeconds {
          rendering = 0.0;
 };
 
+/// What was found while the pictures of one point of a layer were taken apart: of all objects together.
+struct PointReport {
+  std::size_t layer = 0, point = 0;
+  SegmentationReport segmentation;
+};
+
+/// Rows of the filter matrix of an object in a pose.
+struct MatrixRows {
+  int pose = 0;
+  std::size_t object = 0;
+  std::uint64_t rows = 0, rejected = 0;
+};
+
 struct AnimationInferResult {
   InferredManifest manifest;
   std::vector<TextureResult> textures;
@@ -70,7 +86,27 @@ struct AnimationInferResult {
   std::uint64_t rows = 0, rows_rejected = 0;
   int matrices_measured = 0, systems_normal = 0, systems_matrix = 0;
   int nan_depths = 0;
+  // What the sums above are of: shares of the work may have some of them in common.
+  std::vector<PointReport> points;
+  std::vector<MatrixRows> matrices;
 };
+
+struct InferencePiece;  // host/texture_inference/pipeline/inference_pieces.h
+
+/// The file of a texture, relative to the output folder.
+std::string texture_file(const AnimationJob& job, std::size_t object, std::size_t layer, const ParameterPoint& point);
+
+/// Held out are pictures of every `hold_out`-th view, where the layer has the same texture in others.
+bool is_held_out(const AnimationJob& job, int hold_out, const AnimationLayer& layer, int sample);
+
+/// The textures of some pieces; no manifest. Throws as infer_animation() does.
+AnimationInferResult infer_pieces(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                                  const ObjectMappings& mappings, const std::vector<InferencePiece>& pieces,
+                                  Progress* progress);
+
+/// Sums up the textures of all pieces, and writes their manifest.
+void finish_inference(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                      const ObjectMappings& mappings, AnimationInferResult& result);
 
 /// Throws Error, Cancelled. What is finished stays.
 AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,

@@ -3,23 +3,29 @@
 """multum as a render farm meets it: job bundles of Open Job Description against the published schema, run by what the
 specification says, to the same files as without a farm; shares of several maps; exit codes.
 
-  tests/cli/farms/openjd_test.py --programs FOLDER
+  tests/cli/farms/openjd_test.py --programs FOLDER --traced-folder PROGRAM
 """
 import hashlib
 import pathlib
 import re
 import shutil
+import subprocess
+import sys
 import tempfile
 import unittest
 
 import farm_programs
 import jsonschema
+import merged_shares
 import openjd_schema
 import yaml
 from farm_programs import run
 from openjd_runner import Bundle, loaded
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+traced_folder = sys.argv.index("--traced-folder")
+TRACED_FOLDER = sys.argv[traced_folder + 1]
+del sys.argv[traced_folder:traced_folder + 2]
 
 
 def contents(folder):
@@ -196,6 +202,43 @@ class BundleTest(FarmTest):
             change(template)
             with self.assertRaises(jsonschema.ValidationError):
                 jsonschema.validate(template, openjd_schema.TEMPLATE)
+
+
+class MergedBundleTest(FarmTest):
+    """Shares with a merge behind them: chunks in any order, one of them twice, make the files of one process."""
+    maps = 3
+
+    def check(self, words, shards):
+        self.succeed(*words, "-o", self.folder / "whole")
+        bundle, said = self.bundle("--shards", shards, *words, "-o", self.folder / "out")
+        self.assertIn(f"{shards} tasks", said)
+        self.assertEqual([step["name"] for step in bundle.steps()], ["Shares", "Merge"])
+        tasks = bundle.run(chunk_size=2, again=[{"Task.Param.Shard": "1-2"}], order=lambda tasks: tasks[::-1])
+        self.assertEqual([(task.values.get("Task.Param.Shard"), task.code) for task in tasks],
+                         [("3", 0), ("1-2", 0), ("1-2", 0), (None, 0)], [task.text for task in tasks])
+        for task in tasks:
+            self.assertEqual(task.progress[-1], 100)
+        self.assertEqual(merged_shares.hashes(self.folder / "out"), merged_shares.hashes(self.folder / "whole"))
+        return bundle
+
+    def test_a_scene(self):
+        scene = self.folder / "scene.toml"
+        scene.write_text('[camera]\nresolution = [96, 72]\n[[light]]\ndirection = [0.3, 0.8, 0.5]\n'
+                         '[[material]]\nname = "paint"\nbrdf = "blinn-phong"\nexponent = 100\n' + "".join(
+                             f'[[map]]\nname = "m{i}"\nnormal = "rock_{1001 + i}.png"\n[[object]]\nname = "o{i}"\n'
+                             f'map = "m{i}"\nmaterial = "paint"\nwidth = 2.0\ndistance = [0.4, 20]\n'
+                             for i in range(self.maps)))
+        bundle = self.check(("bake", scene), 3)
+        self.assertEqual(bundle.assets["inputs"]["filenames"], sorted(
+            [str(scene), *[str(self.folder / f"rock_{1001 + i}.png") for i in range(self.maps)]]))
+        self.assertEqual(bundle.assets["outputs"]["directories"], [str(self.folder / "out")])
+
+    def test_inference(self):
+        (self.folder / "renders").mkdir()
+        subprocess.run([TRACED_FOLDER, self.folder / "renders", "2", "1"], check=True)
+        self.succeed("animation", self.folder / "renders", "-o", self.folder / "animation.toml")
+        self.check(("infer", self.folder / "animation.toml", "--context", "osmesa", "--no-frames", "--no-comparison",
+                    "--absolute-geometry"), 3)
 
 
 class DocumentTest(unittest.TestCase):

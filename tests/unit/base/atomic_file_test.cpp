@@ -7,7 +7,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <regex>
 
 #include "tests/unit/base/test_folder.h"
 
@@ -71,10 +73,29 @@ TEST(AtomicFileTest, SweepsWhatDeadProcessesLeftAndNothingElse) {
   const std::string living = ".multum-tmp-" + std::to_string(getppid()) + "-0-a.txt";
   const std::string other_name = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-b.txt";
   const std::string no_pid = ".multum-tmp-x-0-a.txt";
-  for (const std::string& name : {dead, living, other_name, no_pid, std::string("a.txt")})
+  const std::string longer_name = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-b-a.txt";
+  for (const std::string& name : {dead, living, other_name, longer_name, no_pid, std::string("a.txt")})
     write_bytes(folder / name, "x");
   const AtomicFile file(folder / "a.txt");
-  EXPECT_EQ(folder.names(), (Names{living, other_name, no_pid, "a.txt"}));
+  EXPECT_EQ(folder.names(), (Names{living, other_name, longer_name, no_pid, "a.txt"}));
+}
+
+// On a folder that machines share, their processes' numbers say nothing here.
+TEST(AtomicFileTest, LeavesOtherMachinesFilesForADay) {
+  const TemporaryFolder folder;
+  const std::string young = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-01234567-a.txt";
+  const std::string old = ".multum-tmp-1-0-01234567-a.txt", old_other = ".multum-tmp-1-0-01234567-b.txt";
+  for (const std::string& name : {young, old, old_other}) write_bytes(folder / name, "x");
+  for (const std::string& name : {old, old_other})
+    std::filesystem::last_write_time(folder / name,
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+  const AtomicFile file(folder / "a.txt");
+  EXPECT_EQ(folder.names(), (Names{young, old_other}));
+  // Its own name has the place that it is of, after both numbers.
+  const std::string name = std::filesystem::path(file.temporary_path()).filename().string();
+  EXPECT_TRUE(
+      std::regex_match(name, std::regex("\\.multum-tmp-" + std::to_string(getpid()) + "-\\d+-[0-9a-f]{8}-a\\.txt")))
+      << name;
 }
 
 TEST(AtomicFileTest, RefusesFoldersThatCannotTakeIt) {
@@ -141,11 +162,10 @@ TEST(AtomicFileTest, ALinkUnderTheTemporaryNameIsNotFollowed) {
   write_bytes(folder / "precious", "kept");
   AtomicFile probe(folder / "a.txt");
   const std::string next = probe.temporary_path();
-  const std::size_t counter_at = next.rfind("-a.txt");
-  const std::size_t counter_begin = next.rfind('-', counter_at - 1) + 1;
-  const int counter = std::stoi(next.substr(counter_begin, counter_at - counter_begin));
+  std::smatch parts;
+  ASSERT_TRUE(std::regex_match(next, parts, std::regex("(.*-)(\\d+)(-[0-9a-f]{8}-a\\.txt)"))) << next;
   std::filesystem::create_symlink(folder / "precious",
-                                  next.substr(0, counter_begin) + std::to_string(counter + 1) + "-a.txt");
+                                  parts[1].str() + std::to_string(std::stoi(parts[2]) + 1) + parts[3].str());
   expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "File exists"},
                [&] { write_text_file(folder / "a.txt", "text"); });
   EXPECT_EQ(read_bytes(folder / "precious"), "kept");

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <random>
 
+#include "host/base/stopwatch.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum {
@@ -374,6 +375,50 @@ TEST_F(JobQueueTest, AChainOfThousandsDiesAndIsTriedAgainAtOnce) {
   EXPECT_TRUE(retry(chain.front()));
   EXPECT_EQ(queue_->counts()["default"][JobState::kWaiting], 20000);
   EXPECT_EQ(claim()->id, chain.front());
+}
+
+TEST_F(JobQueueTest, ListsAreOfTheirFilter) {
+  for (int i = 0; i < 60; ++i) {
+    JobSubmission submission = of(i % 7);
+    submission.queue = i % 3 == 0 ? "night" : "default";
+    submit(submission);
+  }
+  for (int i = 0; i < 12; ++i) fail(*claim(), i % 2 == 0 ? AttemptOutcome::kRefused : AttemptOutcome::kFailed);
+  succeed(*claim());
+  claim();
+  const std::vector<Job> all = queue_->list({std::nullopt, "", std::nullopt, 1000});
+  for (const auto state : {std::optional<JobState>(), std::optional(JobState::kQueued), std::optional(JobState::kDead),
+                           std::optional(JobState::kRunning), std::optional(JobState::kSucceeded)})
+    for (const std::string queue : {"", "default", "night", "none"})
+      for (const auto before : {std::optional<std::int64_t>(), std::optional<std::int64_t>(31)})
+        for (const int limit : {1, 4, 1000}) {
+          Ids expected, found;
+          for (const Job& job : all)
+            if ((!state || job.state == *state) && (queue.empty() || job.queue == queue) &&
+                (!before || job.id < *before) && static_cast<int>(expected.size()) < limit)
+              expected.push_back(job.id);
+          for (const Job& job : queue_->list({state, queue, before, limit})) found.push_back(job.id);
+          EXPECT_EQ(found, expected) << queue << " " << limit;
+        }
+}
+
+// A page asks for the dead ones each second.
+TEST_F(JobQueueTest, AListOfFewJobsDoesNotReadTheOthers) {
+  SqliteTransaction transaction(queue_->database());  // or each would wait for the disk
+  for (int i = 0; i < 5000; ++i) submit(of(i == 0 ? 1 : 0));
+  fail(*claim(), AttemptOutcome::kRefused);
+  const auto seconds = [&](const JobFilter& filter, std::size_t expected) {
+    double least = 1e9;
+    for (int i = 0; i < 20; ++i) {
+      const Stopwatch stopwatch;
+      EXPECT_EQ(queue_->list(filter).size(), expected);
+      least = std::min(least, stopwatch.seconds());
+    }
+    return least;
+  };
+  const double newest = seconds({std::nullopt, "", std::nullopt, 50}, 50);
+  EXPECT_LT(seconds({JobState::kDead, "", std::nullopt, 50}, 1), 3.0 * newest);
+  EXPECT_LT(seconds({JobState::kDead, "default", std::nullopt, 50}, 1), 3.0 * newest);
 }
 
 // As version 3 left it.

@@ -283,7 +283,7 @@ TEST_F(SlurmLedgerTest, TypesOfAQueueAreToldApart) {
 
 TEST_F(SlurmLedgerTest, ALedgerOfVersionFourIsTakenOver) {
   const std::int64_t id = submit("drill");
-  queue_->database().execute("DROP TABLE slurm_parts; PRAGMA user_version = 4;");
+  queue_->database().execute("DROP TABLE slurm_parts; DROP INDEX jobs_listed; PRAGMA user_version = 4;");
   open();
   EXPECT_EQ(queue_->find(id)->state, JobState::kQueued);
   EXPECT_TRUE(queue_->slurm().sent().empty());

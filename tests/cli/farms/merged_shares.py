@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What shares of scenes and of inference have in common: their records in OUTPUT/shards, which merges check."""
+import hashlib
+import json
+import pathlib
+import shutil
+import tempfile
+import unittest
+
+import farm_programs
+
+
+def hashes(folder):
+    """Of the results, by name: what stands for one run beside another. Reports have times."""
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in sorted(folder.rglob("*"))
+            if path.is_file() and not {"shards", "frames", "comparison"} & set(path.relative_to(folder).parts)
+            and not path.name.startswith("report.")}
+
+
+def signed(record):
+    """As a program would write it that knows the rule, and not what a share makes."""
+    line = record if isinstance(record, str) else json.dumps(record)
+    return f"{line}\n{hashlib.sha256(line.encode()).hexdigest()}\n"
+
+
+class MergedSharesTest(unittest.TestCase):
+    """A subclass says `words`, what is run, and makes `whole`, what one process made."""
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.out = pathlib.Path(holder.name) / "out"
+
+    def run_command(self, *more, out=None):
+        return farm_programs.run(*self.words, "-o", out or self.out, *more)
+
+    def succeed(self, *more, out=None):
+        done = self.run_command(*more, out=out)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def refused(self, *parts):
+        """By a merge, with exit code 4: worth trying again."""
+        for folder in ("inferred.json", "plan.json"):
+            (self.out / folder).unlink(missing_ok=True)
+        done = self.run_command("--merge", 3)
+        self.assertEqual(done.returncode, 4, done.stdout + done.stderr)
+        for part in parts:
+            self.assertIn(part, done.stderr)
+        self.assertFalse((self.out / "inferred.json").exists() or (self.out / "plan.json").exists())
+
+    def record(self, index, count=3):
+        return self.out / f"shards/{index}-of-{count}.shard"
+
+    def check_any_number_of_shares(self):
+        for count, order in ((1, (1,)), (2, (2, 1)), (3, (3, 1, 2, 1)), (5, (4, 2, 5, 1, 3))):
+            with self.subTest(count=count):
+                for index in order:
+                    self.succeed("--shard", f"{index}/{count}")
+                self.succeed("--merge", count)
+                self.assertEqual(hashes(self.out), self.whole)
+                shutil.rmtree(self.out)
+
+    def check_damage(self, of_share_two):
+        """`of_share_two`: the name of a result that share 2 of 3 makes."""
+        for index in (1, 3):
+            self.succeed("--shard", f"{index}/3")
+        self.refused("2-of-3.shard: is not there: --shard 2/3 makes it again")
+        self.assertIn("written", self.succeed("--shard", "2/3"))
+        times = {path: path.stat().st_mtime_ns for path in self.out.rglob("*") if path.is_file()}
+        self.assertNotIn("written", self.succeed("--shard", "1-3/3"))
+        self.assertEqual(times, {path: path.stat().st_mtime_ns for path in self.out.rglob("*") if path.is_file()})
+        result = self.out / of_share_two
+        whole = result.read_bytes()
+        damaged = bytearray(whole)
+        damaged[len(damaged) * 2 // 3] ^= 1
+        for bytes_there in (bytes(damaged), None):
+            if bytes_there is None:
+                result.unlink()
+            else:
+                result.write_bytes(bytes_there)
+            self.refused(of_share_two, "--shard 2/3 makes it again")
+            self.assertIn("written", self.succeed("--shard", "2/3"))
+            self.assertEqual(result.read_bytes(), whole)
+            others = {path: path.stat().st_mtime_ns for path in times
+                      if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
+            self.assertEqual(others, {path: times[path] for path in others})  # it alone was made again
+        for _ in range(2):  # again, as a farm may
+            self.succeed("--merge", 3)
+            self.assertEqual(hashes(self.out), self.whole)
+
+    def check_hostile_records(self):
+        self.succeed("--shard", "1-3/3")
+        path = self.record(2)
+        good = path.read_text()
+        line, _ = good.splitlines()
+        self.assertEqual(signed(line), good)  # so that what is refused below is not always the hash
+        record = json.loads(line)
+        again = "--shard 2/3 makes it again"
+        content = record["content"]
+        texts = ["", "{", good[:len(good) // 2], good + "\n", signed(""), signed("[" * 100000), signed("\x00" * 64),
+                 good.replace('"share":2', '"share":3'), *(signed({**record, **change}) for change in (
+                     {"share": 3}, {"of": 4}, {"kind": "scenery"}, {"multumShare": 2}, {"key": "0" * 64}, {"key": 7},
+                     {"content": []}, {"content": {}}))]
+        for name, value in content.items():
+            others = {key: one for key, one in content.items() if key != name}
+            wrong = [None] * len(value) if isinstance(value, list) and value else {"a": "b"}
+            texts.append(signed({**record, "content": {**others, name: wrong}}))
+        texts += [signed({**record, "content": {**content, name: value}}) for name, value in self.hostile(content)]
+        for text in texts:
+            with self.subTest(text=text[:200]):
+                path.write_text(text)
+                self.refused("2-of-3.shard", again)
+        path.unlink()
+        path.mkdir()
+        self.refused("2-of-3.shard", again)
+        path.rmdir()
+        self.assertIn("written", self.succeed("--shard", "2/3"))
+        self.succeed("--merge", 3)
+        self.assertEqual(hashes(self.out), self.whole)
+
+    def check_refusals(self):
+        for more, part in ((("--shard", "0/3"), "expected I/N"), (("--shard", "1/5000"), "4096 shares at most"),
+                           (("--shard", "1/3", "--merge", "3"), "exclude each other"), (("--merge", "0"), "--merge")):
+            done = self.run_command(*more)
+            self.assertEqual(done.returncode, 2, more)
+            self.assertIn(part, done.stderr)
+        self.assertFalse((self.out / "shards").exists())
