@@ -3,6 +3,7 @@
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { addLobes, GltfLobes, LobeLoader, lobesOf, removeLobes } from "@multum/three";
+import { compared, toByte } from "./linear_pictures.js";
 
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 renderer.shadowMap.enabled = true;
@@ -110,23 +111,6 @@ async function loadModel(material, more, views) {
   const loader = new GLTFLoader().register((parser) => new GltfLobes(parser, renderer));
   return loader.parseAsync(JSON.stringify(json), "");
 }
-
-/** Relative L1: sum of |picture - reference| over sum of the reference, and the ratio of their sums. */
-function compared(picture, reference) {
-  let [difference, all, wanted] = [0, 0, 0];
-  for (let i = 0; i < picture.length; ++i) {
-    if (i % 4 === 3) continue;
-    difference += Math.abs(picture[i] - reference[i]);
-    all += picture[i];
-    wanted += reference[i];
-  }
-  return { error: difference / wanted, energy: all / wanted };
-}
-
-const toByte = (linear) => {
-  const v = Math.min(1, Math.max(0, linear));
-  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
-};
 
 /** A picture of three.js beside a PNG of the same view: how many pixels differ by how many of 255. */
 async function beside(pixels, width, height, url) {

@@ -6,6 +6,7 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { GltfLobes, lobesOf } from "@multum/three";
+import { compared, toByte } from "./linear_pictures.js";
 
 const TILE = 1024; // pixels a side that are drawn at once
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
@@ -93,23 +94,6 @@ function settled(scene, camera, width, height, frames, edges) {
   camera.clearViewOffset();
   return made;
 }
-
-/** Relative L1 and the ratio of sums, of colours. */
-function compared(picture, reference) {
-  let [difference, all, wanted] = [0, 0, 0];
-  for (let i = 0; i < picture.length; ++i) {
-    if (i % 4 === 3) continue;
-    difference += Math.abs(picture[i] - reference[i]);
-    all += picture[i];
-    wanted += reference[i];
-  }
-  return { error: difference / wanted, energy: all / wanted };
-}
-
-const toByte = (linear) => {
-  const v = Math.min(1, Math.max(0, linear));
-  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
-};
 
 /** Pictures side by side, of each the rectangle [x, y, width, height] enlarged `zoom` times, as a JPEG in base64. */
 async function strip(pictures, width, [x0, y0, w, h], zoom) {

@@ -16,6 +16,31 @@ def run(*words):
     return subprocess.run([multum(), *map(str, words)], capture_output=True, text=True, check=False)
 
 
+def scene_of(maps, budget=""):
+    """The text of a scene with a painted wall for each map: its name, the beginning of its file's, more lines."""
+    head = f"""[camera]
+resolution = [96, 72]
+{budget}
+[[material]]
+name = "paint"
+brdf = "blinn-phong"
+exponent = 100
+[[light]]
+direction = [0.3, 0.8, 0.5]
+"""
+    return head + "".join(f"""[[map]]
+name = "{name}"
+normal = "{file}_normal.png"
+{more}
+[[object]]
+name = "front of {name}"
+map = "{name}"
+material = "paint"
+width = 2.0
+distance = [0.4, 20]
+""" for name, file, more in maps)
+
+
 def main():
     """As unittest.main(), behind --programs FOLDER."""
     global folder

@@ -13,27 +13,6 @@ import unittest
 import farm_programs
 import merged_shares
 
-SCENE = """[camera]
-resolution = [96, 72]
-{budget}
-[[material]]
-name = "paint"
-brdf = "blinn-phong"
-exponent = 100
-[[light]]
-direction = [0.3, 0.8, 0.5]
-"""
-MAP = """[[map]]
-name = "wall{0}"
-normal = "map{0}_normal.png"
-{1}
-[[object]]
-name = "front{0}"
-map = "wall{0}"
-material = "paint"
-width = 2.0
-distance = [0.4, 20]
-"""
 MAPS = 3
 
 
@@ -46,13 +25,13 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
         maps = []
         for i in range(MAPS):
             farm_programs.run("testmap", cls.folder / f"map{i}", "--size", 32, "--seed", i + 1)
-            maps.append(MAP.format(i, f'albedo = "map{i}_albedo.png"' if i % 2 == 0 else ""))
+            maps.append((f"wall{i}", f"map{i}", f'albedo = "map{i}_albedo.png"' if i % 2 == 0 else ""))
         cls.scenes = {}
         # A target chooses lobes by trials; a budget of all maps together has each share plan all of them.
         for name, budget in (("plain", ""), ("target", "[budget]\ntarget_error = 0.3\n"),
                              ("bytes", "[budget]\nbytes = 90000\n")):
             cls.scenes[name] = cls.folder / f"{name}.toml"
-            cls.scenes[name].write_text(SCENE.format(budget=budget) + "".join(maps))
+            cls.scenes[name].write_text(farm_programs.scene_of(maps, budget))
         cls.wholes = {name: cls.whole_of(scene) for name, scene in cls.scenes.items()}
 
     @classmethod

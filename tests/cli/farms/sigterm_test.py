@@ -73,26 +73,6 @@ ROWS = (
         ("map_normal", "second_normal")),
 )
 
-SCENE = """[camera]
-resolution = [96, 72]
-[[material]]
-name = "paint"
-brdf = "blinn-phong"
-exponent = 100
-[[light]]
-direction = [0.3, 0.8, 0.5]
-"""
-SCENE_MAP = """[[map]]
-name = "{0}"
-normal = "{1}_normal.png"
-[[object]]
-name = "front{0}"
-map = "{0}"
-material = "paint"
-width = 2.0
-distance = [0.4, 20]
-"""
-
 
 def results(folder, timed=()):
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
@@ -109,8 +89,7 @@ class SigtermTest(unittest.TestCase):
         cls.maps.mkdir()
         for name, size, seed in (("map", SIZE, 1), ("second", SIZE, 2), ("edited", SIZE, 3), ("large", 2 * SIZE, 1)):
             cls.prepare("testmap", cls.maps / name, "--size", size, "--seed", seed)
-        (cls.maps / "scene.toml").write_text(SCENE + SCENE_MAP.format("wall", "map") +
-                                             SCENE_MAP.format("floor", "second"))
+        (cls.maps / "scene.toml").write_text(farm_programs.scene_of([("wall", "map", ""), ("floor", "second", "")]))
         cls.prepare("bake", cls.maps / "map_normal.png", "-o", cls.maps / "baked.ndf.exr")
         (cls.maps / "renders").mkdir()
         subprocess.run([TRACED_FOLDER, cls.maps / "renders", "2", "4"], check=True)

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compares pictures of linear floats, four a pixel, and encodes them.
+
+/** Relative L1: sum of |picture - reference| over sum of the reference, and the ratio of their sums. */
+export function compared(picture, reference) {
+  let [difference, all, wanted] = [0, 0, 0];
+  for (let i = 0; i < picture.length; ++i) {
+    if (i % 4 === 3) continue;
+    difference += Math.abs(picture[i] - reference[i]);
+    all += picture[i];
+    wanted += reference[i];
+  }
+  return { error: difference / wanted, energy: all / wanted };
+}
+
+/** What sRGB has for it, 0 to 255. */
+export const toByte = (linear) => {
+  const v = Math.min(1, Math.max(0, linear));
+  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
+};
