@@ -104,9 +104,9 @@ once, so that {nodes} nodes ask {2 * nodes} questions and write {nodes} synced f
    instead and open what is there: {looks(2)} and {looks(4)} s, of virtual time, at {1000 * last['file_s']:g} ms
    a question. This one was moved.
 3. **The ledger's one thread**, not by jobs, which take {percent(last['ledger_share'])} of it, but by those who
-   look on: a list of one state that few jobs have reads all of them, {full['dead_ms']:.0f} ms of dead ones
-   while all are queued, and counting all jobs, for pages and metrics, {full['counts_ms']:.0f} ms. Counts are
-   kept for ten times as long as they took, so that they have at most a tenth of the thread.
+   look on: counting all jobs, for pages and metrics, takes {full['counts_ms']:.0f} ms while all are queued.
+   Counts are kept for ten times as long as they took, so that they have at most a tenth of the thread. A list of
+   one state that few jobs have is read by an index, {full['dead_ms']:.2g} ms of dead ones.
 """
 
 
