@@ -85,7 +85,7 @@ class Driver:
         self.slurm = Slurm(os.path.join(folder, "slurm")).start()
         program = write_program(os.path.join(folder, "node-program"),
                                 SLOW_PROGRAM.format(folder=folder, multum=self.multum))
-        config = FARM_CONFIG.format(folder=shared, more=f'share_s = 0.7\nprogram = "{program}"')
+        config = FARM_CONFIG.format(folder=shared, more=f'share_s = 0.7\nprogram = "{program}"', poll=0.1)
         service = Service(self.multum, folder, (), config, self.slurm.environment).start()
         self.services["farm"] = service
         self.testmap(os.path.join(service.root, "map"), 256)

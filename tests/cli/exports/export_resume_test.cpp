@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uintmax_t kSomeRecords = 3'000'000;  // bytes, of some 10 MB
+
 class ExportResumeTest : public CliTest {
  protected:
   void SetUp() override {
@@ -45,7 +47,7 @@ class ExportResumeTest : public CliTest {
   void stop_an_export(int signal) const {
     Program stopped(command("out", {"--resume"}));
     std::error_code none;
-    while (stopped.running() && !(fs::exists(fits()) && fs::file_size(fits(), none) > 100'000))
+    while (stopped.running() && !(fs::exists(fits()) && fs::file_size(fits(), none) > kSomeRecords))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     stopped.send(signal);
     const ProgramResult result = stopped.wait();

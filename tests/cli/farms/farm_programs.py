@@ -33,7 +33,7 @@ name = "{name}"
 normal = "{file}_normal.png"
 {more}
 [[object]]
-name = "front of {name}"
+name = "front_of_{name}"
 map = "{name}"
 material = "paint"
 width = 2.0
