@@ -2,28 +2,15 @@
 #include "host/codec/packing_journal.h"
 
 #include <bit>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <span>
+#include <utility>
+#include <vector>
 
-#include "host/base/error.h"
-#include "host/base/files/checksum.h"
 #include "host/codec/byte_writer.h"
 #include "host/codec/decoder/byte_reader.h"
 
 namespace multum {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::size_t kChecksumBytes = 16;  // of Checksum::text()
-
-std::string checksum_of(std::span<const std::uint8_t> bytes) {
-  Checksum checksum;
-  checksum.update(bytes.data(), bytes.size());
-  return checksum.text();
-}
 
 std::vector<std::uint8_t> record_of(std::size_t chunk, double lambda, const ChosenChunk& chosen) {
   const ChunkSettings& settings = chosen.settings;
@@ -79,48 +66,14 @@ std::optional<Record> read_record(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 std::unique_ptr<PackingJournal> PackingJournal::open(const std::string& output, const std::string& key, bool resume) {
-  std::unique_ptr<PartialFolder> folder = PartialFolder::take(output);
-  if (folder == nullptr) return nullptr;
-  return std::unique_ptr<PackingJournal>(new PackingJournal(std::move(folder), key, resume));
-}
-
-PackingJournal::PackingJournal(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume)
-    : folder_(std::move(folder)) {
-  if (const std::uint64_t bytes = resume ? read_chunks(key) : 0; bytes > 0) {
-    std::error_code ignored;
-    fs::resize_file(chunks_path(), bytes, ignored);
-    return;
-  }
-  folder_->clear();
-  std::ofstream out(chunks_path(), std::ios::binary);
-  out << key << '\n';
-  if (!out.flush())
-    throw Error(ErrorCode::kEnvironment, chunks_path() + ": cannot be written: " + std::strerror(errno));
-}
-
-std::uint64_t PackingJournal::read_chunks(const std::string& key) {
-  std::ifstream in(chunks_path(), std::ios::binary);
-  std::string line;
-  if (!std::getline(in, line) || line != key) return 0;
-  std::uint64_t good = line.size() + 1;
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(chunks_path(), error);
-  while (!error && size - good >= 4 + kChecksumBytes) {
-    std::uint8_t head[4];
-    in.read(reinterpret_cast<char*>(head), sizeof head);
-    const std::uint64_t length = ByteReader(head).fixed(4);
-    if (!in || length > size - good - 4 - kChecksumBytes) break;
-    std::vector<std::uint8_t> bytes(length);
-    std::string checksum(kChecksumBytes, ' ');
-    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(length));
-    in.read(checksum.data(), static_cast<std::streamsize>(checksum.size()));
-    if (!in || checksum_of(bytes) != checksum) break;
-    auto record = read_record(bytes);
-    if (!record) break;
-    found_[{record->chunk, record->lambda}] = std::move(record->chosen);
-    good += 4 + length + kChecksumBytes;
-  }
-  return good;
+  std::unique_ptr<PackingJournal> journal(new PackingJournal);
+  journal->journal_ =
+      RecordJournal::open(output, "chunks", key, resume, [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
+        auto record = read_record(bytes);
+        if (record) journal->found_[{record->chunk, record->lambda}] = std::move(record->chosen);
+        return record.has_value();
+      });
+  return journal->journal_ != nullptr ? std::move(journal) : nullptr;
 }
 
 std::optional<ChosenChunk> PackingJournal::find(std::size_t chunk, double lambda) const {
@@ -130,17 +83,7 @@ std::optional<ChosenChunk> PackingJournal::find(std::size_t chunk, double lambda
 }
 
 void PackingJournal::add(std::size_t chunk, double lambda, const ChosenChunk& chosen) {
-  const std::vector<std::uint8_t> bytes = record_of(chunk, lambda, chosen);
-  ByteWriter head;
-  head.fixed(bytes.size(), 4);
-  const std::string checksum = checksum_of(bytes);
-  const std::lock_guard lock(mutex_);
-  std::ofstream out(chunks_path(), std::ios::binary | std::ios::app);
-  out.write(reinterpret_cast<const char*>(head.written().data()), 4);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.write(checksum.data(), static_cast<std::streamsize>(checksum.size()));
-  if (!out.flush())
-    throw Error(ErrorCode::kEnvironment, chunks_path() + ": cannot be written: " + std::strerror(errno));
+  journal_->add({record_of(chunk, lambda, chosen)});
 }
 
 }  // namespace multum

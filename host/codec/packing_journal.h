@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps the chunks that a packing has coded in a hidden folder beside its output, so that one that was stopped is
 // resumed: what was coded for a lambda is coded the same again.
-//
-//   .multum-partial-NAME/
-//     chunks     a line that stands for sources and settings, then records: length (4 bytes), chunk, checksum
-//
-// A record counts when it is whole and has its checksum, and so do all before it.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/record_journal.h"
 #include "host/codec/chunk_choice.h"
 
 namespace multum {
@@ -36,18 +30,14 @@ class PackingJournal {
   void add(std::size_t chunk, double lambda, const ChosenChunk& chosen);
 
   /// The folder stays when this is destroyed: the packing was stopped and may go on.
-  void leave() { folder_->leave(); }
+  void leave() { journal_->leave(); }
   std::size_t found_count() const { return found_.size(); }
 
  private:
-  PackingJournal(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume);
-  std::string chunks_path() const { return folder_->path() + "/chunks"; }
-  /// Bytes of the file that count; 0 when it is of another key.
-  std::uint64_t read_chunks(const std::string& key);
+  PackingJournal() = default;
 
-  std::unique_ptr<PartialFolder> folder_;  // removed at the end, unless left
+  std::unique_ptr<RecordJournal> journal_;
   std::map<std::pair<std::size_t, double>, ChosenChunk> found_;
-  std::mutex mutex_;  // of the file
 };
 
 }  // namespace multum

@@ -13,6 +13,7 @@
 #include "host/base/files/partial_folder.h"
 #include "host/base/log.h"
 #include "host/base/stopwatch.h"
+#include "host/export/export_key.h"
 #include "host/export/export_source.h"
 #include "host/export/fit_journal.h"
 
@@ -61,10 +62,11 @@ class MeterSink : public MaterialSink {
 };
 
 // Null where the job is not to be resumed, or another process exports to the same place.
-std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const std::string& key) {
+std::unique_ptr<FitJournal> open_journal(const ExportJob& job, InputHashes& hashes) {
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
-  if (job.resume) return FitJournal::open(name, key);
+  if (job.resume)
+    return FitJournal::open(name, fit_key(job, [&](const std::string& file) { return hashes.hash(file); }).dump());
   PartialFolder::drop(name);
   return nullptr;
 }
@@ -155,7 +157,7 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
   report.device = device.info().name;
-  const std::unique_ptr<FitJournal> journal = open_journal(job, source.key);
+  const std::unique_ptr<FitJournal> journal = open_journal(job, *source.hashes);
   try {
     make_files(job, source, output, journal.get(), device, report, progress);
   } catch (const Cancelled&) {

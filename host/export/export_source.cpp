@@ -4,14 +4,11 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "host/asset/baked_file.h"
 #include "host/base/error.h"
-#include "host/base/files/input_hashes.h"
 #include "host/base/log.h"
-#include "host/export/export_key.h"
 
 namespace multum {
 namespace {
@@ -67,20 +64,19 @@ OneLobeInputs ExportSource::inputs(const ExportJob& job) const {
 }
 
 ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress) {
-  InputHashes hashes;
-  for (const std::string& file : input_files(job)) hashes.note(file);
+  auto hashes = std::make_unique<InputHashes>();
+  for (const std::string& file : input_files(job)) hashes->note(file);
   const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
                              static_cast<std::int64_t>(job.memory_bytes / 4)};
   ExportSource source{is_baked_name(job.input)
                           ? read_baked_normals(job.input, spill, progress)
                           : read_normal_map_rows(job.input, job.reading, spill, job.threads, progress),
-                      std::nullopt, nullptr, ""};
-  source.lobes = compared_lobes(job, source.map, hashes);
+                      std::nullopt, nullptr, std::move(hashes)};
+  source.lobes = compared_lobes(job, source.map, *source.hashes);
   if (!job.roughness.empty() || !job.occlusion.empty() || !job.metalness.empty())
     source.material = read_lobe_material(material_files_of(job), source.map.normals.width(),
                                          source.map.normals.height(), spill, job.threads);
-  if (job.resume) source.key = fit_key(job, [&](const std::string& file) { return hashes.hash(file); }).dump();
-  for (const std::string& file : input_files(job)) hashes.check_unchanged(file);
+  for (const std::string& file : input_files(job)) source.hashes->check_unchanged(file);
   const NormalMapReport& found = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "host/base/files/input_hashes.h"
 #include "host/base/progress.h"
 #include "host/export/baked_lobes.h"
 #include "host/export/export_job.h"
@@ -16,8 +17,8 @@ namespace multum {
 struct ExportSource {
   NormalMapRows map;
   std::optional<LobeMaterial> material;
-  std::unique_ptr<BakedLobes> lobes;  // null: none to compare with
-  std::string key;                    // stands for all that fits depend on, of a job that resumes; else empty
+  std::unique_ptr<BakedLobes> lobes;    // null: none to compare with
+  std::unique_ptr<InputHashes> hashes;  // of its files, noted before they were read
 
   /// They look at the source, which must outlive them.
   OneLobeInputs inputs(const ExportJob& job) const;

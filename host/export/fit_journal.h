@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps the rows that an export has fitted in a hidden folder beside its output, so that one that was stopped is
 // resumed. Averages of the map are made anew: fits take most of the time.
-//
-//   .multum-partial-NAME/
-//     fits     a line that stands for sources and settings, then records: level, first row, width, height (4 bytes
-//              each, little-endian), floats, checksum
-//
-// A record counts when it is whole and has its checksum, and so do all before it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/record_journal.h"
 
 namespace multum {
 
@@ -36,7 +30,7 @@ class FitJournal {
   void add(int level, int first_row, int width, int height, const std::vector<float>& fitted);
 
   /// The folder stays when this is destroyed: the export was stopped and may go on.
-  void leave() { folder_->leave(); }
+  void leave() { journal_->leave(); }
   /// Rows that find() has found.
   std::uint64_t rows_resumed() const { return rows_resumed_; }
 
@@ -47,12 +41,9 @@ class FitJournal {
     std::uint32_t width, height;
   };
 
-  FitJournal(std::unique_ptr<PartialFolder> folder, const std::string& key);
-  std::string fits_path() const { return folder_->path() + "/fits"; }
-  /// Bytes of the file that count; 0 when it is of another key.
-  std::uint64_t read_fits(const std::string& key);
+  FitJournal() = default;
 
-  std::unique_ptr<PartialFolder> folder_;                           // removed at the end, unless left
+  std::unique_ptr<RecordJournal> journal_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Place> found_;  // by level and first row
   std::uint64_t rows_resumed_ = 0;
 };

@@ -45,6 +45,12 @@ export async function startLook(bin) {
 
 export const settled = (page) => page.evaluate(() => new Promise((resolve) =>
   requestAnimationFrame(() => requestAnimationFrame(resolve))));
+/** Puts `hash` into the page's address; the page has heard of it when this is done. */
+export const goTo = (page, hash) => page.evaluate((text) => new Promise((resolve) => {
+  if (location.hash.slice(1) === text) return resolve();
+  addEventListener("hashchange", () => resolve(), { once: true });
+  location.hash = text;
+}), hash);
 export const viewOf = (page) => page.evaluate(() => ({ ...globalThis.multumLook.view }));
 export const pixelsOf = (page) => page.evaluate(() => document.getElementById("canvas").toDataURL());
 

@@ -7,7 +7,7 @@ import assert from "node:assert/strict";
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { deflateSync } from "node:zlib";
-import { drop, pixelsOf, settled, startLook, viewOf } from "./look_browser.mjs";
+import { drop, goTo, pixelsOf, settled, startLook, viewOf } from "./look_browser.mjs";
 import { lowContrasts } from "../service/page_contrast.mjs";
 
 const [bin, screenshots] = process.argv.slice(2);
@@ -35,7 +35,7 @@ const changed = (file, change) => { const bytes = Buffer.from(file); return chan
 /** Mean difference of two pages' pictures at a view, of 255, and the share within CLOSE. */
 async function apart(one, other, hash) {
   for (const page of [one, other]) {
-    await page.evaluate((text) => { location.hash = text; }, hash);
+    await goTo(page, hash);
     await settled(page);
     await settled(page);
   }

@@ -6,7 +6,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
-import { drop, pixelsOf, settled, startLook } from "./look_browser.mjs";
+import { drop, goTo, pixelsOf, settled, startLook } from "./look_browser.mjs";
 
 const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
@@ -114,7 +114,7 @@ try {
   const views = ["left=lobes&right=mip&elevation=60&distance=0.2&exposure=0",
     "left=lobes&right=rule&elevation=35&azimuth=50&distance=0.5&exposure=0&lock=2&x=-0.5&y=0.5&z=0.7"];
   const at = async (hash) => {
-    await page.evaluate((text) => { location.hash = text; }, hash);
+    await goTo(page, hash);
     await settled(page);
     await settled(page);
     return pixelsOf(page);

@@ -7,7 +7,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
-import { drop, pixelsOf as pixels, settled, startLook, viewOf as view } from "./look_browser.mjs";
+import { drop, goTo, pixelsOf as pixels, settled, startLook, viewOf as view } from "./look_browser.mjs";
 import { lowContrasts } from "../service/page_contrast.mjs";
 
 const [bin, screenshots] = process.argv.slice(2);
@@ -38,7 +38,7 @@ try {
   const beside = async (file, hash) => {
     // multum-view's camera and light, where `hash` has no other.
     const defaults = "elevation=21.5&distance=-0.288&exposure=0&x=0.303&y=0.808&z=0.505";
-    await page.evaluate((text) => { location.hash = text; }, `${defaults}&${hash}`);
+    await goTo(page, `${defaults}&${hash}`);
     await settled(page);
     await settled(page);
     const camera = await page.evaluate(() => {
@@ -76,7 +76,7 @@ try {
   }
 
   // Controls.
-  await page.evaluate(() => { location.hash = ""; });
+  await goTo(page, "");
   await settled(page);
   await settled(page);
   for (const [id, value] of [["left", "rule"], ["rule", "godot"], ["left", "export"], ["left", "lobes"],

@@ -9,13 +9,27 @@ void main() {
   gl_Position = vec4(vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0), 0.0, 1.0);
 }`;
 
+// What the eye sees of the surface at st, as the mean over the footprint's taps.
+const LOOK_SHADED = `
+uniform float u_locked_level;  // of the texture of the surface; below -100: none
+vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
+  MultumFootprint footprint = multum_surface_footprint(st);
+  if (u_locked_level > -100.0) footprint.level = u_locked_level;
+  MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
+  vec2 place = multum_first_tap(st, footprint);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < footprint.tap_count; ++i)
+    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, position, v);
+  return sum / float(footprint.tap_count);
+}
+`;
+
 // multum-view's plane has its map once a unit, row 0 at y = 60. The plane is met by rays: polygons that reach from
 // behind the eye to the horizon are drawn up to half a pixel off by SwiftShader.
 const LOOK_MAIN = `
 uniform vec3 u_eye;
 uniform mat3 u_rays;  // of a pixel's place across and up, and of 1, -1 to 1
 uniform vec2 u_size;  // in pixels
-uniform float u_locked_level;  // of the texture of the surface; below -100: none
 layout(location = 0) out vec4 o_colour;
 void main() {
   vec3 ray = u_rays * vec3(2.0 * gl_FragCoord.xy / u_size - 1.0, 1.0);
@@ -24,14 +38,8 @@ void main() {
   mat3 to_world = mat3(1.0);
   vec3 v = normalize(u_eye - position);
   vec2 st = vec2(position.x + 30.0, 60.0 - position.y);
-  MultumFootprint footprint = multum_surface_footprint(st);
-  if (u_locked_level > -100.0) footprint.level = u_locked_level;
-  MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
-  vec2 place = multum_first_tap(st, footprint);
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < footprint.tap_count; ++i)
-    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, position, v);
-  o_colour = vec4(ray.z < 0.0 ? sum / float(footprint.tap_count) : vec3(0.0), 1.0);
+  vec3 seen = look_shaded(st, to_world, position, v);
+  o_colour = vec4(ray.z < 0.0 ? seen : vec3(0.0), 1.0);
 }`;
 
 const MODEL_VERTEX = `#version 300 es
@@ -53,7 +61,6 @@ void main() {
 // Precomputed Tangents"), orthonormal; +Y of normal maps is where v shrinks.
 const MODEL_MAIN = `
 uniform vec3 u_eye;
-uniform float u_locked_level;  // as of the plane
 in vec3 v_position;
 in vec3 v_normal;
 in vec2 v_st;
@@ -67,14 +74,7 @@ void main() {
   vec3 up = cross(n, t);
   mat3 to_world = mat3(t, dot(up, b) < 0.0 ? -up : up, n);
   vec3 v = normalize(u_eye - v_position) * to_world;
-  MultumFootprint footprint = multum_surface_footprint(v_st);
-  if (u_locked_level > -100.0) footprint.level = u_locked_level;
-  MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
-  vec2 place = multum_first_tap(v_st, footprint);
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < footprint.tap_count; ++i)
-    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, v_position, v);
-  o_colour = vec4(sum / float(footprint.tap_count), 1.0);
+  o_colour = vec4(look_shaded(v_st, to_world, v_position, v), 1.0);
 }`;
 
 // One normal and roughness a texel, filtered as an engine does.
@@ -135,8 +135,9 @@ class LookGl {
 
   /** Programs of the plane and, from when one is first drawn, of models. */
   programs(flags, texts, surface) {
-    return { plane: this.program(SCREEN_VERTEX, this.fragment(flags, texts, surface, LOOK_MAIN)), model: null,
-      makeModel: () => this.program(MODEL_VERTEX, this.fragment(flags, texts, surface, MODEL_MAIN)) };
+    const fragment = (main) => this.fragment(flags, texts, surface, LOOK_SHADED + main);
+    return { plane: this.program(SCREEN_VERTEX, fragment(LOOK_MAIN)), model: null,
+      makeModel: () => this.program(MODEL_VERTEX, fragment(MODEL_MAIN)) };
   }
 
   /** readModel() of a file, or null for the plane. */

@@ -15,6 +15,7 @@ import { chromium } from "../../service/web/node_modules/playwright-core/index.m
 const [executablePath, screenshot, planText] = process.argv.slice(2);
 const plan = JSON.parse(planText);
 const THREE_FOLDER = fileURLToPath(new URL("../../service/web/node_modules/three/", import.meta.url));
+const PICTURES = fileURLToPath(new URL("../../three/linear_pictures.js", import.meta.url));
 const ORIGIN = "http://multum.test/"; // nothing is asked of a network: every request is answered here
 
 const PAGE = `<!doctype html><meta charset="utf-8"><style>body{margin:8px;background:#222}
@@ -24,6 +25,7 @@ canvas{image-rendering:pixelated;width:256px;height:256px;margin:4px}</style><di
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
+import { compared } from "./linear_pictures.js";
 const plan = ${JSON.stringify({ ...plan, models: plan.models.map((file, i) => `model${i}/${path.basename(file)}`) })};
 const SIDE = 64, SAMPLES = 12; // of a picture; of a pixel each way
 const renderer = new THREE.WebGLRenderer({ antialias: false });
@@ -63,17 +65,6 @@ function show(pixels, title) {
   figure.title = title;
   figure.append(canvas);
   document.querySelector("#all").append(figure);
-}
-// Colours alone.
-function compared(picture, reference) {
-  let difference = 0, all = 0, wanted = 0;
-  for (let i = 0; i < picture.length; ++i) {
-    if (i % 4 === 3) continue;
-    difference += Math.abs(picture[i] - reference[i]);
-    all += picture[i];
-    wanted += reference[i];
-  }
-  return { error: difference / wanted, energy: all / wanted };
 }
 async function run() {
   const models = [];
@@ -132,6 +123,8 @@ try {
     const model = /^model(\d+)\/((?!.*\.\.).*)$/.exec(name);
     const types = { ".js": "text/javascript", ".wasm": "application/wasm" };
     if (name === "") await route.fulfill({ body: PAGE, contentType: "text/html" });
+    else if (name === "linear_pictures.js")
+      await route.fulfill({ body: await readFile(PICTURES), contentType: types[".js"] });
     else if (model)
       await route.fulfill({ body: await readFile(path.join(path.dirname(plan.models[model[1]]), model[2])) });
     else if (name.startsWith("three/") && !name.includes(".."))

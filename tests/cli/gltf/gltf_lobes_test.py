@@ -13,9 +13,9 @@ import shutil
 import struct
 import subprocess
 import sys
-import tempfile
 import unittest
 
+from folder_case import FolderCase
 from gltf_readers_test import MODULES, ridges
 from gltf_test import CLAMP, LINEAR, MIPMAPPED, REPEAT, packed, plain_model
 from model_writing import Glb, Model, bumps, png
@@ -38,15 +38,7 @@ def key_of(data):
     return form, layers, scheme, json.loads(text[begin:begin + size - 12].rstrip(b"\0"))
 
 
-class GltfLobesTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="multum_gltf_")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class GltfLobesTest(FolderCase):
     def read(self, name):
         with open(self.path(name), "rb") as file:
             return file.read()

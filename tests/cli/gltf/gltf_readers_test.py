@@ -16,10 +16,10 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
+from folder_case import FolderCase
 from gltf_test import LINEAR, MIPMAPPED, REPEAT
 from model_writing import Model, code, png
 
@@ -68,15 +68,7 @@ def metal_plate(side=256):
 @unittest.skipUnless(shutil.which("node"), "no node (Debian package nodejs)")
 @unittest.skipUnless((MODULES / "ktx2-encoder").is_dir() and (MODULES / "gltf-validator").is_dir() and
                      (MODULES / "three").is_dir(), "no npm packages: tools/install_dependencies test")
-class ReadersTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="multum_gltf_")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class ReadersTest(FolderCase):
     def convert(self, source, output, *arguments):
         run = subprocess.run([MULTUM, "gltf", source, "-o", self.path(output), "--encoder", str(MODULES),
                               "--report", self.path("report.json"), *arguments],

@@ -12,10 +12,10 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
+from folder_case import FolderCase
 from model_writing import Glb, Model, bumps, code, png
 
 MULTUM = ""
@@ -42,15 +42,7 @@ def plain_model(normal=None, surface=None, **factors):
     return model
 
 
-class GltfTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="multum_gltf_")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class GltfTest(FolderCase):
     def write(self, name, data):
         os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         with open(self.path(name), "wb") as file:
