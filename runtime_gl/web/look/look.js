@@ -153,8 +153,11 @@ class LookPage {
     byId("difference").addEventListener("change", (event) => this.change({ difference: event.target.checked ? 1 : 0 }));
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
-    addEventListener("hashchange", () =>
-      { if (location.hash.slice(1) !== hashOfView(this.view)) this.take(viewOfHash(location.hash)); });
+    // By the event: a frame that was waiting may have put the view before it back into the address by now.
+    addEventListener("hashchange", (event) => {
+      const { hash } = new URL(event.newURL);
+      if (hash.slice(1) !== hashOfView(this.view)) this.take(viewOfHash(hash));
+    });
   }
 
   listMaps() {
