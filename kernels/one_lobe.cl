@@ -44,13 +44,17 @@ static inline LobeFrame frame_about(real_v x, real_v y, real_v z) {
   return frame;
 }
 
-#if MULTUM_VECTOR_WIDTH == 1
-// What is no direction, or none that is finite, counts as flat.
-static inline float3 usable_normal(float x, float y, float z) {
-  const float square = fma(x, x, fma(y, y, z * z));
-  return square > 1e-12f && square < 1e12f ? (float3)(x, y, z) / sqrt(square) : (float3)(0.0f, 0.0f, 1.0f);
+// Unit vectors. What is no direction, or none that is finite, counts as flat.
+static inline void make_usable(real_v* x, real_v* y, real_v* z) {
+  const real_v square = fma(*x, *x, fma(*y, *y, *z * *z));
+  const int_v is_usable = (square > 1e-12f) & (square < 1e12f);
+  const real_v inverse = 1.0f / sqrt(is_usable ? square : (real_v)(1.0f));
+  *x = is_usable ? *x * inverse : (real_v)(0.0f);
+  *y = is_usable ? *y * inverse : (real_v)(0.0f);
+  *z = is_usable ? *z * inverse : (real_v)(1.0f);
 }
 
+#if MULTUM_VECTOR_WIDTH == 1
 // One work-item = one texel of the band; global size row_count * map_width.
 //   normal_x, normal_y, normal_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of MULTUM_ONE_LOBE_PLANES planes
@@ -61,62 +65,16 @@ __kernel void one_lobe_finest(__global const float* normal_x, __global const flo
   if (item >= band.row_count * band.map_width) return;
   const size_t plane_size = (size_t)band.row_count * band.row_length;
   __global float* out = nodes + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
-  const float3 n = usable_normal(normal_x[item], normal_y[item], normal_z[item]);
-  out[MULTUM_ONE_LOBE_NORMAL * plane_size] = n.x;
-  out[(MULTUM_ONE_LOBE_NORMAL + 1) * plane_size] = n.y;
-  out[(MULTUM_ONE_LOBE_NORMAL + 2) * plane_size] = n.z;
-  out[MULTUM_ONE_LOBE_XX * plane_size] = n.x * n.x;
-  out[MULTUM_ONE_LOBE_YY * plane_size] = n.y * n.y;
-  out[MULTUM_ONE_LOBE_XY * plane_size] = n.x * n.y;
-  out[MULTUM_ONE_LOBE_XZ * plane_size] = n.x * n.z;
-  out[MULTUM_ONE_LOBE_YZ * plane_size] = n.y * n.z;
-}
-
-// One work-item = a row of a texel's samples; global size grid * row_count * width.
-//   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
-//   base       [slot][map_width]         alpha^2 there, where piece.has_base_map
-//   row_slots  [row_count][grid]         the slot of each row of samples
-//   columns    [width][grid]             the column of each column of samples
-//   facets     [grid * grid]             slopes of facets of alpha 1
-//   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes, of which the normals are used
-//   slopes     [sample][2][stride]       written: of each half vector in the frame of the texel's mean normal
-// Bound by roots and divisions: samples that lie in one finest texel share its frame.
-__kernel void one_lobe_samples(__global const float* normal_x, __global const float* normal_y,
-                               __global const float* normal_z, __global const float* base,
-                               __global const int* row_slots, __global const int* columns,
-                               __global const float2* facets, __global const float* averages, __global float* slopes,
-                               MultumOneLobePiece piece) {
-  const int texel_count = piece.row_count * piece.width;
-  const int item = (int)get_global_id(0);
-  if (item >= texel_count * piece.grid) return;
-  const int sample_row = item / texel_count, texel = item % texel_count;
-  const int row = texel / piece.width, column = texel % piece.width;
-  const size_t first = (size_t)row_slots[row * piece.grid + sample_row] * piece.map_width;
-  const float3 m = usable_normal(averages[texel], averages[piece.stride + texel], averages[2 * piece.stride + texel]);
-  const LobeFrame frame = frame_about(m.x, m.y, m.z);
-  __global float* out = slopes + (size_t)(2 * sample_row * piece.grid) * piece.stride + texel;
-  float3 n = (float3)(0.0f, 0.0f, 1.0f);
-  float alpha = 0.0f;
-  LobeFrame about = frame_about(n.x, n.y, n.z);
-  int before = -1;
-  for (int i = 0; i < piece.grid; ++i, out += 2 * (size_t)piece.stride) {
-    const int place = columns[column * piece.grid + i];
-    if (place != before) {
-      const size_t at = first + place;
-      n = usable_normal(normal_x[at], normal_y[at], normal_z[at]);
-      alpha = sqrt(piece.has_base_map ? base[at] : piece.base_squared);
-      about = frame_about(n.x, n.y, n.z);
-      before = place;
-    }
-    const float2 facet = alpha * facets[sample_row * piece.grid + i];
-    const float hx = fma(facet.x, about.xx, n.x);
-    const float hy = fma(facet.x, about.xy, fma(facet.y, about.yy, n.y));
-    const float hz = fma(facet.x, about.xz, fma(facet.y, about.yz, n.z));
-    const float length = length_of(hx, hy, hz);
-    const float inverse = 1.0f / max(fma(hx, m.x, fma(hy, m.y, hz * m.z)), FACET_COSINE_MIN * length);
-    out[0] = fma(hx, frame.xx, fma(hy, frame.xy, hz * frame.xz)) * inverse;
-    out[piece.stride] = fma(hy, frame.yy, hz * frame.yz) * inverse;
-  }
+  float x = normal_x[item], y = normal_y[item], z = normal_z[item];
+  make_usable(&x, &y, &z);
+  out[MULTUM_ONE_LOBE_NORMAL * plane_size] = x;
+  out[(MULTUM_ONE_LOBE_NORMAL + 1) * plane_size] = y;
+  out[(MULTUM_ONE_LOBE_NORMAL + 2) * plane_size] = z;
+  out[MULTUM_ONE_LOBE_XX * plane_size] = x * x;
+  out[MULTUM_ONE_LOBE_YY * plane_size] = y * y;
+  out[MULTUM_ONE_LOBE_XY * plane_size] = x * y;
+  out[MULTUM_ONE_LOBE_XZ * plane_size] = x * z;
+  out[MULTUM_ONE_LOBE_YZ * plane_size] = y * z;
 }
 #endif
 
@@ -131,6 +89,82 @@ static inline void mean_normals(__global const float* averages, int stride, real
   *x = usable ? *x * inverse : (real_v)(0.0f);
   *y = usable ? *y * inverse : (real_v)(0.0f);
   *z = usable ? *z * inverse : (real_v)(1.0f);
+}
+
+// Where the slopes of texels begin, the first a multiple of MULTUM_VECTOR_WIDTH.
+static inline size_t slopes_of(int texel, MultumOneLobePiece piece) {
+  const size_t block_size = (size_t)(2 * piece.grid * piece.grid) * MULTUM_ONE_LOBE_BLOCK;
+  return texel / MULTUM_ONE_LOBE_BLOCK * block_size + texel % MULTUM_ONE_LOBE_BLOCK;
+}
+
+// A sample's finest texel in each lane, as it lies in memory.
+typedef struct SampledTexels {
+  float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], base[MULTUM_VECTOR_WIDTH];
+} SampledTexels;
+
+// One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, a lane each; global size
+// grid * stride / MULTUM_VECTOR_WIDTH. Lanes behind the last texel do it once more.
+//   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
+//   base       [slot][map_width]         alpha^2 there, where piece.has_base_map
+//   row_slots  [row_count][grid]         the slot of each row of samples
+//   columns    [width][grid]             the column of each column of samples
+//   facets     [grid * grid]             slopes of facets of alpha 1
+//   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes, of which the normals are used
+//   slopes     [texel / block][sample][2][block]   written: of each half vector in the frame of the texel's mean normal
+// Bound by gathered reads, roots and divisions: samples that lie in one finest texel share its frame.
+__kernel void one_lobe_samples(__global const float* normal_x, __global const float* normal_y,
+                               __global const float* normal_z, __global const float* base,
+                               __global const int* row_slots, __global const int* columns,
+                               __global const float2* facets, __global const float* averages, __global float* slopes,
+                               MultumOneLobePiece piece) {
+  const int group_count = piece.stride / MULTUM_VECTOR_WIDTH, grid = piece.grid;
+  const int item = (int)get_global_id(0);
+  if (item >= group_count * grid) return;
+  const int sample_row = item / group_count, first = item % group_count * MULTUM_VECTOR_WIDTH;
+  int row_start[MULTUM_VECTOR_WIDTH], first_column[MULTUM_VECTOR_WIDTH], before[MULTUM_VECTOR_WIDTH];
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    const int texel = min(first + lane, piece.row_count * piece.width - 1), row = texel / piece.width;
+    row_start[lane] = row_slots[row * grid + sample_row] * piece.map_width;
+    first_column[lane] = (texel - row * piece.width) * grid;
+    before[lane] = -1;
+  }
+  real_v mx, my, mz;
+  mean_normals(averages + first, piece.stride, &mx, &my, &mz);
+  const LobeFrame frame = frame_about(mx, my, mz);
+  __global float* out = slopes + slopes_of(first, piece) + 2 * sample_row * grid * MULTUM_ONE_LOBE_BLOCK;
+  SampledTexels texels;
+  real_v nx = (real_v)(0.0f), ny = nx, nz = (real_v)(1.0f), alpha = nx;
+  LobeFrame about = frame_about(nx, ny, nz);
+  for (int i = 0; i < grid; ++i, out += 2 * MULTUM_ONE_LOBE_BLOCK) {
+    int is_new = 0;
+    for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+      const int at = row_start[lane] + columns[first_column[lane] + i];
+      is_new |= at ^ before[lane];
+      before[lane] = at;
+    }
+    if (is_new != 0) {
+      for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+        const int at = before[lane];
+        texels.x[lane] = normal_x[at];
+        texels.y[lane] = normal_y[at];
+        texels.z[lane] = normal_z[at];
+        texels.base[lane] = piece.has_base_map ? base[at] : piece.base_squared;
+      }
+      nx = LOAD_V(texels.x);
+      ny = LOAD_V(texels.y);
+      nz = LOAD_V(texels.z);
+      make_usable(&nx, &ny, &nz);
+      alpha = sqrt(LOAD_V(texels.base));
+      about = frame_about(nx, ny, nz);
+    }
+    const real_v fx = alpha * facets[sample_row * grid + i].x, fy = alpha * facets[sample_row * grid + i].y;
+    const real_v hx = fma(fx, about.xx, nx), hy = fma(fx, about.xy, fma(fy, about.yy, ny));
+    const real_v hz = fma(fx, about.xz, fma(fy, about.yz, nz));
+    const real_v least = FACET_COSINE_MIN * length_of(hx, hy, hz);
+    const real_v inverse = 1.0f / MAX_V(fma(hx, mx, fma(hy, my, hz * mz)), least);
+    STORE_V(fma(hx, frame.xx, fma(hy, frame.xy, hz * frame.xz)) * inverse, out);
+    STORE_V(fma(hy, frame.yy, hz * frame.yz) * inverse, out + MULTUM_ONE_LOBE_BLOCK);
+  }
 }
 
 // S: symmetric, positive.
@@ -179,8 +213,8 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
   real_v sum = (real_v)(0.0f), sum_x = sum, sum_y = sum, sum_xx = sum, sum_xy = sum, sum_yy = sum;
   const int sample_count = piece.grid * piece.grid;
   for (int k = 0; k < sample_count; ++k) {
-    const real_v x = LOAD_V(slopes + (size_t)(2 * k) * piece.stride) - *mx;
-    const real_v y = LOAD_V(slopes + (size_t)(2 * k + 1) * piece.stride) - *my;
+    const real_v x = LOAD_V(slopes + 2 * k * MULTUM_ONE_LOBE_BLOCK) - *mx;
+    const real_v y = LOAD_V(slopes + (2 * k + 1) * MULTUM_ONE_LOBE_BLOCK) - *my;
     const real_v w = 4.0f / (2.0f + fma(pxx * x, x, fma(pxy * x, y, pyy * y * y)));
     const real_v wx = w * x, wy = w * y;
     sum += w;
@@ -202,7 +236,7 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
 
 // One work-item = MULTUM_VECTOR_WIDTH texels, a lane each; global size stride / MULTUM_VECTOR_WIDTH.
 //   averages [plane][stride]       MULTUM_ONE_LOBE_AVERAGES planes
-//   slopes   [sample][2][stride]   of one_lobe_samples; not read without samples
+//   slopes   [texel / block][sample][2][block]   of one_lobe_samples; not read without samples
 //   fitted   [plane][stride]       written: MULTUM_ONE_LOBE_FITTED planes
 // Compute bound: iteration_count * grid^2 weights a texel.
 __kernel void one_lobe_fit(__global const float* averages, __global const float* slopes, __global float* fitted,
@@ -210,7 +244,7 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
   const int first = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH, stride = piece.stride;
   if (first >= stride) return;
   averages += first;
-  slopes += first;
+  slopes += slopes_of(first, piece);
   fitted += first;
   real_v nx, ny, nz;
   mean_normals(averages, stride, &nx, &ny, &nz);

@@ -67,7 +67,7 @@ class LobeFitter {
         inputs_(inputs),
         settings_(settings),
         lanes_(device.shape().vector_width),
-        samples_(device.kernel("one_lobe", "one_lobe_samples", {1, 1, false})),
+        samples_(device.kernel("one_lobe", "one_lobe_samples", {1, lanes_, false})),
         fit_(device.kernel("one_lobe", "one_lobe_fit", {1, lanes_, false})) {}
 
   /// Fitted planes, [plane][row][column].
@@ -170,7 +170,8 @@ class LobeFitter {
     piece.width = rows.width;
     piece.row_count = row_count;
     piece.grid = grid;
-    piece.stride = (row_count * rows.width + 15) / 16 * 16;
+    piece.stride =
+        (row_count * rows.width + MULTUM_ONE_LOBE_BLOCK - 1) / MULTUM_ONE_LOBE_BLOCK * MULTUM_ONE_LOBE_BLOCK;
     piece.iteration_count = settings_.iteration_count;
     piece.is_anisotropic = settings_.is_anisotropic ? 1 : 0;
     piece.has_base_map = inputs_.has_roughness ? 1 : 0;
@@ -188,9 +189,7 @@ class LobeFitter {
     if (grid > 0) {
       const LevelTables& tables_of_level = tables(rows, grid);
       upload_rows(sampled_rows(rows, first, row_count, grid));
-      // Lanes behind the last texel read slopes too, and what they make of them is not looked at.
-      if (stride != texels) device_.fill_zero(slopes);
-      samples_.launch({texels * size_of(grid), kBoxLocalSize}, x_.get(), y_.get(), z_.get(), base_.get(), slots_.get(),
+      samples_.launch({stride / size_of(lanes_) * size_of(grid)}, x_.get(), y_.get(), z_.get(), base_.get(), slots_.get(),
                       tables_of_level.columns, tables_of_level.facets, averages_.get(), slopes, piece);
     }
     const std::size_t bytes = MULTUM_ONE_LOBE_FITTED * stride * sizeof(float);

@@ -66,10 +66,9 @@ reference::OneLobe launch_one_lobe(Device& device, const reference::OneLobeTexel
   }
   const auto samples = static_cast<std::size_t>(grid) * static_cast<std::size_t>(grid);
   const DeviceBuffer averages = uploaded(device, launched_averages(device, texel), "averages of a lobe");
-  // Lanes without a texel see zeros.
-  const DeviceBuffer slopes = uploaded(device, std::vector<float>(samples * 2 * kStride, 0.0f), "slopes");
-  device.kernel("one_lobe", "one_lobe_samples", {1, 1, false})
-      .launch({static_cast<std::size_t>(grid)}, uploaded(device, map.x, "x"), uploaded(device, map.y, "y"),
+  const DeviceBuffer slopes = uploaded(device, std::vector<float>(samples * 2 * kStride, kPoison), "slopes");
+  device.kernel("one_lobe", "one_lobe_samples", {1, lanes, false})
+      .launch({static_cast<std::size_t>(kStride / lanes * grid)}, uploaded(device, map.x, "x"), uploaded(device, map.y, "y"),
               uploaded(device, map.z, "z"), uploaded(device, std::vector<float>{0.0f}, "no roughness"),
               uploaded(device, rows, "rows"), uploaded(device, columns, "columns"), uploaded(device, facets, "facets"),
               averages, slopes, piece);

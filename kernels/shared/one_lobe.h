@@ -23,6 +23,10 @@
 #define MULTUM_ONE_LOBE_AXIS 5           // x, y of a unit vector; of no sign
 #define MULTUM_ONE_LOBE_FITTED 7
 
+// Texels whose slopes lie side by side, sample after sample: a cache holds them over all steps of a fit, where planes of
+// slopes, a power of two apart, would drive one another out of it. A multiple of every vector width.
+#define MULTUM_ONE_LOBE_BLOCK 16
+
 // Texels of a level that are fitted at once, and the samples of each: grid * grid places, evenly spread over what it
 // covers of the finest texels, with a half vector each.
 typedef struct MultumOneLobePiece {
@@ -30,7 +34,7 @@ typedef struct MultumOneLobePiece {
   int width;      // of the level that is fitted
   int row_count;  // of it
   int grid;       // samples along a side of a texel, a power of two; 0: none, the closed form is the result
-  int stride;     // from one plane of texels to the next: row_count * width, rounded up to 16
+  int stride;     // from one plane of texels to the next: row_count * width, rounded up to whole blocks
   int iteration_count;
   int is_anisotropic;
   int has_base_map;    // alpha^2 of the finest texels is a plane; else base_squared is that of all
