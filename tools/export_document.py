@@ -6,8 +6,9 @@ lobe.
     tools/export_document.py --maps ../shared/data/normal -o docs/EXPORT.md [--bin DIR] [--state FILE] [--cells N]
         [--measure-nothing]
 
-Every normal map of the folder, by its name, is exported at three base roughnesses, isotropic and anisotropic. Rows of
---state are not measured again; --measure-nothing makes the page of those alone.
+Every normal map of the folder, by its name, is exported at three base roughnesses, isotropic and anisotropic. What
+--state has is not measured again; --measure-nothing makes the page of that alone. Rounds beside Filament's
+roughness-prefilter (Debian's libfilament-tools) come first: they want a machine without other work.
 """
 import argparse
 import json
@@ -16,7 +17,12 @@ import subprocess
 import sys
 import tempfile
 
+import debian_python
+
+debian_python.use_a_python_with("numpy", "OpenImageIO")
+
 import committed_tree
+import export_costs
 from target_table import is_normal_map, processor_seconds_of_children
 
 ROUGHNESSES = (0.1, 0.25, 0.5)
@@ -184,11 +190,27 @@ def merged(isotropic, anisotropic):
     return result
 
 
-def measure(arguments, rows):
+def normal_maps(folder):
+    return sorted(path for path in folder.iterdir() if is_normal_map(path))
+
+
+def measure_costs(arguments, state):
+    with tempfile.TemporaryDirectory() as folder:
+        state["costs"] = export_costs.measure(arguments.multum, normal_maps(arguments.maps)[0], folder)
+    save(arguments, state)
+
+
+def save(arguments, state):
+    if arguments.state:
+        pathlib.Path(arguments.state).write_text(json.dumps(state))
+
+
+def measure(arguments, state):
+    rows = state["rows"]
     done = {(row["map"], row["roughness"]) for row in rows}
     commit = committed_tree.stated_commit(arguments.allow_dirty)
     with tempfile.TemporaryDirectory() as folder:
-        for number, path in enumerate(sorted(p for p in arguments.maps.iterdir() if is_normal_map(p))):
+        for number, path in enumerate(normal_maps(arguments.maps)):
             wanted = [roughness for roughness in ROUGHNESSES if (path.name, roughness) not in done]
             before = processor_seconds_of_children()
             lobes = bake(arguments.multum, path, folder) if wanted else None
@@ -206,9 +228,7 @@ def measure(arguments, rows):
                              "storage": ways,
                              **merged(reports[0]["accuracy"], reports[1]["accuracy"])})
                 print(f"{path.name} {roughness:g}: {seconds:.1f} s", flush=True)
-                if arguments.state:
-                    pathlib.Path(arguments.state).write_text(json.dumps(rows))
-    return rows
+                save(arguments, state)
 
 
 def values_of(rows, part, rule, what, roughness=None, level=None, light=None):
@@ -302,7 +322,8 @@ def demands(rows):
     return "\n".join(lines) + "\n"
 
 
-def document(rows, machine, folder):
+def document(state, machine, folder):
+    rows = state["rows"]
     noise = median([level["noise"] for row in rows for level in row["levels"]])
     text = HEAD.format(machine=machine) + MEASURE.format(
         maps=len({row["map"] for row in rows}), folder=folder, levels=", ".join(map(str, LEVELS)),
@@ -311,6 +332,7 @@ def document(rows, machine, folder):
         lights=rows[0]["lights"], noise=100 * noise)
     minutes = sum(row["processor_seconds"] for row in rows) / 60
     return (text + table(rows) + "\n## What is asked of it\n\n" + demands(rows) + "\n" + storage_table(rows)
+            + ("\n" + export_costs.section(state["costs"]) if state.get("costs") else "")
             + f"\nMeasuring took {minutes:.1f} minutes of processor time.\n")
 
 
@@ -319,21 +341,25 @@ def main():
     parser.add_argument("--bin", default="build/release/bin", type=pathlib.Path)
     parser.add_argument("--maps", required=True, type=pathlib.Path)
     parser.add_argument("--cells", type=int, default=12)
-    parser.add_argument("--state", help="JSON file of rows, written as they are made")
-    parser.add_argument("--measure-nothing", action="store_true", help="make the page of the rows of --state")
+    parser.add_argument("--state", help="JSON file of what was measured, written as it is made")
+    parser.add_argument("--measure-nothing", action="store_true", help="make the page of what --state has")
     parser.add_argument("-o", "--output", required=True)
     committed_tree.add_option(parser)
     arguments = parser.parse_args()
     arguments.multum = str(arguments.bin / "multum")
-    rows = json.loads(pathlib.Path(arguments.state).read_text()) if arguments.state and pathlib.Path(
-        arguments.state).exists() else []
-    rows = rows if arguments.measure_nothing else measure(arguments, rows)
-    if not rows:
-        sys.exit(f"{arguments.maps}: found no normal map, expected names such as rock_n.png and rock_normal.png")
+    state = {"rows": []}
+    if arguments.state and pathlib.Path(arguments.state).exists():
+        state = json.loads(pathlib.Path(arguments.state).read_text())
+    if not arguments.measure_nothing:
+        if not normal_maps(arguments.maps):
+            sys.exit(f"{arguments.maps}: found no normal map, expected names such as rock_n.png and rock_normal.png")
+        if "costs" not in state:
+            measure_costs(arguments, state)
+        measure(arguments, state)
     version = subprocess.run([arguments.multum, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    commits = ", ".join(sorted({row["commit"] for row in rows}))
+    commits = ", ".join(sorted({row["commit"] for row in state["rows"]}))
     pathlib.Path(arguments.output).write_text(
-        document(rows, f"{version}, {commits}", f"`shared/data/{arguments.maps.name}`"), encoding="utf-8")
+        document(state, f"{version}, {commits}", f"`shared/data/{arguments.maps.name}`"), encoding="utf-8")
     print(f"{arguments.output}: written")
     return 0
 

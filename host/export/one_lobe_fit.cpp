@@ -170,8 +170,7 @@ class LobeFitter {
     piece.width = rows.width;
     piece.row_count = row_count;
     piece.grid = grid;
-    piece.stride =
-        (row_count * rows.width + MULTUM_ONE_LOBE_BLOCK - 1) / MULTUM_ONE_LOBE_BLOCK * MULTUM_ONE_LOBE_BLOCK;
+    piece.stride = (row_count * rows.width + MULTUM_ONE_LOBE_BLOCK - 1) / MULTUM_ONE_LOBE_BLOCK * MULTUM_ONE_LOBE_BLOCK;
     piece.iteration_count = settings_.iteration_count;
     piece.is_anisotropic = settings_.is_anisotropic ? 1 : 0;
     piece.has_base_map = inputs_.has_roughness ? 1 : 0;
@@ -189,8 +188,8 @@ class LobeFitter {
     if (grid > 0) {
       const LevelTables& tables_of_level = tables(rows, grid);
       upload_rows(sampled_rows(rows, first, row_count, grid));
-      samples_.launch({stride / size_of(lanes_) * size_of(grid)}, x_.get(), y_.get(), z_.get(), base_.get(), slots_.get(),
-                      tables_of_level.columns, tables_of_level.facets, averages_.get(), slopes, piece);
+      samples_.launch({stride / size_of(lanes_) * size_of(grid)}, x_.get(), y_.get(), z_.get(), base_.get(),
+                      slots_.get(), tables_of_level.columns, tables_of_level.facets, averages_.get(), slopes, piece);
     }
     const std::size_t bytes = MULTUM_ONE_LOBE_FITTED * stride * sizeof(float);
     DeviceBuffer& out = fitted_.of_size(device_, bytes);

@@ -68,10 +68,10 @@ reference::OneLobe launch_one_lobe(Device& device, const reference::OneLobeTexel
   const DeviceBuffer averages = uploaded(device, launched_averages(device, texel), "averages of a lobe");
   const DeviceBuffer slopes = uploaded(device, std::vector<float>(samples * 2 * kStride, kPoison), "slopes");
   device.kernel("one_lobe", "one_lobe_samples", {1, lanes, false})
-      .launch({static_cast<std::size_t>(kStride / lanes * grid)}, uploaded(device, map.x, "x"), uploaded(device, map.y, "y"),
-              uploaded(device, map.z, "z"), uploaded(device, std::vector<float>{0.0f}, "no roughness"),
-              uploaded(device, rows, "rows"), uploaded(device, columns, "columns"), uploaded(device, facets, "facets"),
-              averages, slopes, piece);
+      .launch({static_cast<std::size_t>(kStride / lanes * grid)}, uploaded(device, map.x, "x"),
+              uploaded(device, map.y, "y"), uploaded(device, map.z, "z"),
+              uploaded(device, std::vector<float>{0.0f}, "no roughness"), uploaded(device, rows, "rows"),
+              uploaded(device, columns, "columns"), uploaded(device, facets, "facets"), averages, slopes, piece);
   const DeviceBuffer out =
       uploaded(device, std::vector<float>(MULTUM_ONE_LOBE_FITTED * kStride, kPoison), "a fitted lobe");
   device.kernel("one_lobe", "one_lobe_fit", {1, lanes, false})

@@ -23,8 +23,8 @@
 #define MULTUM_ONE_LOBE_AXIS 5           // x, y of a unit vector; of no sign
 #define MULTUM_ONE_LOBE_FITTED 7
 
-// Texels whose slopes lie side by side, sample after sample: a cache holds them over all steps of a fit, where planes of
-// slopes, a power of two apart, would drive one another out of it. A multiple of every vector width.
+// Texels whose slopes lie side by side, sample after sample: a cache holds them over all steps of a fit, where planes
+// of slopes, a power of two apart, would drive one another out of it. A multiple of every vector width.
 #define MULTUM_ONE_LOBE_BLOCK 16
 
 // Texels of a level that are fitted at once, and the samples of each: grid * grid places, evenly spread over what it

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures what an export of a large map takes beside Filament's roughness-prefilter, and writes docs/EXPORT.md's
+section of it."""
+import pathlib
+import shutil
+import statistics
+
+import numpy
+import OpenImageIO
+
+from playback.programs import succeed
+
+SIDE = 4096
+ROUNDS = 5
+ROUGHNESS = 0.25
+PREFILTER = "roughness-prefilter"  # of Debian's libfilament-tools
+# Name, options of multum export.
+WAYS = (("KTX2, `--format ktx2`", ["--format", "ktx2"]),
+        ("the same, `--fast`", ["--format", "ktx2", "--fast"]),
+        ("PNG, an image a level", ["--format", "png"]))
+FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter, of which the quickest is what the others are divided by
+
+HEAD = """## What it takes
+
+{side} x {side} texels, `{map}` repeated, as PNG of 8 bits: `multum export` writes normals, occlusion, roughness and
+metalness of all levels, without measuring its error; roughness-prefilter ({version}) roughness alone. Rounds of all
+in turns, {rounds} of them: medians, in brackets their range; ratios are within a round, over the quickest format of
+roughness-prefilter.
+
+| | processor, s | ratio | memory, MiB |
+|---|---|---|---|
+"""
+
+
+def write_repeated(source, output):
+    """A map of SIDE x SIDE texels that repeats the source's."""
+    texels = OpenImageIO.ImageBuf(str(source)).get_pixels(OpenImageIO.UINT8)[:, :, :3]
+    counts = [-(-SIDE // size) for size in texels.shape[:2]]
+    texels = numpy.ascontiguousarray(numpy.tile(texels, (*counts, 1))[:SIDE, :SIDE])
+    image = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(SIDE, SIDE, 3, OpenImageIO.UINT8))
+    image.set_pixels(OpenImageIO.ROI(0, SIDE, 0, SIDE, 0, 1, 0, 3), texels)
+    if not image.write(str(output)):
+        raise OSError(f"{output}: {image.geterror()}")
+
+
+def measure(multum, source, folder):
+    """Processor seconds and bytes of memory of each round, by name; None where Filament's tool is not installed."""
+    if shutil.which(PREFILTER) is None:
+        return None
+    folder = pathlib.Path(folder)
+    large = folder / "large.png"
+    write_repeated(source, large)
+    commands = {name: [multum, "export", large, "-o", folder / "large", "--base-roughness", ROUGHNESS, "--no-measure",
+                       "--quiet", *options] for name, options in WAYS}
+    for kind in FORMATS:
+        commands[kind] = [PREFILTER, "-r", ROUGHNESS, "-f", kind, large, folder / f"filament.{kind}"]
+    runs = {name: [] for name in commands}
+    for _ in range(ROUNDS):
+        for name, command in commands.items():
+            shutil.rmtree(folder / "large", ignore_errors=True)
+            run = succeed(command)
+            runs[name].append([run.processor_seconds, run.memory_bytes])
+            print(f"{name}: {run.processor_seconds:.2f} s, {run.memory_bytes >> 20} MiB", flush=True)
+    version = succeed(["dpkg-query", "-W", "-f", "${Package} ${Version}", "libfilament-tools"]).text
+    return {"map": source.name, "version": version, "runs": runs}
+
+
+def shown(values, form):
+    return f"{form} ({form} to {form})".format(statistics.median(values), min(values), max(values))
+
+
+def section(costs):
+    runs = costs["runs"]
+    seconds = {name: [run[0] for run in rounds] for name, rounds in runs.items()}
+    quickest = min(FORMATS, key=lambda kind: statistics.median(seconds[kind]))
+    names = {**{name: f"`multum export`, {name}" for name, _ in WAYS},
+             quickest: f"Filament's roughness-prefilter, {quickest.upper()}"}
+    lines = []
+    for name, title in names.items():
+        ratios = [one / other for one, other in zip(seconds[name], seconds[quickest])]
+        ratio = "1" if name == quickest else shown(ratios, "{:.2f}")
+        memory = statistics.median(run[1] for run in runs[name]) / 2**20
+        lines.append(f"| {title} | {shown(seconds[name], '{:.1f}')} | {ratio} | {memory:.0f} |\n")
+    return HEAD.format(side=SIDE, map=costs["map"], version=costs["version"],
+                       rounds=len(runs[quickest])) + "".join(lines)
