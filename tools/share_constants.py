@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 
+from measured_run import succeed
+
 SETTINGS = (("--lobes", "4"), ("--lobes", "2"), ("--lobes", "4", "--first-level", "2"),
             ("--lobes", "4", "--albedo", "@_albedo.png"), ("--lobes", "4", "--no-measure"))
 ALLOWED = 1.0 / 3.0
@@ -36,11 +38,7 @@ class Shares:
         least = float("inf")
         for _ in range(self.repeat):
             words = [self.multum, "bake", *self.words(options), "-o", self.path + ".ndf.exr", "--force"]
-            process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            assert process.returncode == 0, words
-            least = min(least, usage.ru_utime + usage.ru_stime)
+            least = min(least, succeed(words).processor_seconds)
         return least
 
     def merge_seconds(self, count, *options):

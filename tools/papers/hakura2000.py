@@ -15,7 +15,8 @@ import sys
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "playback"))
+TOOLS = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TOOLS), str(TOOLS / "playback")]
 import video_codecs  # noqa: E402
 from fields import Field, mse  # noqa: E402
 from programs import Programs  # noqa: E402

@@ -19,7 +19,7 @@ import tempfile
 
 import numpy as np
 from fields import mse
-from programs import run, succeed
+from measured_run import run, succeed
 from video_seeks import VideoSeeks
 
 ROUNDS = 5  # of both programs in turns

@@ -1,49 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs multum and multum-view on a field, and what each run took: infers textures, packs, unpacks, draws frames."""
-import dataclasses
-import os
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
-import time
 
 import numpy as np
 from fields import eight_bit, read_channels
+from measured_run import run, succeed
 
 USAGE = 2  # the exit code of a wrong command line
 SAMPLES_A_RUN = 64  # drawn by one run of multum-view
-
-
-@dataclasses.dataclass
-class Run:
-    """A program's end. Processor seconds are of its children too; the memory is the most that one of them held."""
-    code: int
-    text: str
-    seconds: float
-    processor_seconds: float
-    memory_bytes: int
-
-
-def run(command):
-    begin = time.monotonic()
-    with tempfile.TemporaryFile("w+") as said:
-        child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
-        _, status, used = os.wait4(child.pid, 0)
-        child.returncode = os.waitstatus_to_exitcode(status)
-        said.seek(0)
-        return Run(child.returncode, said.read(), time.monotonic() - begin, used.ru_utime + used.ru_stime,
-                   1024 * used.ru_maxrss)
-
-
-def succeed(command):
-    done = run(command)
-    if done.code != 0:
-        last = "\n".join(done.text.splitlines()[-20:])
-        sys.exit(f"exit code {done.code}: {' '.join(map(str, command))}\n{last}")
-    return done
 
 
 class Programs:

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs a program, and says what it took."""
+import dataclasses
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+
+@dataclasses.dataclass
+class Run:
+    """A program's end. Processor seconds are of its children too; the memory is the most that one of them held."""
+    code: int
+    text: str
+    seconds: float
+    processor_seconds: float
+    memory_bytes: int
+
+
+def run(command):
+    begin = time.monotonic()
+    with tempfile.TemporaryFile("w+") as said:
+        child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+        _, status, used = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        said.seek(0)
+        return Run(child.returncode, said.read(), time.monotonic() - begin, used.ru_utime + used.ru_stime,
+                   1024 * used.ru_maxrss)
+
+
+def succeed(command):
+    done = run(command)
+    if done.code != 0:
+        last = "\n".join(done.text.splitlines()[-20:])
+        sys.exit(f"exit code {done.code}: {' '.join(map(str, command))}\n{last}")
+    return done
