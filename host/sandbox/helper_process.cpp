@@ -69,6 +69,26 @@ std::uint64_t own_memory_bytes(pid_t pid) {
   return std::uint64_t{resident - shared} * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
+// Of all its threads.
+std::chrono::nanoseconds processor_time(pid_t pid) {
+  timespec used = {};
+  clockid_t clock = {};
+  if (::clock_getcpuclockid(pid, &clock) == 0) ::clock_gettime(clock, &used);
+  return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
+}
+
+// Whether its first thread runs or would if it had a processor: 'R' behind "PID (NAME) " (proc(5)).
+bool is_ready_to_run(pid_t pid) {
+  std::FILE* file = std::fopen(fmt::format("/proc/{}/stat", pid).c_str(), "re");
+  if (file == nullptr) return false;
+  std::array<char, 256> text{};
+  const std::size_t count = std::fread(text.data(), 1, text.size(), file);
+  std::fclose(file);
+  const std::string_view line(text.data(), count);
+  const std::size_t name_end = line.rfind(") ");
+  return name_end != std::string_view::npos && line.substr(name_end + 2).starts_with('R');
+}
+
 std::string text_of(std::chrono::milliseconds time) {
   return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
 }
@@ -149,14 +169,12 @@ void HelperProcess::reap(const std::string& why) {
 
 // From outside, before the child knows what is asked.
 void HelperProcess::hold_to(const HelperLimits& limits) {
-  timespec used = {};
-  clockid_t clock = {};
-  if (::clock_getcpuclockid(pid_, &clock) == 0) ::clock_gettime(clock, &used);
+  const auto used = std::chrono::duration_cast<std::chrono::seconds>(processor_time(pid_));
   rlimit processor = {};
   ::prlimit(pid_, RLIMIT_CPU, nullptr, &processor);
   const auto cores = std::max<rlim_t>(1, std::thread::hardware_concurrency());
   const auto seconds = static_cast<rlim_t>(limits.time_max.count()) / 1000 + 1;
-  processor.rlim_cur = std::min(processor.rlim_max, static_cast<rlim_t>(used.tv_sec) + 1 + seconds * cores);
+  processor.rlim_cur = std::min(processor.rlim_max, static_cast<rlim_t>(used.count()) + 1 + seconds * cores);
   ::prlimit(pid_, RLIMIT_CPU, &processor, nullptr);
 #ifndef MULTUM_SHADOW_MEMORY  // their shadow memory needs terabytes
   if (memory_max_ == limits.memory_max) return;
@@ -181,15 +199,25 @@ void HelperProcess::send(std::string_view request) {
   }
 }
 
-void HelperProcess::check(const HelperLimits& limits, Clock::time_point asked) {
-  if (Clock::now() - asked > limits.time_max) reap("took more than " + text_of(limits.time_max) + " and was ended");
+// What has passed since the last look counts; of a child that is ready to run, what it ran.
+void HelperProcess::Stopwatch::look(pid_t pid) {
+  const auto now = Clock::now();
+  const auto ran = processor_time(pid);
+  const auto passed = std::chrono::nanoseconds(now - looked);
+  spent += is_ready_to_run(pid) ? std::min(passed, ran - ran_before) : passed;
+  looked = now;
+  ran_before = ran;
+}
+
+void HelperProcess::check(const HelperLimits& limits, Stopwatch& watch) {
+  watch.look(pid_);
+  if (watch.spent > limits.time_max) reap("took more than " + text_of(limits.time_max) + " and was ended");
   if (own_memory_bytes(pid_) > limits.memory_max)
     reap(fmt::format("took more than {} bytes of memory and was ended", limits.memory_max));
 }
 
 std::string HelperProcess::receive(const HelperLimits& limits, const std::function<void()>& while_waiting) {
-  const Clock::time_point asked = Clock::now();
-  Clock::time_point checked = asked;
+  Stopwatch watch{Clock::now(), processor_time(pid_), {}};
   std::array<char, 65536> bytes;
   received_.clear();
   for (;;) {
@@ -202,9 +230,8 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     }
     pollfd waited = {socket_, POLLIN, 0};
     const int ready = ::poll(&waited, 1, static_cast<int>(kTick.count()));
-    if (Clock::now() - checked >= kTick) {
-      checked = Clock::now();
-      check(limits, asked);
+    if (Clock::now() - watch.looked >= kTick) {
+      check(limits, watch);
       if (while_waiting) while_waiting();
     }
     if (ready <= 0) continue;

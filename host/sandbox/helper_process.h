@@ -23,7 +23,8 @@
 namespace multum {
 
 /// Limits of one request. Above the memory, the child's own allocations fail, and it is killed where they do not; above
-/// the time it is killed. The processor time of all its threads is limited to time_max a core.
+/// the time it is killed: what passes while it is ready to run and other programs have the processors does not count.
+/// The processor time of all its threads is limited to time_max a core.
 struct HelperLimits {
   std::uint64_t memory_max;  // bytes that it may write to, all in all; those of the shared memory not counted
   std::chrono::milliseconds time_max;
@@ -54,10 +55,17 @@ class HelperProcess {
   std::string ask(std::string_view request, const HelperLimits& limits, const std::function<void()>& while_waiting);
 
  private:
+  // Of one request.
+  struct Stopwatch {
+    std::chrono::steady_clock::time_point looked;
+    std::chrono::nanoseconds ran_before, spent;
+    void look(pid_t pid);
+  };
+
   void hold_to(const HelperLimits& limits);
   void send(std::string_view request);
   std::string receive(const HelperLimits& limits, const std::function<void()>& while_waiting);
-  void check(const HelperLimits& limits, std::chrono::steady_clock::time_point asked);
+  void check(const HelperLimits& limits, Stopwatch& watch);
   int kill_and_wait();
   [[noreturn]] void reap(const std::string& why);
 

@@ -132,7 +132,7 @@ class Coverage {
   std::map<Key, Held> rows_;
 };
 
-constexpr int kSeeds = 200;
+constexpr int kSeeds = 100;
 
 TEST(ErrorInterval, HoldsTheErrorOfAllTexels) {
   const std::pair<const char*, NormalMap> maps[] = {

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,11 @@ std::string fail_as_told(std::string_view told) {
   if (is("spin"))
     for (std::atomic<unsigned> i = 0;; ++i) {
     }
+  if (is("work")) {  // a tenth of a second of a processor
+    for (timespec used = {}; used.tv_sec == 0 && used.tv_nsec < 100000000;)
+      ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return "done";
+  }
   if (is("eat"))  // to its limit, whether that is a failing allocation or its end
     for (std::vector<char*> pieces;;) {
       constexpr std::size_t kPiece = std::size_t{8} << 20;

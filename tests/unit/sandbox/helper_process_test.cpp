@@ -3,13 +3,16 @@
 #include "host/sandbox/helper_process.h"
 #include "host/base/processes/sanitizers.h"
 
+#include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <filesystem>
 #include <thread>
+#include <vector>
 
 #include "tests/unit/base/test_folder.h"
 
@@ -59,6 +62,24 @@ TEST(HelperProcessTest, TimeIsLimited) {
   expect_says(end_of("hang", limits), {"more than 150 ms"});
   expect_says(end_of("spin", limits), {"more than 150 ms"});
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+}
+
+// A child of the lowest class, and twice as many threads as there are processors.
+TEST(HelperProcessTest, TimeThatOthersHaveTheProcessorsDoesNotCount) {
+  HelperProcess helper(kFailingHelper);
+  const sched_param lowest = {};
+  ASSERT_EQ(::sched_setscheduler(helper.pid(), SCHED_IDLE, &lowest), 0);
+  HelperLimits limits = kLimits;
+  limits.time_max = std::chrono::milliseconds(600);
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::jthread> others;
+  for (unsigned i = 0; i < 2 * std::max(1u, std::thread::hardware_concurrency()); ++i)
+    others.emplace_back([&] {
+      while (std::chrono::steady_clock::now() - start < std::chrono::seconds(2)) {
+      }
+    });
+  EXPECT_EQ(helper.ask("work", limits, {}), "done");
+  EXPECT_GT(std::chrono::steady_clock::now() - start, limits.time_max) << "nobody was in its way";
 }
 
 TEST(HelperProcessTest, MemoryIsLimited) {
