@@ -14,8 +14,8 @@ import pathlib
 import re
 import sys
 
-FILES = ("common/movmf_shading.glsl", "brdf/blinn_phong.glsl", "brdf/cook_torrance.glsl", "brdf/ggx.glsl",
-         "brdf/ggx_lobe.glsl")
+FILES = ("common/movmf_shading.glsl", "common/blue_noise.glsl", "brdf/blinn_phong.glsl",
+         "brdf/cook_torrance.glsl", "brdf/ggx.glsl", "brdf/ggx_lobe.glsl")
 TYPES = ("float", "int", "vec2", "vec3", "vec4")
 HEAD = """// SPDX-License-Identifier: Apache-2.0
 // Shading of multum's lobes in {language}.
@@ -107,7 +107,8 @@ def with_samplers(code, declared, lookup):
 
 
 def hlsl(text):
-    names = {"vec2": "float2", "vec3": "float3", "vec4": "float4", "mix": "lerp", "inversesqrt": "rsqrt"}
+    names = {"vec2": "float2", "vec3": "float3", "vec4": "float4", "mix": "lerp", "fract": "frac",
+             "inversesqrt": "rsqrt"}
 
     def change(code):
         code = re.sub(r"\bconst float\b", "static const float", code)

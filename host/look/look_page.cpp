@@ -96,7 +96,8 @@ void put_in_place(std::string& page, std::string_view mark, const std::string& t
 std::string look_page(const nlohmann::ordered_json& data) {
   const auto file = [](const char* name) { return std::string(look_page_files().at(name)); };
   std::string script;
-  for (const char* name : {"matrices.js", "glb.js"}) script += plain_script(look_module_files().at(name));
+  for (const char* name : {"matrices.js", "glb.js", "three/bc5.js"})
+    script += plain_script(look_module_files().at(name));
   for (const char* name : {"look_glb.js", "look_textures.js", "look_gl.js", "look_drops.js", "look.js"})
     script += file(name);
   const std::string worker = file("look_exr.js");

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/sampling/blue_noise.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -119,6 +120,17 @@ void MovmfMaterial::set_shade_first(bool shade_first) {
   shade_first_ = shade_first;
 }
 
+void MovmfMaterial::set_drawn(const GlFunctions& gl, DrawnNoise noise) {
+  drawn_ = noise;
+  blue_noise_.reset();
+  if (noise != DrawnNoise::kBlue) return;
+  std::vector<float> texels;
+  for (const std::uint8_t value : blue_noise()) texels.push_back(static_cast<float>(value) / 255.0f);
+  blue_noise_.emplace(gl, "blue noise", TextureShape{kBlueNoiseSide, kBlueNoiseSide, 1, TexelFormat::kRgba32f},
+                      SamplerSettings{WrapMode::kPeriodic, WrapMode::kPeriodic, false, 1.0f});
+  blue_noise_->upload_level(0, texels.data());
+}
+
 void MovmfMaterial::set_mean_colours(Texture colours) {
   MULTUM_CHECK(colours_.empty());
   mean_colours_.emplace(std::move(colours));
@@ -131,9 +143,11 @@ ShaderParts MovmfMaterial::fetch_parts() const {
   if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
   if (layers_)
     parts.flags.push_back("MULTUM_LOBE_LAYERS " + std::to_string(layers_->shape().layer_count / lobe_count_));
-  MULTUM_CHECK(!is_drawn_ || !shade_first_);
-  if (is_drawn_) {
+  MULTUM_CHECK(!drawn_ || !shade_first_);
+  if (drawn_) {
     parts.flags.insert(parts.flags.end(), {"MULTUM_DRAWN_LOBE", "MULTUM_REFERENCE"});
+    if (*drawn_ == DrawnNoise::kWhite) parts.flags.push_back("MULTUM_HASHED");
+    parts.texts.insert(parts.texts.begin(), shader_common_blue_noise_glsl);
     parts.texts.insert(parts.texts.begin(), shader_common_footprint_glsl);
   }
   finest_.add_flags(parts);
@@ -167,6 +181,7 @@ int MovmfMaterial::bind(const ShaderProgram& shader) const {
   if (mean_cosine_) shader.set("u_mean_cosine", *mean_cosine_);
   finest_.bind(binder);
   binder.bind("u_mean_colours", mean_colours_);
+  binder.bind("u_blue_noise", blue_noise_);
   return binder.next_unit();
 }
 

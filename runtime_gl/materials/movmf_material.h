@@ -26,6 +26,11 @@ enum class LobeFormula {
   kPaper,    // Han et al. 2007, equation 20 and Algorithm 2; of Blinn-Phong
 };
 
+enum class DrawnNoise {
+  kBlue,   // host/sampling/blue_noise.h
+  kWhite,  // a hash of each pixel: for comparison
+};
+
 class MovmfMaterial : public Material {
  public:
   /// `source`: the map that was baked; needed, and used, when the mipmap's first level is not 0. Throws Error(kInput)
@@ -43,7 +48,7 @@ class MovmfMaterial : public Material {
 
   /// One normal a pixel and frame, drawn from the lobes by amplitude: what a renderer that keeps one normal has. Drawn
   /// by Renderer::draw_reference(), a frame a sample; without environments and shade_first.
-  void set_drawn(bool is_drawn) { is_drawn_ = is_drawn; }
+  void set_drawn(const GlFunctions& gl, DrawnNoise noise);
 
   /// Linear colours of the map's texels, filtered plainly, for all lobes alike: of mipmaps without colours.
   void set_mean_colours(Texture colours);
@@ -51,8 +56,8 @@ class MovmfMaterial : public Material {
   const char* name() const override { return "movmf"; }
   ShaderParts shader_parts() const override;
   int bind(const ShaderProgram& shader) const override;
-  bool samples_light() const override { return is_drawn_; }
-  bool samples_footprint() const override { return is_drawn_; }
+  bool samples_light() const override { return drawn_.has_value(); }
+  bool samples_footprint() const override { return drawn_.has_value(); }
   int weight_count() const override { return weight_count_; }
   int lobe_count() const { return lobe_count_; }
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
@@ -74,7 +79,8 @@ class MovmfMaterial : public Material {
   std::optional<Texture> mean_colours_;
   LobeFormula formula_ = LobeFormula::kProduct;
   bool shade_first_ = false;
-  bool is_drawn_ = false;
+  std::optional<DrawnNoise> drawn_;
+  std::optional<Texture> blue_noise_;
 };
 
 }  // namespace multum::gl

@@ -32,9 +32,9 @@ class DrawnLobeTest : public testing::Test {
     const MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
     return renderer_->draw(*mesh_, material, scene).image;
   }
-  FloatImage drawn(const TestMap& map, const RenderScene& scene, int frames) {
+  FloatImage drawn(const TestMap& map, const RenderScene& scene, int frames, DrawnNoise noise = DrawnNoise::kBlue) {
     MovmfMaterial material(context_->functions(), map.mipmap, 1.0f, &map.image);
-    material.set_drawn(true);
+    material.set_drawn(context_->functions(), noise);
     return renderer_->draw_reference(*mesh_, material, scene, {frames}).image;
   }
   FloatImage toksvig(const TestMap& map, const RenderScene& scene) {
@@ -64,6 +64,57 @@ TEST_F(DrawnLobeTest, TheMeanOfFramesIsTheSum) {
   EXPECT_LT(all, 0.01);
   EXPECT_LT(sixteen, 0.5 * one);
   EXPECT_LT(sixteen, one_lobe);
+}
+
+/// Weighed 1 4 6 4 1 along each axis, the border left out: a denoiser of no knowledge, or an eye from farther away.
+FloatImage blurred(const FloatImage& image) {
+  constexpr int kWeights[] = {1, 4, 6, 4, 1};
+  FloatImage result{image.width - 4, image.height - 4, {}};
+  for (int y = 0; y < result.height; ++y)
+    for (int x = 0; x < result.width; ++x)
+      for (int c = 0; c < 4; ++c) {
+        double sum = 0.0;
+        for (int j = 0; j < 5; ++j)
+          for (int i = 0; i < 5; ++i)
+            sum += kWeights[i] * kWeights[j] / 256.0 *
+                   static_cast<double>(image.rgba[static_cast<std::size_t>(((y + j) * image.width + x + i) * 4 + c)]);
+        result.rgba.push_back(static_cast<float>(sum));
+      }
+  return result;
+}
+
+// Blue noise beside white, which is a hash of the pixel: as far off where each pixel of a frame is looked at by itself,
+// less where neighbours are averaged. docs/INTEGRATION.md states these bounds.
+TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
+  struct Map {
+    const char* name;
+    TestMap map;
+    double of_one, of_sixteen;  // blurred: at most this part of what a hash leaves
+    double sixteen;             // relative L1 of the mean of 16 frames, not blurred
+  };
+  const Map maps[] = {{"two tilts", make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false), 0.3, 0.4, 0.06},
+                      {"broad lobes", make_noise_map(64, 0.5f, WrapMode::kPeriodic), 0.65, 0.7, 0.18}};
+  for (const auto& [name, map, of_one, of_sixteen, sixteen] : maps) {
+    RenderScene scene = one_normal_scene();
+    scene.brdf.exponent = 50.0f;
+    scene.brdf.diffuse = glm::vec3(0.0f);
+    scene.brdf.specular = glm::vec3(1.0f);
+    const FloatImage exact = sum(map, scene), exact_blurred = blurred(exact);
+    for (const int frames : {1, 16}) {
+      double plain[2], soft[2];
+      for (const DrawnNoise noise : {DrawnNoise::kWhite, DrawnNoise::kBlue}) {
+        const FloatImage image = drawn(map, scene, frames, noise);
+        const std::size_t i = noise == DrawnNoise::kBlue ? 1 : 0;
+        plain[i] = picture_error(image, exact).relative_l1;
+        soft[i] = picture_error(blurred(image), exact_blurred).relative_l1;
+      }
+      std::printf("%s, frames %d: hashed %.3f, blurred %.3f; blue noise %.3f, blurred %.3f\n", name, frames, plain[0],
+                  soft[0], plain[1], soft[1]);
+      EXPECT_LT(soft[1], (frames == 1 ? of_one : of_sixteen) * soft[0]) << name << ", frames " << frames;
+      if (frames == 16) EXPECT_LT(plain[1], sixteen) << name;
+      else EXPECT_NEAR(plain[1], plain[0], 0.02 * plain[0]) << name;
+    }
+  }
 }
 
 // Broad lobes: normals are drawn from within them.

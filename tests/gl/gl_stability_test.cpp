@@ -94,6 +94,7 @@ const std::map<std::string, std::string> kByPictures = {
     {"lobes.glsl multum_lobe_map_size", "RenderTest, TwoTiltsEqualReferenceWhereMipsFail"},
     {"lobes.glsl multum_unpacking", "LobeExportTest, MultumViewDrawsIt"},
     {"lobes.glsl multum_fetch_lobe", "LobeExportTest, MultumViewDrawsIt"},
+    {"lobes.glsl multum_numbers_drawn", "DrawnLobeTest, TheMeanOfFramesIsTheSum"},
     {"lobes.glsl multum_draw_lobe", "DrawnLobeTest, TheMeanOfFramesIsTheSum"},
     {"roughness_texture.glsl multum_roughness_footprint", "RenderTest, ARoughnessTextureEqualsTheReference"},
     {"roughness_texture.glsl multum_take_roughness", "RenderTest, ARoughnessTextureEqualsTheReference"},

@@ -356,6 +356,36 @@ void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst)
   compare_glsl(gl, edits, c, worst);
 }
 
+// Every frame of a pixel, also where a float has no fraction left; `map` holds quarters.
+void numbers_of_the_millionth_frame(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr int kSide = 64;
+  std::vector<float> texels;
+  for (int i = 0; i < kSide * kSide; ++i)
+    for (int c = 0; c < 4; ++c) texels.push_back(0.25f * static_cast<float>((i + i / kSide + c) % 4));
+  Texture noise(gl, "noise", {kSide, kSide, 1, TexelFormat::kRgba32f},
+                {WrapMode::kClamp, WrapMode::kClamp, true, 1.0f});
+  noise.upload_level(0, texels.data());
+  GlslComparison c{"vec4(multum_blue_noise(map, a.xy, b.x), 0.0)", {}, {}};
+  for (const float x : {0.0f, 0.5f, 63.9f, 64.0f, 1919.5f})
+    for (const float y : {0.5f, 70.0f, 1079.5f})
+      for (const float frame : {0.0f, 1.0f, 1023.0f, 1024.0f, 1030.0f, 1000003.0f, 16777215.0f})
+        c.inputs.push_back({{x, y, 0.0f, 0.0f}, {frame, 0.0f, 0.0f, 0.0f}});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double steps[] = {0.618033988749895, 0.754877666246693, 0.569840290998053}, count = std::fmod(b.x, 1024.0);
+    const int column = static_cast<int>(a.x) % kSide, row = static_cast<int>(a.y) % kSide;
+    glm::dvec4 numbers(0.0);
+    for (int k = 0; k < 3; ++k) {
+      const double texel = 0.25 * ((row * kSide + column + row + k) % 4);
+      const double place = texel * 255.0 / 256.0 + count * steps[k];
+      numbers[k] = place - std::floor(place);
+    }
+    return numbers;
+  };
+  c.variant.texture = &noise;
+  c.variant.formulas = shader_common_blue_noise_glsl;
+  compare_glsl(gl, edits, c, worst);
+}
+
 void level_of_no_extent(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_mip_level(a.xy, b.xy), 0.0, 0.0, 0.0)", {}, {}};
   for (const float x : {0.0f, 1e-40f, 1e-20f, 1e-8f, 1.0f, 1e4f, 1e15f})
@@ -640,6 +670,12 @@ std::vector<GlslCase> glsl_common_cases() {
                   "(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa)")},
        normals_drawn,
        {"multum_movmf_drawn_normal"}},
+      {{"glsl-numbers-of-the-millionth-frame", "blue_noise.glsl",
+        "the fraction of a large product in float is lost: all frames draw alike", "frames counted modulo 1024", 1e-4,
+        "absolute", "6e-5 of a product of 772"},
+       {glsl_edit("frame - MULTUM_BLUE_NOISE_FRAMES * floor(frame / MULTUM_BLUE_NOISE_FRAMES)", "frame")},
+       numbers_of_the_millionth_frame,
+       {"multum_blue_noise"}},
       {{"glsl-level-of-no-extent", "pyramid.glsl", "the logarithm of 0, where coordinates do not change",
         "squares of at least 1e-30", 1e-4, "absolute, of the level", "the GL's log2"},
        {glsl_edit("max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30)",

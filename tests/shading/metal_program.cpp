@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum_lobes.metal as a C++ program (metal_stdlib): reads the table and the cases of shading_languages_test.py as
-// floats from stdin, writes four floats a case.
+// floats from stdin, writes eight floats a case.
 #include "multum_lobes.metal"
 
 #include <cstdio>
@@ -29,5 +29,9 @@ int main() {
                          multum_movmf_ggx_specular(texture, sampler(), lobe, l, v, h, c[7]),
                          multum_schlick(float3(c[11]), dot(v, h)).x};
     fwrite(out, sizeof(float), 4, stdout);
+    const float3 normal = multum_movmf_drawn_normal(lobe, float2(c[11], c[7]));
+    const float2 pixel(100.0f * l.x + 200.0f, 100.0f * l.y + 200.0f);
+    const float drawn[] = {normal.x, normal.y, normal.z, multum_blue_noise(texture, sampler(), pixel, floor(s)).y};
+    fwrite(drawn, sizeof(float), 4, stdout);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum shaders: the shading of lobes for engines, a file a language, with the table that GGX takes, and the npm
+// multum shaders: the shading of lobes for engines, a file a language, with the textures that it takes, and the npm
 // package @multum/three.
 #include <fmt/format.h>
 
@@ -14,6 +14,7 @@
 #include "host/base/shown_text.h"
 #include "host/brdf/ggx_lobe.h"
 #include "host/export/texture_file.h"
+#include "host/sampling/blue_noise.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/shading_files.h"
 
@@ -44,9 +45,10 @@ std::string javascript_module() {
       json_string(fetching.at("surface/lobes.glsl")), kGgxLobeTableSide, kGgxLobeTableSide, numbers);
 }
 
-void write_table(const std::string& path) {
-  const auto file = make_ktx2_file(path, {TexelFormat::kRgba16f, kGgxLobeTableSide, kGgxLobeTableSide, 1});
-  file->write_rows(0, kGgxLobeTableSide, ggx_lobe_table().data());
+/// Of one level.
+void write_texture(const std::string& path, TexelFormat format, int side, const void* texels) {
+  const auto file = make_ktx2_file(path, {format, side, side, 1});
+  file->write_rows(0, side, texels);
   file->finish();
 }
 
@@ -58,12 +60,15 @@ int run_shaders(const ShadersOptions& o) {
   for (const auto& [name, text] : three_package_files()) write_text_file((package / name).string(), text);
   for (const std::filesystem::path& place : {folder, package})
     write_text_file((place / "multum_lobes.js").string(), javascript_module());
-  write_table((folder / "ggx_lobe_table.ktx2").string());
+  write_texture((folder / "ggx_lobe_table.ktx2").string(), TexelFormat::kRgba16f, kGgxLobeTableSide,
+                ggx_lobe_table().data());
+  write_texture((folder / "blue_noise.ktx2").string(), TexelFormat::kRgba8, kBlueNoiseSide, blue_noise().data());
   if (o.common.quiet) return 0;
-  print_shown(stdout,
-              "%s: written: multum_lobes in GLSL, HLSL, Metal, WGSL and JavaScript, ggx_lobe_table.ktx2, and in three "
-              "the npm package @multum/three\n",
-              o.folder.c_str());
+  print_shown(
+      stdout,
+      "%s: written: multum_lobes in GLSL, HLSL, Metal, WGSL and JavaScript, ggx_lobe_table.ktx2, blue_noise.ktx2, "
+      "and in three the npm package @multum/three\n",
+      o.folder.c_str());
   return 0;
 }
 

@@ -58,10 +58,18 @@ float multum_movmf_ggx_facet_kappa(vec4 lobe, vec3 h, float alpha) {
 // a light of irradiance 1 gives. Add it up over the lobes. l, v, h: unit, tangent space; alpha: roughness^2.
 float multum_movmf_ggx_specular(sampler2D table, vec4 lobe, vec3 l, vec3 v, vec3 h, float alpha) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
-  float facet_kappa = multum_movmf_ggx_facet_kappa(lobe, h, alpha);
-  float n_l = multum_movmf_highlight_cosine(lobe, h, l, facet_kappa);
-  float n_v = multum_movmf_highlight_cosine(lobe, h, v, facet_kappa);
-  return multum_movmf_ggx(table, lobe, h, alpha) * n_l * multum_smith_visibility(alpha, n_l, n_v);
+  float d = multum_movmf_spread(lobe);
+  float kappa = multum_vmf_kappa(d);
+  vec3 mu = multum_movmf_mean_direction(lobe);
+  float e = multum_one_minus_cosine(mu, h);
+  // multum_movmf_highlight_cosine() of l and of v, with what both have in common.
+  vec3 sum = multum_ggx_facet_kappa(alpha, kappa, e) * h + kappa * mu;
+  float size = length(sum);
+  float spread = d > 0.0 ? multum_vmf_spread(size) : 0.0;
+  float n_l = multum_vmf_mean_cosine(spread, dot(sum, l) / max(size, 1e-6));
+  float n_v = multum_vmf_mean_cosine(spread, dot(sum, v) / max(size, 1e-6));
+  float facets = lobe.w * multum_ggx_lobe_density(multum_ggx_lobe_shape(table, alpha, d), alpha, d, e);
+  return facets * n_l * multum_smith_visibility(alpha, n_l, n_v);
 }
 
 #ifdef MULTUM_GGX

@@ -3,7 +3,8 @@
 // MULTUM_COLOURS: lobes have colours; MULTUM_MEAN_COLOURS: all have the same, of a texture of its own;
 // MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a
 // mean normal; MULTUM_ALBEDO_MAP: with its own colours; MULTUM_BASIS k: all is times weight k of the lobes.
-// MULTUM_DRAWN_LOBE: one normal alone, drawn from the lobes by amplitude for each of u_sample frames (footprint.glsl).
+// MULTUM_DRAWN_LOBE: one normal alone, drawn from the lobes by amplitude for each of u_sample frames, at numbers of
+// blue_noise.glsl; with MULTUM_HASHED at those of footprint.glsl, which is white noise over the picture.
 // MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
 // lobes that are not aligned need; taps are shaded one by one then, too.
 // MULTUM_LOBE_LAYERS n: lobes come as multum export --lobes writes them, 1 or 2 layers of an array a lobe, from whose
@@ -93,17 +94,26 @@ vec4 multum_fetch_lobe(int j, vec2 st, MultumFootprint footprint) { return multu
 #endif
 
 #ifdef MULTUM_DRAWN_LOBE
+#ifdef MULTUM_HASHED
+vec3 multum_numbers_drawn() { return vec3(multum_random(0), multum_random(1), multum_random(2)); }
+#else
+uniform sampler2D u_blue_noise;
+
+vec3 multum_numbers_drawn() { return multum_blue_noise(u_blue_noise, gl_FragCoord.xy, float(u_sample)); }
+#endif
+
 // All amplitude to one normal, which a lobe of no width is.
 void multum_draw_lobe(inout MultumSurface surface) {
   float total = 0.0;
   {
     MULTUM_EACH_PART(j) total += surface.lobes[j].w;
   }
-  float left = multum_random(0) * total;
+  vec3 numbers = multum_numbers_drawn();
+  float left = numbers.x * total;
   int drawn = 0;
   for (; drawn < MULTUM_PART_COUNT - 1 && left >= surface.lobes[drawn].w; ++drawn) left -= surface.lobes[drawn].w;
   vec4 lobe = surface.lobes[drawn];
-  vec3 normal = multum_movmf_drawn_normal(lobe, vec2(multum_random(1), multum_random(2)));
+  vec3 normal = multum_movmf_drawn_normal(lobe, numbers.yz);
   {
     MULTUM_EACH_PART(j) surface.lobes[j] = j == drawn ? total * vec4(normal, 1.0) : vec4(0.0);
   }

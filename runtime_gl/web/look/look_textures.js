@@ -69,29 +69,6 @@ function parseLobes(bytes) {
   return { ...texture, lobes, unpacking: new Float32Array(numbers) };
 }
 
-/** Layers of BC5 as RG8, for browsers without EXT_texture_compression_rgtc. */
-function decodeBc5(bytes, width, height, layers) {
-  const out = new Uint8Array(2 * width * height * layers);
-  let at = 0;
-  for (let layer = 0; layer < layers; ++layer)
-    for (let y = 0; y < height; y += 4)
-      for (let x = 0; x < width; x += 4)
-        for (let channel = 0; channel < 2; ++channel, at += 8) {
-          const [first, second] = [bytes[at], bytes[at + 1]];
-          const steps = first > second ? 7 : 5;
-          for (let i = 0; i < 16; ++i) {
-            const bit = 16 + 3 * i;
-            const index = ((bytes[at + (bit >> 3)] | (bytes[at + Math.min((bit >> 3) + 1, 7)] << 8)) >> (bit & 7)) & 7;
-            const step = index === 0 ? 0 : index === 1 ? steps : index - 1;
-            const value = steps === 5 && index >=
-              6 ? (index === 6 ? 0 : 255) : ((steps - step) * first + step * second) / steps;
-            const [px, py] = [x + (i & 3), y + (i >> 2)];
-            if (px < width && py < height) out[2 * ((layer * height + py) * width + px) + channel] = Math.round(value);
-          }
-        }
-  return out;
-}
-
 /** Averages of a level's texels, by coverage; four floats a texel. */
 function halved({ width, height, texels }) {
   const [w, h] = [levelSize(width, 1), levelSize(height, 1)];

@@ -7,6 +7,7 @@ import { ClampToEdgeWrapping, CompressedArrayTexture, DataTexture, FileLoader, H
 import { KHR_SUPERCOMPRESSION_NONE, KHR_SUPERCOMPRESSION_ZSTD, read, VK_FORMAT_BC5_UNORM_BLOCK,
   VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM } from "three/addons/libs/ktx-parse.module.js";
 import { ZSTDDecoder } from "three/addons/libs/zstddec.module.js";
+import { decodeBc5 } from "./bc5.js";
 import { ggxLobeTable } from "./multum_lobes.js";
 
 const SIDE_MAX = 16384, LOBES_MAX = 8;
@@ -130,41 +131,12 @@ async function levelsOf(container, refuse) {
   });
 }
 
-/** A block of BC4 into every fourth byte of `out` from `at`, rows of `stride` bytes, up to the edge. */
-function decodeBc4(block, out, at, stride, columns, rows) {
-  const [first, last] = block;
-  const steps = first > last ? 7 : 5;
-  const palette = [first, last];
-  for (let step = 1; step < steps; ++step) palette.push(Math.round(((steps - step) * first + step * last) / steps));
-  if (steps === 5) palette.push(0, 255);
-  for (let texel = 0; texel < 16; ++texel) {
-    const bit = 16 + 3 * texel, byte = bit >> 3;
-    const index = ((block[byte] | (block[byte + 1] ?? 0) << 8) >> (bit & 7)) & 7;
-    const [x, y] = [texel & 3, texel >> 2];
-    if (x < columns && y < rows) out[at + y * stride + 4 * x] = palette[index];
-  }
-}
-
-/** Two layers of BC5 a lobe as one of RGBA8, for GPUs without EXT_texture_compression_rgtc. */
-function decodedLevel({ data, width, height }, layerCount) {
-  const out = new Uint8Array(2 * width * height * layerCount);
-  const [columns, rows] = [Math.ceil(width / 4), Math.ceil(height / 4)];
-  for (let layer = 0; layer < layerCount; ++layer)
-    for (let row = 0; row < rows; ++row)
-      for (let column = 0; column < columns; ++column)
-        for (let channel = 0; channel < 2; ++channel) {
-          const from = 8 * (channel + 2 * (column + columns * (row + rows * layer)));
-          const to = 4 * (4 * column + width * (4 * row + height * (layer >> 1))) + 2 * (layer & 1) + channel;
-          decodeBc4(data.subarray(from, from + 8), out, to, 4 * width, width - 4 * column, height - 4 * row);
-        }
-  return { data: out, width, height };
-}
-
 function textureOf(levels, { vkFormat, layerCount }, facts, decodesBlocks) {
   const isBlocks = vkFormat === VK_FORMAT_BC5_UNORM_BLOCK && !decodesBlocks;
   const isHalf = vkFormat === VK_FORMAT_R16G16B16A16_SFLOAT;
   const mipmaps = isHalf ? levels.map(({ data, ...size }) => ({ data: new Uint16Array(data.slice().buffer), ...size }))
-    : decodesBlocks ? levels.map((level) => decodedLevel(level, layerCount)) : levels;
+    : decodesBlocks ? levels.map(({ data, ...size }) =>
+      ({ data: decodeBc5(data, size.width, size.height, layerCount, 2), ...size })) : levels;
   const texture = new CompressedArrayTexture(mipmaps, mipmaps[0].width, mipmaps[0].height,
     decodesBlocks ? layerCount / 2 : layerCount, isBlocks ? RED_GREEN_RGTC2_Format : RGBAFormat,
     isHalf ? HalfFloatType : UnsignedByteType);

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dither masks of blue noise: the void-and-cluster method (Ulichney, "The void-and-cluster method for dither array
+// generation", Proc. SPIE 1913, 1993).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace multum {
+
+/// Ranks 0 to side^2 - 1, each once, row by row, of a mask that repeats in both directions: the n lowest are spread
+/// evenly for every n. `side`: 8 to 256. Other seeds have other masks.
+std::vector<int> void_and_cluster(int side, std::uint32_t seed);
+
+}  // namespace multum
