@@ -54,6 +54,7 @@ def page_text(runs, maps, nodes, source):
                     f"{percent(run['ledger_processor_share'])} |")
     last = runs[-1]
     full = last["page"][0]
+    dead = max(row["dead_ms"] for row in last["page"])
 
     def looks(run):
         return f"{runs[run]['look_max_s']:.1f}"
@@ -109,7 +110,7 @@ once, so that {nodes} nodes ask {2 * nodes} questions and write {nodes} synced f
 3. **The ledger's one thread**, not by jobs, which take {percent(last['ledger_share'])} of it, but by those who
    look on: counting all jobs, for pages and metrics, takes {full['counts_ms']:.0f} ms while all are queued.
    Counts are kept for ten times as long as they took, so that they have at most a tenth of the thread. A list of
-   one state that few jobs have is read by an index, {full['dead_ms']:.2g} ms of dead ones.
+   one state that few jobs have is read by an index, at most {dead:.2g} ms of dead ones.
 """
 
 
