@@ -91,6 +91,17 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   return from;
 }
 
+// The map as share 0 has it: decoded already. Nothing where that is not there, or damaged: GatheredShards lists what is
+// missing, and the map is read where nothing is.
+std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
+  try {
+    return read_shard_source(job, key);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kEnvironment) throw;
+    return std::nullopt;
+  }
+}
+
 // The job with the region that is baked again, where one is.
 BakeJob with_region(BakeJob job, const BakeSource& source) {
   if (job.onto.empty()) return job;
@@ -154,6 +165,7 @@ BakeReport unchanged_report(const BakeJob& job) {
 BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& device, Progress* progress) {
   const std::uint64_t memory_bytes = window_bytes(asked);  // too little memory is told first
   check_job(asked);
+  if (asked.shard && asked.shard->index > 0) take_share_hashes(asked);
   const std::string asked_settings = all_settings_json(asked);
   if (!asked.force && !asked.shard && find_output_state(asked, asked_settings).finding == OutputFinding::kInPlace)
     return unchanged_report(asked);
@@ -167,8 +179,12 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
     report.unchanged = !asked.force && has_shard(asked.output, *asked.shard, key);
     if (report.unchanged) return report;
     if (asked.shard->index > 0) read = read_shard_source(asked, key);
+  } else if (asked.merged_shards > 0) {
+    read = source_of_shares(asked, rows_key(make_provenance(asked, report.source, asked_settings)));
   }
   if (read) {
+    note_source(*read, report);
+    if (!asked.shard) log_source(asked, *read);
     clock.finish("read");
   } else if (given == nullptr) {
     read = read_source(asked, MapReadings::kFew, report, progress);

@@ -91,6 +91,11 @@ void note_source(const BakeSource& source, BakeReport& report) {
 BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress) {
   BakeSource source = read_bake_source(job, readings, progress);
   note_source(source, report);
+  log_source(job, source);
+  return source;
+}
+
+void log_source(const BakeJob& job, const BakeSource& source) {
   const NormalMapReport& found = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
@@ -102,7 +107,6 @@ BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& rep
                          source.roughness->to_text()));
     for (const std::string& warning : source.roughness->warnings) log_warning(warning);
   }
-  return source;
 }
 
 }  // namespace multum

@@ -44,7 +44,9 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress);
 /// The same, and notes what was found in the log and in `report`.
 BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress);
-/// Notes in the report what was found in the source's files.
+/// Notes in the log what was found in the source's files.
+void log_source(const BakeJob& job, const BakeSource& source);
+/// Notes it in the report.
 void note_source(const BakeSource& source, BakeReport& report);
 
 }  // namespace multum

@@ -81,7 +81,8 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
   const std::string key = rows_key(run.header.provenance);
   std::optional<ShardReader> coarse;
   if (shard.index > 0) coarse.emplace(job.output, MapShard{0, shard.count}, key);
-  ShardWriter writer(report.shard, key, shard.index > 0 ? "" : shard_note(run.source));
+  ShardWriter writer(report.shard, key, shard.index > 0 ? "" : shard_note(job, run.source));
+  if (shard.index == 0) write_map_rows(run.source, writer);
   const ShardInputs share{shard, &writer, coarse ? &*coarse : nullptr};
   MovmfBakeInputs inputs = fit_inputs(run);
   inputs.shard = &share;
@@ -91,7 +92,6 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
   bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);
   run.clock.finish("fit");
   progress_stage(progress, "write");
-  if (shard.index == 0) write_map_rows(run.source, writer);
   writer.commit();
   run.clock.finish("write");
 }

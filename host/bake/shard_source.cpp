@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bake/shard_source.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <bit>
 #include <cstdint>
-#include <sstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "host/bake/output_state.h"
@@ -16,8 +16,15 @@
 namespace multum {
 namespace {
 
-constexpr int kMapRows = -1;  // in the place of a level
-constexpr int kRowsABlock = 32;
+using Json = nlohmann::ordered_json;
+
+// In the place of levels: -1, -2 and -3 are planes of normals, -4 and so on features, of which a block has rows of
+// three planes, one plane behind the other.
+constexpr int level_of_plane(int plane) { return -1 - plane; }
+constexpr int level_of_feature(std::size_t store) { return -3 - static_cast<int>(store); }
+// Blocks are written whole (ShardWriter): so many rows of features are less than 4 MB, however wide a map may be.
+constexpr int kFeatureRows = 8;
+constexpr int kPlaneRows = 32;
 
 // Normals, then features, three planes each.
 template <typename Source, typename Store>
@@ -29,80 +36,219 @@ std::vector<Store*> stores_of(Source& source) {
   return stores;
 }
 
-// Rows of three planes, one plane behind the other.
-std::array<float*, 3> planes_in(float* begin, std::size_t plane_values) {
-  return {begin, begin + plane_values, begin + 2 * plane_values};
+Json report_json(const NormalMapReport& report) {
+  return {{"format", report.format},
+          {"encoding", report.encoding},
+          {"reason", report.encoding_reason},
+          {"unused", report.unused_texels},
+          {"nonfinite", report.nonfinite_repaired},
+          {"zero_length", report.zero_length_repaired},
+          {"below_horizon", report.below_horizon_repaired},
+          {"wrap", {static_cast<int>(report.wrap_s), static_cast<int>(report.wrap_t)}},
+          {"warnings", report.warnings}};
 }
 
-}  // namespace
-
-std::string shard_note(const BakeSource& source) {
-  return fmt::format("map {} {} {} {} {:x} {} {} {}", source.map.normals.width(), source.map.normals.height(),
-                     static_cast<int>(source.map.report.wrap_s), static_cast<int>(source.map.report.wrap_t),
-                     std::bit_cast<std::uint64_t>(source.mean_cosine), source.has_roughness() ? 1 : 0,
-                     source.albedo ? 1 : 0, source.weights ? source.weights->count : 0);
+NormalMapReport report_of(const Json& json) {
+  NormalMapReport report;
+  json.at("format").get_to(report.format);
+  json.at("encoding").get_to(report.encoding);
+  json.at("reason").get_to(report.encoding_reason);
+  json.at("unused").get_to(report.unused_texels);
+  json.at("nonfinite").get_to(report.nonfinite_repaired);
+  json.at("zero_length").get_to(report.zero_length_repaired);
+  json.at("below_horizon").get_to(report.below_horizon_repaired);
+  report.wrap_s = static_cast<WrapMode>(json.at("wrap").at(0).get<int>());
+  report.wrap_t = static_cast<WrapMode>(json.at("wrap").at(1).get<int>());
+  json.at("warnings").get_to(report.warnings);
+  return report;
 }
 
-void write_map_rows(const BakeSource& source, ShardWriter& writer) {
-  const auto stores = stores_of<const BakeSource, const PlaneStore>(source);
-  const int height = source.map.normals.height();
-  const auto width = static_cast<std::size_t>(source.map.normals.width());
-  std::vector<float> rows(3 * stores.size() * width * kRowsABlock);
-  for (int first = 0; first < height; first += kRowsABlock) {
-    const int count = std::min(kRowsABlock, height - first);
-    const std::size_t plane = width * static_cast<std::size_t>(count);
-    for (std::size_t s = 0; s < stores.size(); ++s)
-      stores[s]->read_rows(first, count, planes_in(rows.data() + 3 * s * plane, plane));
-    writer.add_rows(kMapRows, first, count, 3 * stores.size() * width * sizeof(float), rows.data(), 0, nullptr);
-  }
+Json roughness_json(const RoughnessReport& report) {
+  return {{"mean_cosine", report.mean_cosine},
+          {"least", report.least},
+          {"mean", report.mean},
+          {"most", report.most},
+          {"share_zero", report.share_zero},
+          {"share_one", report.share_one},
+          {"share_mirror", report.share_mirror},
+          {"warnings", report.warnings}};
 }
 
-BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
-  ShardReader coarse(job.output, {0, job.shard->count}, key);
-  std::istringstream words(coarse.note());
-  std::string kind;
-  int width = 0, height = 0, wrap_s = 0, wrap_t = 0, shortened = 0, has_albedo = 0, weight_count = 0;
-  std::uint64_t mean_cosine = 0;
-  if (!(words >> kind >> width >> height >> wrap_s >> wrap_t >> std::hex >> mean_cosine >> std::dec >> shortened >>
-        has_albedo >> weight_count) ||
-      kind != "map" || width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 ||
-      weight_count > 4)
-    throw Error(ErrorCode::kEnvironment, shard_path(job.output, {0, job.shard->count}) + ": says nothing of its map");
-  const SpillPolicy spill = {scratch_folder(job),
-                             job.memory_bytes > 0 ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
-  NormalMapRows map{make_plane_store(width, height, spill), {}};
-  BakeSource source{std::move(map), std::nullopt, std::nullopt};
-  source.map.normals.set_shortened(shortened != 0);
-  source.map.report.wrap_s = static_cast<WrapMode>(wrap_s);
-  source.map.report.wrap_t = static_cast<WrapMode>(wrap_t);
-  source.mean_cosine = std::bit_cast<double>(mean_cosine);
-  if (has_albedo != 0) source.albedo.emplace(make_plane_store(width, height, spill));
+RoughnessReport roughness_of(const Json& json) {
+  RoughnessReport report;
+  json.at("mean_cosine").get_to(report.mean_cosine);
+  json.at("least").get_to(report.least);
+  json.at("mean").get_to(report.mean);
+  json.at("most").get_to(report.most);
+  json.at("share_zero").get_to(report.share_zero);
+  json.at("share_one").get_to(report.share_one);
+  json.at("share_mirror").get_to(report.share_mirror);
+  json.at("warnings").get_to(report.warnings);
+  return report;
+}
+
+// The source of a note, whose planes have no rows yet: normals are read where they are.
+BakeSource source_of(const Json& note, const std::string& share, const SpillPolicy& spill) {
+  const int width = note.at("width").get<int>(), height = note.at("height").get<int>(),
+            weight_count = note.at("weights").get<int>();
+  if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
+    throw Error(ErrorCode::kEnvironment, share + ": says nothing of its map");
+  BakeSource source{{PlaneStore(width, height, ScratchFile::to_read(share)), report_of(note.at("report"))},
+                    std::nullopt,
+                    std::nullopt};
+  source.map.normals.set_shortened(note.at("shortened").get<bool>());
+  note.at("mean_cosine").get_to(source.mean_cosine);
+  if (note.contains("roughness")) source.roughness = roughness_of(note.at("roughness"));
+  note.at("albedo_clamped").get_to(source.albedo_clamped);
+  note.at("albedo_notes").get_to(source.albedo_notes);
+  if (note.at("albedo").get<bool>()) source.albedo.emplace(make_plane_store(width, height, spill));
   if (weight_count > 0) {
     source.weights.emplace();
     source.weights->count = weight_count;
     for (int i = 0; i < weight_count; i += 3)
       source.weights->rgb_planes.push_back(make_plane_store(width, height, spill));
   }
-  const auto stores = stores_of<BakeSource, PlaneStore>(source);
-  // A scratch file is as long as what was written to it.
-  const std::vector<float> row(static_cast<std::size_t>(width));
-  for (PlaneStore* store : stores) store->write_rows(height - 1, 1, {row.data(), row.data(), row.data()});
+  return source;
+}
+
+// All of them for a merge.
+LevelRows wanted_rows(const BakeJob& job, const BakeSource& source) {
+  if (!job.shard) return {0, source.map.normals.height()};
   const MovmfSettings settings = fitting_settings(job, source.map.report.wrap_s, source.map.report.wrap_t);
   const MipSchedule schedule = make_mip_schedule(source.map.normals, settings);
-  const LevelRows wanted = map_rows(plan_shard(schedule, settings, *job.shard), schedule, settings);
-  for_each_piece(wanted.begin, wanted.end - wanted.begin, height, [&](int first, int count, int) {
-    coarse.read(kMapRows, {first, first + count}, [&](const ShardReader::Rows& rows) {
-      const std::size_t plane = static_cast<std::size_t>(width) * static_cast<std::size_t>(rows.row_count);
-      if (rows.lobe_row_bytes != 3 * stores.size() * static_cast<std::size_t>(width) * sizeof(float) ||
-          rows.first_row + rows.row_count > height)
-        throw Error(ErrorCode::kEnvironment,
-                    shard_path(job.output, {0, job.shard->count}) + ": has other rows than its map should");
-      const auto* values = static_cast<const float*>(rows.lobes);
-      for (std::size_t s = 0; s < stores.size(); ++s, values += 3 * plane)
-        stores[s]->write_rows(rows.first_row, rows.row_count, {values, values + plane, values + 2 * plane});
+  return map_rows(plan_shard(schedule, settings, *job.shard), schedule, settings);
+}
+
+// Looks at rows of normals, which are read again where they are, and copies those of features.
+class RowReading {
+ public:
+  RowReading(ShardReader& share, std::string path, BakeSource& source)
+      : share_(share),
+        path_(std::move(path)),
+        stores_(stores_of<BakeSource, PlaneStore>(source)),
+        width_(static_cast<std::size_t>(source.map.normals.width())),
+        height_(source.map.normals.height()) {}
+
+  void read(const LevelRows& rows) {
+    for (int plane = 0; plane < 3; ++plane)
+      read_level(level_of_plane(plane), rows, width_ * sizeof(float), [&](const ShardReader::Rows& found) {
+        const std::int64_t row = std::int64_t{plane} * height_ + found.first_row;
+        if (found.begin != row * static_cast<std::int64_t>(width_ * sizeof(float))) refuse();
+      });
+    for (std::size_t s = 1; s < stores_.size(); ++s)
+      read_level(level_of_feature(s), rows, 3 * width_ * sizeof(float), [&](const ShardReader::Rows& found) {
+        const auto* values = static_cast<const float*>(found.lobes);
+        const std::size_t plane = width_ * static_cast<std::size_t>(found.row_count);
+        stores_[s]->write_rows(found.first_row, found.row_count, {values, values + plane, values + 2 * plane});
+      });
+  }
+
+ private:
+  [[noreturn]] void refuse() const {
+    throw Error(ErrorCode::kEnvironment, path_ + ": has other rows than its map should");
+  }
+
+  template <typename Take>
+  void read_level(int level, const LevelRows& rows, std::size_t row_bytes, const Take& take) {
+    int next = rows.begin;
+    share_.read(level, rows, [&](const ShardReader::Rows& found) {
+      if (found.lobe_row_bytes != row_bytes || found.feature_row_bytes != 0 || found.first_row > next ||
+          found.row_count > height_ - found.first_row)
+        refuse();
+      next = found.first_row + found.row_count;
+      take(found);
     });
+    if (next < rows.end) refuse();
+  }
+
+  ShardReader& share_;
+  const std::string path_;
+  const std::vector<PlaneStore*> stores_;
+  const std::size_t width_;
+  const int height_;
+};
+
+int share_count(const BakeJob& job) { return job.shard ? job.shard->count : job.merged_shards; }
+
+}  // namespace
+
+std::string shard_note(const BakeJob& job, const BakeSource& source) {
+  Json note = {{"width", source.map.normals.width()},
+               {"height", source.map.normals.height()},
+               {"shortened", source.has_roughness()},
+               {"albedo", source.albedo.has_value()},
+               {"weights", source.weights ? source.weights->count : 0},
+               {"mean_cosine", source.mean_cosine},
+               {"albedo_clamped", source.albedo_clamped},
+               {"albedo_notes", source.albedo_notes},
+               {"report", report_json(source.map.report)},
+               {"files", Json::array()}};
+  if (source.roughness) note["roughness"] = roughness_json(*source.roughness);
+  for (const std::string& file : input_files(job)) {
+    const InputHashes::FileState state = job.hashes->state(file);
+    note["files"].push_back({state.size, state.modified_ns, job.hashes->hash(file)});
+  }
+  return note.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void write_map_rows(const BakeSource& source, ShardWriter& writer) {
+  const auto stores = stores_of<const BakeSource, const PlaneStore>(source);
+  const int height = source.map.normals.height();
+  const auto width = static_cast<std::size_t>(source.map.normals.width());
+  std::vector<float> rows(width * std::max(kPlaneRows, 3 * kFeatureRows));
+  for (int plane = 0; plane < 3; ++plane)
+    for (int first = 0; first < height; first += kPlaneRows) {
+      const int count = std::min(kPlaneRows, height - first);
+      source.map.normals.read_rows(plane, first, count, rows.data());
+      writer.add_rows(level_of_plane(plane), first, count, width * sizeof(float), rows.data(), 0, nullptr);
+    }
+  for (std::size_t s = 1; s < stores.size(); ++s)
+    for (int first = 0; first < height; first += kFeatureRows) {
+      const int count = std::min(kFeatureRows, height - first);
+      const std::size_t plane = width * static_cast<std::size_t>(count);
+      stores[s]->read_rows(first, count, {rows.data(), rows.data() + plane, rows.data() + 2 * plane});
+      writer.add_rows(level_of_feature(s), first, count, 3 * width * sizeof(float), rows.data(), 0, nullptr);
+    }
+}
+
+void take_share_hashes(const BakeJob& job) {
+  const Json note = Json::parse(ShardReader::note_of(job.output, {0, job.shard->count}), nullptr, false);
+  if (!note.is_object() || !note.contains("files")) return;
+  const std::vector<std::string> files = input_files(job);
+  const Json& there = note["files"];
+  if (!there.is_array() || there.size() != files.size()) return;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Json& file = there[i];
+    if (!file.is_array() || file.size() != 3 || !file[0].is_number_integer() || !file[1].is_number_integer() ||
+        !file[2].is_string())
+      return;
+    job.hashes->take(files[i], {file[0].get<std::int64_t>(), file[1].get<std::int64_t>()}, file[2].get<std::string>());
+  }
+}
+
+BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
+  const MapShard first{0, share_count(job)};
+  const std::string path = shard_path(job.output, first);
+  ShardReader share(job.output, first, key);
+  // A merge reads all rows of features, a band few.
+  const SpillPolicy spill = {scratch_folder(job),
+                             job.memory_bytes > 0 || !job.shard ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
+  std::optional<BakeSource> source;
+  try {
+    source = source_of(Json::parse(share.note()), path, spill);
+  } catch (const Json::exception&) {
+    throw Error(ErrorCode::kEnvironment, path + ": says nothing of its map");
+  }
+  // A scratch file is as long as what was written to it.
+  const std::vector<float> row(static_cast<std::size_t>(source->map.normals.width()));
+  for (PlaneStore* store : stores_of<BakeSource, PlaneStore>(*source))
+    if (store != &source->map.normals) store->write_rows(store->height() - 1, 1, {row.data(), row.data(), row.data()});
+  const LevelRows wanted = wanted_rows(job, *source);
+  RowReading reading(share, path, *source);
+  for_each_piece(wanted.begin, wanted.end - wanted.begin, source->map.normals.height(), [&](int begin, int count, int) {
+    reading.read({begin, begin + count});
   });
-  return source;
+  return std::move(*source);
 }
 
 }  // namespace multum

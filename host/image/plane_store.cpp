@@ -20,6 +20,9 @@ PlaneStore::PlaneStore(int width, int height) : width_(width), height_(height) {
 PlaneStore::PlaneStore(int width, int height, const std::string& folder)
     : width_(width), height_(height), file_(ScratchFile(folder)) {}
 
+PlaneStore::PlaneStore(int width, int height, ScratchFile file)
+    : width_(width), height_(height), file_(std::move(file)) {}
+
 PlaneStore::PlaneStore(int width, int height, const std::array<const float*, 3>& planes)
     : width_(width), height_(height), planes_(planes) {}
 

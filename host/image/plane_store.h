@@ -20,6 +20,8 @@ class PlaneStore {
   PlaneStore(int width, int height);
   /// In a scratch file in `folder`.
   PlaneStore(int width, int height, const std::string& folder);
+  /// Reads planes that `file` has from its beginning, whole and one behind the other; nothing can be written.
+  PlaneStore(int width, int height, ScratchFile file);
   /// Looks at planes that are in memory already and must outlive it; nothing can be written.
   PlaneStore(int width, int height, const std::array<const float*, 3>& planes);
 

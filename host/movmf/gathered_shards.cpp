@@ -62,7 +62,11 @@ void GatheredShards::load(int level, int row) {
                                        [](int at, const Block& block) { return at < block.first_row; });
   MULTUM_CHECK(behind != blocks.begin());
   const Block& block = *(behind - 1);
-  held_ = {level, block.first_row, block.row_count, block.share->read_block(block.number)};
+  held_.level = -1;
+  block.share->read_block(block.number, held_.bytes);
+  held_.level = level;
+  held_.first_row = block.first_row;
+  held_.row_count = block.row_count;
 }
 
 void GatheredShards::read(int level, int first_row, int row_count, bool features, void* rows) {

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-constexpr char kMagic[] = "multum shard 1\n";
+constexpr char kMagic[] = "multum shard 2\n";  // the file's end
 constexpr std::int64_t kMagicBytes = sizeof(kMagic) - 1, kLengthBytes = 8;
 constexpr int kCountMax = 4096;
 constexpr int kRowsMax = 32768;  // of a map
@@ -127,9 +127,7 @@ std::string shard_path(const std::string& output, const MapShard& shard) {
 }
 
 ShardWriter::ShardWriter(const std::string& path, const std::string& key, const std::string& note)
-    : file_(path), out_(file_.temporary_path(), path), text_(key + "\n" + note + "\n") {
-  write(kMagic, static_cast<std::size_t>(kMagicBytes));
-}
+    : file_(path), out_(file_.temporary_path(), path), text_(key + "\n" + note + "\n") {}
 
 void ShardWriter::write(const void* bytes, std::size_t count) {
   if (!out_.write(bytes, count)) out_.close();  // throws
@@ -163,34 +161,38 @@ void ShardWriter::commit() {
   for (std::size_t i = 0; i < sizeof(length); ++i)
     length[i] = static_cast<unsigned char>(std::uint64_t{text_.size()} >> (8 * i));
   write(length, sizeof(length));
+  write(kMagic, static_cast<std::size_t>(kMagicBytes));
   out_.close();
   file_.commit();
 }
 
 ShardReader::ShardReader(const std::string& output, const MapShard& shard, const std::string& key)
+    : ShardReader(output, shard, &key) {}
+
+ShardReader::ShardReader(const std::string& output, const MapShard& shard, const std::string* key)
     : path_(shard_path(output, shard)), remedy_(fmt::format("--shard {}/{}", shard.index, shard.count)) {
   try {
-    file_.emplace(path_);
-    read_table(key);
+    read_table(ByteFile(path_), key);
+    rows_.emplace(ScratchFile::to_read(path_));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kEnvironment) throw;
     refuse("is not there, or is cut");
   }
 }
 
-void ShardReader::read_table(const std::string& key) {
-  const std::int64_t size = file_->size();
-  if (size < kMagicBytes + kLengthBytes || file_->bytes(0, kMagicBytes, "the beginning") != kMagic)
-    refuse("is no share of a bake");
-  const std::int64_t length = file_->little_endian(size - kLengthBytes, kLengthBytes, "the length of the table");
-  if (length < 1 || length > size - kMagicBytes - kLengthBytes) refuse("has no table of its rows");
-  const std::int64_t rows_end = size - kLengthBytes - length;
-  std::istringstream lines(file_->bytes(rows_end, length, "the table"));
+void ShardReader::read_table(ByteFile file, const std::string* key) {
+  const std::int64_t table_end = file.size() - kMagicBytes - kLengthBytes;
+  if (table_end < 0 || file.bytes(file.size() - kMagicBytes, kMagicBytes, "the end") != kMagic)
+    refuse("is no share of a bake, or is cut");
+  const std::int64_t length = file.little_endian(table_end, kLengthBytes, "the length of the table");
+  if (length < 1 || length > table_end) refuse("has no table of its rows");
+  const std::int64_t rows_end = table_end - length;
+  std::istringstream lines(file.bytes(rows_end, length, "the table"));
   std::string line;
-  if (!std::getline(lines, line) || line != key)
+  if (!std::getline(lines, line) || (key != nullptr && line != *key))
     refuse("is of another map, other settings, or another version of multum");
   std::getline(lines, note_);
-  std::int64_t at = kMagicBytes;
+  std::int64_t at = 0;
   while (std::getline(lines, line)) {
     std::istringstream words(line);
     Block block;
@@ -200,7 +202,7 @@ void ShardReader::read_table(const std::string& key) {
         rows.first_row < 0 || rows.first_row > kRowsMax || rows.row_count < 1 || rows.row_count > kRowsMax ||
         rows.lobe_row_bytes > std::size_t{1} << 32 || rows.feature_row_bytes > std::size_t{1} << 32)
       refuse("has a damaged table");
-    block.begin = at;
+    rows.begin = at;
     at += static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count;
     if (at > rows_end) refuse("has a damaged table");
     blocks_.push_back(std::move(block));
@@ -218,25 +220,32 @@ void ShardReader::read(int level, const LevelRows& wanted, const std::function<v
         block.rows.first_row + block.rows.row_count <= wanted.begin)
       continue;
     Rows rows = block.rows;
-    const std::string bytes = read_block(static_cast<std::size_t>(&block - blocks_.data()));
-    rows.lobes = bytes.data();
+    read_block(static_cast<std::size_t>(&block - blocks_.data()), bytes_);
+    rows.lobes = bytes_.data();
     if (rows.feature_row_bytes > 0)
-      rows.features = bytes.data() + rows.lobe_row_bytes * static_cast<std::size_t>(rows.row_count);
+      rows.features = bytes_.data() + rows.lobe_row_bytes * static_cast<std::size_t>(rows.row_count);
     take(rows);
   }
 }
 
-std::string ShardReader::read_block(std::size_t number) {
+std::string ShardReader::note_of(const std::string& output, const MapShard& shard) {
+  try {
+    return ShardReader(output, shard, nullptr).note_;
+  } catch (const Error&) {
+    return "";
+  }
+}
+
+void ShardReader::read_block(std::size_t number, std::string& bytes) {
   const Block& block = blocks_.at(number);
   const Rows& rows = block.rows;
-  std::string bytes = file_->bytes(
-      block.begin, static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count, "rows");
+  bytes.resize((rows.lobe_row_bytes + rows.feature_row_bytes) * static_cast<std::size_t>(rows.row_count));
+  rows_->read(static_cast<std::uint64_t>(rows.begin), bytes.data(), bytes.size());
   Checksum checksum;
   checksum.update(bytes.data(), bytes.size());
   if (checksum.text() != block.checksum)
     refuse(fmt::format("has damaged rows, {} to {} of level {}", rows.first_row, rows.first_row + rows.row_count - 1,
                        rows.level));
-  return bytes;
 }
 
 void ShardReader::refuse(const std::string& why) const {

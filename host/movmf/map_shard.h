@@ -21,6 +21,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/byte_file.h"
 #include "host/base/files/output_file.h"
+#include "host/base/files/scratch_file.h"
 #include "host/movmf/bake_settings.h"
 #include "host/movmf/level_rows.h"
 #include "host/movmf/mip_schedule.h"
@@ -54,9 +55,9 @@ std::string shard_path(const std::string& output, const MapShard& shard);
 
 /// Rows of levels of a share, some at a time as they are fitted, in a file that appears when all are there:
 ///
-///   "multum shard 1\n"; rows; then text: the key; a note; and a line for each block of rows, in order: level, first
-///   row, rows, bytes of a row of lobes, bytes of a row of features, CRC-64 of the block; and the bytes of that text, 8
-///   of them, little-endian
+///   rows; then text: the key; a note; and a line for each block of rows, in order: level, first row, rows, bytes of a
+///   row of lobes, bytes of a row of features, CRC-64 of the block; the bytes of that text, 8 of them, little-endian;
+///   "multum shard 2\n"
 ///
 /// A block is rows [lobe][column] of lobes, then rows [triple][lobe][column] of features.
 class ShardWriter {
@@ -89,12 +90,15 @@ class ShardReader {
     std::size_t lobe_row_bytes = 0, feature_row_bytes = 0;
     const void* lobes = nullptr;
     const void* features = nullptr;  // null: none
+    std::int64_t begin = 0;          // in the file
   };
+  /// The note of a share that is there, whatever it is of; else "".
+  static std::string note_of(const std::string& output, const MapShard& shard);
   const std::string& note() const { return note_; }
   std::size_t block_count() const { return blocks_.size(); }
-  /// What a block is of, without its rows; and them, lobes first.
+  /// What a block is of, without its rows; and them, lobes first, in the place of what `bytes` holds.
   const Rows& block(std::size_t number) const { return blocks_.at(number).rows; }
-  std::string read_block(std::size_t number);
+  void read_block(std::size_t number, std::string& bytes);
   /// Calls `take` with all rows of a level, in order, or with the blocks that some of `rows` are in. Throws as the
   /// constructor does where they are damaged.
   void read(int level, const std::function<void(const Rows&)>& take);
@@ -103,14 +107,15 @@ class ShardReader {
  private:
   struct Block {
     Rows rows;
-    std::int64_t begin = 0;
     std::string checksum;
   };
+  ShardReader(const std::string& output, const MapShard& shard, const std::string* key);
   [[noreturn]] void refuse(const std::string& why) const;
-  void read_table(const std::string& key);
+  void read_table(ByteFile file, const std::string* key);
 
   const std::string path_, remedy_;
-  std::optional<ByteFile> file_;
+  std::optional<ScratchFile> rows_;
+  std::string bytes_;  // of the block that is handed over
   std::vector<Block> blocks_;
   std::string note_;
 };

@@ -77,6 +77,19 @@ class OptionsTest(unittest.TestCase):
                 for name, default in printed.items():
                     self.assertIn(f"`{default}`" if default else "", documented[name], name)
 
+    def test_help_ends_with_the_exit_codes(self):
+        section = (ROOT / "docs/FARMS.md").read_text().split("\n## Exit codes\n", maxsplit=1)[1]
+        codes = re.findall(r"^\| (\d+) \|", section, re.MULTILINE)
+        self.assertIn("130", codes)
+        for words in (("multum",), ("multum", "openjd"), ("multum", "infer"), ("multum", "serve"), ("multum-view",),
+                      ("multum-bench",), ("multum-farm-simulation",)):
+            with self.subTest(words=words):
+                if not (programs / words[0]).is_file():
+                    self.skipTest(f"{words[0]} was not built")
+                done = subprocess.run([programs / words[0], *words[1:], "--help"], capture_output=True, text=True,
+                                      check=True)
+                self.assertEqual(re.findall(r"^  (\d+) ", done.stdout.split("\nExit codes:\n")[1], re.MULTILINE), codes)
+
     def test_what_is_read_of_help(self):
         options, short = printed_options("Usage: x --no-option\n"
                                          "  -d,--data-format TEXT:{snorm16,half}=snorm16\n"

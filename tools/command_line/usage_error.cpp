@@ -10,6 +10,20 @@
 #include "host/base/shown_text.h"
 
 namespace multum {
+namespace {
+
+// The table of docs/FARMS.md, "Exit codes".
+constexpr char kExitCodes[] =
+    "\nExit codes:\n"
+    "  0    done: the output is complete on disk\n"
+    "  1    an unexpected error, a fault of the program\n"
+    "  2    the command line is wrong\n"
+    "  3    a file cannot be used\n"
+    "  4    no device, no driver, no memory, no disk: worth trying again\n"
+    "  5    a check failed\n"
+    "  130  cancelled by SIGINT or SIGTERM: worth trying again\n";
+
+}  // namespace
 
 std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
   const std::vector<std::string> left = app.remaining(true);
@@ -48,7 +62,9 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
 int print_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   std::ostringstream out, err;
   const int code = app.exit(error, out, err);
-  write_shown(stdout, out.str());
+  const bool is_help = dynamic_cast<const CLI::CallForHelp*>(&error) != nullptr ||
+                       dynamic_cast<const CLI::CallForAllHelp*>(&error) != nullptr;
+  write_shown(stdout, out.str() + (is_help ? kExitCodes : ""));
   write_shown(stderr, err.str());
   return code == 0 ? 0 : exit_code(ErrorCode::kUsage);
 }

@@ -104,6 +104,11 @@ struct Chunk {
   bool runs = false;
 };
 
+// Of the ledger's thread, in seconds: what other programs take of the machine lengthens the first alone.
+struct LedgerTime {
+  double elapsed = 0.0, processor = 0.0;
+};
+
 class Simulation {
  public:
   explicit Simulation(const Options& options)
@@ -134,8 +139,9 @@ class Simulation {
  private:
   // What `body` takes of the ledger's one thread, as one transaction.
   template <typename Body>
-  void in_ledger(double& seconds, const Body& body) {
+  void in_ledger(LedgerTime& time, const Body& body) {
     const Stopwatch stopwatch;
+    const ThreadStopwatch processor;
     {
       SqliteTransaction transaction(queue_.database());
       body();
@@ -143,7 +149,8 @@ class Simulation {
     }
     queue_.take_changed();
     const double took = stopwatch.seconds();
-    seconds += took;
+    time.elapsed += took;
+    time.processor += processor.seconds();
     ++commits_;
     now_ += took;
   }
@@ -151,7 +158,7 @@ class Simulation {
 
   void submit() {
     for (int first = 0; first < o_.maps; first += kSubmissionsAtOnce)
-      in_ledger(submit_seconds_, [&] {
+      in_ledger(submit_, [&] {
         for (int map = first; map < std::min(o_.maps, first + kSubmissionsAtOnce); ++map)
           queue_.submit(
               submission_of(map), [](const Job&) { return false; }, clock());
@@ -262,7 +269,7 @@ class Simulation {
         chunk.reported = i + 1;
       }
     for (std::size_t first = 0; first < ends.size(); first += kSubmissionsAtOnce)
-      in_ledger(end_seconds_, [&] {
+      in_ledger(end_, [&] {
         for (std::size_t e = first; e < std::min(ends.size(), first + kSubmissionsAtOnce); ++e)
           note_end(ends[e].batch, ends[e].item);
       });
@@ -298,7 +305,7 @@ class Simulation {
     while (with_slurm_ < o_.jobs_max) {
       const int room = std::min(kClaimsAtOnce, o_.jobs_max - with_slurm_);
       std::vector<Job> jobs;
-      in_ledger(claim_seconds_, [&] {
+      in_ledger(claim_, [&] {
         for (int i = 0; i < room; ++i) {
           std::optional<Job> job = queue_.claim(limits_, kOwner, clock());
           if (!job) break;
@@ -316,7 +323,7 @@ class Simulation {
     for (std::size_t i = 0; i < jobs.size(); ++i)
       seconds.push_back(o_.map_seconds * std::exp(kSpread * std::normal_distribution<>()(random_)));
     std::vector<std::int64_t> made;
-    in_ledger(note_seconds_, [&] {
+    in_ledger(note_, [&] {
       for (const std::vector<std::size_t>& places : make_chunks(seconds, o_.chunk_seconds)) {
         Chunk& chunk = chunks_[++last_batch_];
         made.push_back(last_batch_);
@@ -334,7 +341,7 @@ class Simulation {
       waiting_.push_back(batch);
       advance_nodes(now_);
     }
-    in_ledger(note_seconds_, [&] {
+    in_ledger(note_, [&] {
       for (const std::int64_t batch : made) queue_.slurm().set_slurm_job(batch, batch);
     });
   }
@@ -347,6 +354,10 @@ class Simulation {
     return std::uniform_real_distribution<>()(random_) < o_.fail_share ? 4 : 0;
   }
 
+  Json a_map(const LedgerTime& time) const {
+    return {{"elapsed", 1e6 * time.elapsed / o_.maps}, {"processor", 1e6 * time.processor / o_.maps}};
+  }
+
   Json report() {
     const double spent = now_ - work_began_;
     std::sort(looks_.begin(), looks_.end());
@@ -354,7 +365,6 @@ class Simulation {
     Json states;
     for (const auto& [queue, of] : counts)
       for (const auto& [state, count] : of) states[job_state_name(state)] = count;
-    const double maps = o_.maps;
     return {{"maps", o_.maps},
             {"nodes", o_.nodes},
             {"jobs", o_.jobs_max},
@@ -373,11 +383,10 @@ class Simulation {
             {"look_share", look_seconds_ / spent},
             {"look_median_s", looks_[looks_.size() / 2]},
             {"look_max_s", looks_.back()},
-            {"ledger_share", (claim_seconds_ + note_seconds_ + end_seconds_) / spent},
-            {"submit_us", 1e6 * submit_seconds_ / maps},
-            {"claim_us", 1e6 * claim_seconds_ / maps},
-            {"note_us", 1e6 * note_seconds_ / maps},
-            {"end_us", 1e6 * end_seconds_ / maps},
+            {"ledger_share", (claim_.elapsed + note_.elapsed + end_.elapsed) / spent},
+            {"ledger_processor_share", (claim_.processor + note_.processor + end_.processor) / spent},
+            {"ledger_us",
+             {{"submit", a_map(submit_)}, {"claim", a_map(claim_)}, {"note", a_map(note_)}, {"end", a_map(end_)}}},
             {"commits", commits_},
             {"page", page_}};
   }
@@ -403,8 +412,8 @@ class Simulation {
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::int64_t last_batch_ = 0, commits_ = 0;
   int with_slurm_ = 0, finished_ = 0, failures_ = 0, node_failures_ = 0, next_sample_ = 0;
-  double submit_seconds_ = 0, claim_seconds_ = 0, note_seconds_ = 0, end_seconds_ = 0, sbatch_seconds_ = 0,
-         look_seconds_ = 0, busy_seconds_ = 0;
+  LedgerTime submit_, claim_, note_, end_;
+  double sbatch_seconds_ = 0, look_seconds_ = 0, busy_seconds_ = 0;
   std::vector<double> looks_;
   Json page_ = Json::array();
 };

@@ -107,8 +107,7 @@ const char* const kDescription =
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n"
     "  multum-view scene out/plan.json --object wall -o wall.png             what multum bake scene.toml made\n"
     "  multum-view sample out/ --at 3,5 -o frame.png                         textures of `multum infer`\n"
-    "  multum-view play field.mpt --path 'view=0..7' --frames 90 -o frames/   frames along a path\n\n"
-    "Exit codes: 0 done, 2 wrong command line, 3 unusable file, 4 no GL or no disk.";
+    "  multum-view play field.mpt --path 'view=0..7' --frames 90 -o frames/   frames along a path";
 
 void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);

@@ -74,6 +74,19 @@ void InputHashes::check_unchanged(const std::string& path) {
   if (const auto found = known_.find(path); found != known_.end()) check(found->second, path);
 }
 
+InputHashes::FileState InputHashes::state(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  const Known* const known = noted(path);
+  return known == nullptr ? FileState{} : FileState{known->stamp.size, known->stamp.modified_ns};
+}
+
+void InputHashes::take(const std::string& path, const FileState& state, const std::string& hash) {
+  const std::lock_guard lock(mutex_);
+  Known* const known = noted(path);
+  if (known == nullptr || known->hash || state != FileState{known->stamp.size, known->stamp.modified_ns}) return;
+  known->hash = hash;
+}
+
 int InputHashes::read_count() const {
   const std::lock_guard lock(mutex_);
   return read_count_;

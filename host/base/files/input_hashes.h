@@ -21,6 +21,15 @@ class InputHashes {
   std::string hash(const std::string& path);
   /// Throws Error(kInput) when the file has changed since it was noted: what was read of it meanwhile is of no use.
   void check_unchanged(const std::string& path);
+  /// What a copy of the list on another machine sees of a file too.
+  struct FileState {
+    std::int64_t size = -1, modified_ns = 0;
+    bool operator==(const FileState&) const = default;
+  };
+  /// As the file was when it was first looked at.
+  FileState state(const std::string& path);
+  /// Takes the hash that somebody else has found, if the file is in the state that it had for them.
+  void take(const std::string& path, const FileState& state, const std::string& hash);
   /// Files that were read to be hashed.
   int read_count() const;
 

@@ -27,6 +27,14 @@ ScratchFile::ScratchFile(std::string folder, const std::string& name) : folder_(
     throw Error(ErrorCode::kEnvironment, folder_ + "/" + name + ": cannot be opened: " + std::strerror(errno));
 }
 
+ScratchFile ScratchFile::to_read(const std::string& path) {
+  ScratchFile file;
+  file.folder_ = path;
+  file.descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file.descriptor_ < 0) throw Error(ErrorCode::kEnvironment, path + ": cannot be opened: " + std::strerror(errno));
+  return file;
+}
+
 ScratchFile::~ScratchFile() {
   if (descriptor_ >= 0) close(descriptor_);
 }

@@ -15,6 +15,8 @@ class ScratchFile {
   explicit ScratchFile(std::string folder);
   /// Opens a file of that name: what an earlier process wrote to it is there.
   ScratchFile(std::string folder, const std::string& name);
+  /// Opens a file that is there, to be read alone.
+  static ScratchFile to_read(const std::string& path);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
   ScratchFile& operator=(ScratchFile&& other) noexcept;
@@ -25,6 +27,8 @@ class ScratchFile {
   void read(std::uint64_t offset, void* data, std::size_t byte_count) const;
 
  private:
+  ScratchFile() = default;
+
   std::string folder_;
   int descriptor_ = -1;
 };

@@ -206,9 +206,11 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
 }
 
 std::optional<TimeMs> JobQueue::next_due() {
+  // The indices are named: SQLite would take that of states, and read all jobs that are queued.
   SqliteStatement& query = statement(
-      "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs WHERE not_before IS NOT NULL AND state = 1 "
-      "UNION ALL SELECT MIN(deadline) FROM jobs WHERE deadline IS NOT NULL AND state < 4 AND state <> 3)");
+      "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs INDEXED BY jobs_back_off WHERE not_before IS NOT NULL "
+      "AND state = 1 UNION ALL SELECT MIN(deadline) FROM jobs INDEXED BY jobs_deadline WHERE deadline IS NOT NULL AND "
+      "state < 4 AND state <> 3)");
   query.step();
   const std::optional<TimeMs> due = query.optional_integer(0);
   query.reset();

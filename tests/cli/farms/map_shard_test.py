@@ -6,13 +6,28 @@ and repetition; shares that are missing, damaged or of another bake are named an
   tests/cli/farms/map_shard_test.py --programs FOLDER
 """
 import json
+import os
 import pathlib
+import random
 import shutil
+import struct
 import subprocess
 import tempfile
 import unittest
 
 import farm_programs
+
+
+def write_tiff(path, width, height):
+    """Writes normals in 8-bit RGB, uncompressed: noise of up to some 14 degrees."""
+    pixels = bytearray(128 + (value - 128) // 4 for value in random.Random(7).randbytes(3 * width * height))
+    pixels[2::3] = bytes([250]) * (width * height)
+    short, long, entries = 3, 4, []
+    for tag, kind, value in ((256, long, width), (257, long, height), (258, short, 8), (259, short, 1), (262, short, 2),
+                             (273, long, 8), (277, short, 3), (278, long, height), (279, long, len(pixels))):
+        entries.append(struct.pack("<HHII", tag, kind, 1, value))
+    directory = struct.pack("<H", len(entries)) + b"".join(entries) + bytes(4)
+    path.write_bytes(b"II*\0" + struct.pack("<I", 8 + len(pixels)) + pixels + directory)
 
 
 class MapShardTest(unittest.TestCase):
@@ -60,6 +75,38 @@ class MapShardTest(unittest.TestCase):
                 self.assertEqual(sorted(path.name for path in self.folder.iterdir()), [self.output.name, whole.name])
                 self.output.unlink()
                 whole.unlink()
+
+    def test_rows_longer_than_a_block_of_a_share(self):
+        wide = self.maps / "wide.tif"
+        write_tiff(wide, 12288, 160)
+        whole, words = self.folder / "whole.ndf.exr", ("--lobes", 2, "--first-level", 1, "--no-measure", "--quiet")
+
+        def bake(output, *more):
+            done = farm_programs.run("bake", wide, "-o", output, "--albedo", wide, *words, *more)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+        bake(whole)
+        for index in range(3):
+            bake(self.output, "--shard", f"{index}/2")
+        bake(self.output, "--merge", 2)
+        self.assertEqual(self.output.read_bytes(), whole.read_bytes())
+
+    def test_a_band_knows_a_map_that_has_changed(self):
+        source = self.maps / "changing_normal.png"
+        shutil.copy(self.maps / "map256_normal.png", source)
+        words = ("-o", self.output, "--shard")
+        self.assertEqual(farm_programs.run("bake", source, *words, "0/2").returncode, 0)
+        times = source.stat()
+        os.utime(source, ns=(times.st_atime_ns, times.st_mtime_ns + 10**9))  # looks changed: hashed anew, the same
+        self.assertEqual(farm_programs.run("bake", source, *words, "1/2").returncode, 0)
+        shutil.copy(self.maps / "map250_normal.png", source)
+        done = farm_programs.run("bake", source, *words, "2/2")
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("is of another map", done.stderr)
+        done = farm_programs.run("bake", source, "-o", self.output, "--merge", 2)
+        self.assertEqual(done.returncode, 4)
+        for index in (0, 1):
+            self.assertIn(f"--shard {index}/2 makes it", done.stderr)
 
     def test_shares_that_are_there_are_not_baked_again(self):
         self.succeed("--shard", "0/2")
