@@ -23,6 +23,7 @@ constexpr double kFitLobeFineCpu = 7.5;    // and more a lobe
 constexpr double kFitCoarseCpu = 100.0;    // all coarser levels together
 constexpr double kColourFactorCpu = 0.6;   // more of the fit, a triple of features
 constexpr double kBandRows = 40.0;         // rows of the map and of lobes, from and to a share, of what a band covers
+constexpr double kMergeMap = 10.0;         // the map's hash, its rows in share 0's file
 constexpr double kMergeRows = 40.0;        // rows of lobes of all shares
 constexpr double kWriteTextureCpu = 30.0;  // a texture and texel that is stored
 constexpr double kMeasureLambertCpu = 10.0;
@@ -103,7 +104,7 @@ ShareCost share_cost(const BakeShape& s, const MovmfSettings& settings, int coun
     cost.band_seconds.push_back(kFixedCpu + 1e-9 * ns * texels_of(s));
   }
   cost.merge_seconds = kFixedCpu + kFixedWrite + fixed_measure(s) +
-                       1e-9 * (read_ns(s) + kMergeRows * (1.0 + rgb_planes(s)) + write_ns(s)) * texels_of(s);
+                       1e-9 * ((kMergeMap + kMergeRows) * (1.0 + rgb_planes(s)) + write_ns(s)) * texels_of(s);
   return cost;
 }
 
