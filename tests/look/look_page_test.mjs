@@ -106,6 +106,24 @@ try {
   const facts = await page.textContent("#facts");
   assert.match(facts, /128 x 128, 4 lobes.*MB.*takes [\d.]+ ms/);
 
+  // Its error beside the map itself: none where texels are larger than pixels, little of lobes far away, and gone when
+  // the view changes.
+  const errors = async (hash) => {
+    await goTo(page, hash);
+    await settled(page);
+    await page.click("#measure");
+    await page.waitForFunction(() => /noise/.test(document.getElementById("error").textContent), undefined,
+      { timeout: 120000 });
+    const text = await page.textContent("#error");
+    console.log(`  ${hash || "home"}: ${text}`);
+    return text.match(/[\d.]+(?= %)/g).map(Number);
+  };
+  const [near, far] = [await errors("#distance=-2"), await errors("")];
+  assert.ok(near[0] < 3 && near[2] < 3, near);
+  assert.ok(far[1] < 0.6 * far[0] && far[2] < far[1], far);
+  await changes(page, "a view after its error", () => page.locator("#exposure").fill("0"));
+  assert.equal(await page.textContent("#error"), "");
+
   // The address keeps the view; one of a stranger is clamped.
   const kept = await page.evaluate(() => location.hash);
   const again = await open(kept);

@@ -72,6 +72,7 @@ class LookPage {
     const table = new Uint16Array(bytesOfBase64(data.ggxTable).buffer);
     this.gl = new LookGl(byId("canvas"), data.shaders, table);
     this.dropped = null; // a map that was dropped
+    this.drawn = 0; // frames, so that what takes several knows that the view has changed
     this.addControls();
     this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
     this.addPointers();
@@ -152,6 +153,7 @@ class LookPage {
     byId("lock").addEventListener("change", (event) => this.change({ lock: Number(event.target.value) }));
     byId("difference").addEventListener("change", (event) => this.change({ difference: event.target.checked ? 1 : 0 }));
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
+    byId("measure").addEventListener("click", () => this.measure());
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
     // By the event: a frame that was waiting may have put the view before it back into the address by now.
     addEventListener("hashchange", (event) => {
@@ -241,7 +243,8 @@ class LookPage {
     const keys = { ArrowLeft: turn("azimuth", 3), ArrowRight: turn("azimuth", -3), ArrowUp: turn("elevation", 2),
       ArrowDown: turn("elevation", -2), "+": turn("distance", -0.2), "-": turn("distance", 0.2), "[": turn("lock", -1),
       "]": turn("lock", 1), s: turn("split", 0.02), S: turn("split", -0.02),
-      d: () => this.change({ difference: 1 - this.view.difference }), l: () => byId("light").click() };
+      d: () => this.change({ difference: 1 - this.view.difference }), l: () => byId("light").click(),
+      e: () => byId("measure").click() };
     addEventListener("keydown", (event) => {
       const acts = Object.hasOwn(keys, event.key) && !event.ctrlKey && !event.metaKey && !event.altKey;
       if (!acts || (event.target !== byId("stage") && event.target !== document.body)) return;
@@ -295,6 +298,8 @@ class LookPage {
       this.gl.setMaterial("rule", ruledLevels(this.means, this.data.baseRoughness, ENGINE_RULES[view.rule][1]));
       this.ruled = view.rule;
     }
+    ++this.drawn;
+    byId("error").textContent = "";
     const begin = performance.now();
     this.gl.draw(view.left, view.right, this.scene());
     this.showControls();
@@ -316,6 +321,20 @@ class LookPage {
       return this.showFacts();
     };
     look();
+  }
+
+  /** Says how far both pictures are from the map itself, unless the view changes before that is known. */
+  async measure() {
+    const { left, right } = this.view, { drawn } = this, percent = (share) => `${(100 * share).toFixed(1)} %`;
+    byId("measure").disabled = true;
+    const found = await errorsBesideMap(this.gl, [left, right], this.scene(), () => this.drawn !== drawn, (share) => {
+      if (this.drawn === drawn) byId("error").textContent = `Measuring: ${Math.round(100 * share)} %`;
+    });
+    byId("measure").disabled = false;
+    if (found === null) return;
+    byId("error").textContent = `Error of the radiance, relative L1, beside ${PLACES_ACROSS ** 2} samples a pixel of ` +
+      `the map itself: ${this.nameOf(left)} ${percent(found.errors[0])}, ${this.nameOf(right)} ` +
+      `${percent(found.errors[1])}; the samples' own noise is about ${percent(found.noise)}.`;
   }
 
   nameOf(method) { return method === "rule" ? ENGINE_RULES[this.view.rule][0] : Object.fromEntries(METHODS)[method]; }

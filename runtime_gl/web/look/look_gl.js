@@ -290,6 +290,17 @@ class LookGl {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
+  /** A method's picture of the scene, without exposure: RGBA, row by row from the lowest. */
+  radiance(method, scene) {
+    const { gl } = this, [width, height] = this.size, { frame } = this.targets[0];
+    gl.viewport(0, 0, width, height);
+    this.drawMethod(method, frame, scene);
+    const texels = new Float32Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, texels);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return texels;
+  }
+
   use(program, textures) {
     const { gl } = this;
     gl.useProgram(program);

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures the error of methods beside the map itself: its finest level, drawn at many places of each pixel.
+const PLACES_ACROSS = 12; // of a pixel, as many up
+
+/** A scene seen at another place of each pixel: `x` and `y` from -1/2 to 1/2, of the pixel. */
+function movedWithinPixel(scene, [width, height], x, y) {
+  const across = 2 * x / width, up = 2 * y / height;
+  const rays = scene.rays.slice(), toClip = scene.toClip.slice();
+  for (let i = 0; i < 3; ++i) rays[6 + i] += across * rays[i] + up * rays[3 + i];
+  for (let c = 0; c < 16; c += 4) {
+    toClip[c] -= across * toClip[c + 3];
+    toClip[c + 1] -= up * toClip[c + 3];
+  }
+  return { ...scene, rays, toClip };
+}
+
+/** Sum of the absolute differences of two RGBA pictures' colours, the first times `scale`. */
+function differenceOf(one, other, scale = 1) {
+  let sum = 0;
+  for (let i = 0; i < one.length; ++i) if (i % 4 !== 3) sum += Math.abs(scale * one[i] - other[i]);
+  return sum;
+}
+
+/**
+ * Relative L1 of the radiance of each method's picture beside the mean of the map's finest level, and `noise`: half of
+ * what the means of two halves of the places differ by. Null when `isStale()` says that the view has changed meanwhile.
+ * `onShare` hears of its progress, 0 to 1.
+ */
+async function errorsBesideMap(gl, methods, scene, isStale, onShare) {
+  const halves = [0, 1].map(() => new Float32Array(4 * gl.size[0] * gl.size[1]));
+  const place = (i) => (i + 0.5) / PLACES_ACROSS - 0.5;
+  for (let y = 0; y < PLACES_ACROSS; ++y) {
+    for (let x = 0; x < PLACES_ACROSS; ++x) {
+      const seen = gl.radiance("mip", { ...movedWithinPixel(scene, gl.size, place(x), place(y)), lock: 0 });
+      const half = halves[(x + y) % 2];
+      for (let i = 0; i < half.length; ++i) half[i] += seen[i];
+    }
+    onShare((y + 1) / PLACES_ACROSS);
+    await new Promise((resolve) => setTimeout(resolve));
+    if (isStale()) return null;
+  }
+  const count = PLACES_ACROSS ** 2, mean = halves[0].map((one, i) => (one + halves[1][i]) / count);
+  const whole = Math.max(differenceOf(mean, mean, 0), Number.MIN_VALUE);
+  return { noise: differenceOf(halves[0], halves[1]) / count / whole,
+    errors: methods.map((method) => differenceOf(gl.radiance(method, scene), mean) / whole) };
+}
