@@ -14,9 +14,17 @@
 #include "host/pyramid/row_window.h"
 
 namespace multum {
+
+// As notes have them, written and read by one list.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
+                                   nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
+                                   warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RoughnessReport, mean_cosine, least, mean, most, share_zero, share_one, share_mirror,
+                                   warnings)
+
 namespace {
 
-using Json = nlohmann::ordered_json;
+using NoteJson = nlohmann::json;  // whose types of members NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE knows
 
 // In the place of levels: -1, -2 and -3 are planes of normals, -4 and so on features, of which a block has rows of
 // three planes, one plane behind the other.
@@ -36,69 +44,18 @@ std::vector<Store*> stores_of(Source& source) {
   return stores;
 }
 
-Json report_json(const NormalMapReport& report) {
-  return {{"format", report.format},
-          {"encoding", report.encoding},
-          {"reason", report.encoding_reason},
-          {"unused", report.unused_texels},
-          {"nonfinite", report.nonfinite_repaired},
-          {"zero_length", report.zero_length_repaired},
-          {"below_horizon", report.below_horizon_repaired},
-          {"wrap", {static_cast<int>(report.wrap_s), static_cast<int>(report.wrap_t)}},
-          {"warnings", report.warnings}};
-}
-
-NormalMapReport report_of(const Json& json) {
-  NormalMapReport report;
-  json.at("format").get_to(report.format);
-  json.at("encoding").get_to(report.encoding);
-  json.at("reason").get_to(report.encoding_reason);
-  json.at("unused").get_to(report.unused_texels);
-  json.at("nonfinite").get_to(report.nonfinite_repaired);
-  json.at("zero_length").get_to(report.zero_length_repaired);
-  json.at("below_horizon").get_to(report.below_horizon_repaired);
-  report.wrap_s = static_cast<WrapMode>(json.at("wrap").at(0).get<int>());
-  report.wrap_t = static_cast<WrapMode>(json.at("wrap").at(1).get<int>());
-  json.at("warnings").get_to(report.warnings);
-  return report;
-}
-
-Json roughness_json(const RoughnessReport& report) {
-  return {{"mean_cosine", report.mean_cosine},
-          {"least", report.least},
-          {"mean", report.mean},
-          {"most", report.most},
-          {"share_zero", report.share_zero},
-          {"share_one", report.share_one},
-          {"share_mirror", report.share_mirror},
-          {"warnings", report.warnings}};
-}
-
-RoughnessReport roughness_of(const Json& json) {
-  RoughnessReport report;
-  json.at("mean_cosine").get_to(report.mean_cosine);
-  json.at("least").get_to(report.least);
-  json.at("mean").get_to(report.mean);
-  json.at("most").get_to(report.most);
-  json.at("share_zero").get_to(report.share_zero);
-  json.at("share_one").get_to(report.share_one);
-  json.at("share_mirror").get_to(report.share_mirror);
-  json.at("warnings").get_to(report.warnings);
-  return report;
-}
-
 // The source of a note, whose planes have no rows yet: normals are read where they are.
-BakeSource source_of(const Json& note, const std::string& share, const SpillPolicy& spill) {
+BakeSource source_of(const NoteJson& note, const std::string& share, const SpillPolicy& spill) {
   const int width = note.at("width").get<int>(), height = note.at("height").get<int>(),
             weight_count = note.at("weights").get<int>();
   if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
     throw Error(ErrorCode::kEnvironment, share + ": says nothing of its map");
-  BakeSource source{{PlaneStore(width, height, ScratchFile::to_read(share)), report_of(note.at("report"))},
+  BakeSource source{{PlaneStore(width, height, ScratchFile::to_read(share)), note.at("report").get<NormalMapReport>()},
                     std::nullopt,
                     std::nullopt};
   source.map.normals.set_shortened(note.at("shortened").get<bool>());
   note.at("mean_cosine").get_to(source.mean_cosine);
-  if (note.contains("roughness")) source.roughness = roughness_of(note.at("roughness"));
+  if (note.contains("roughness")) source.roughness = note.at("roughness").get<RoughnessReport>();
   note.at("albedo_clamped").get_to(source.albedo_clamped);
   note.at("albedo_notes").get_to(source.albedo_notes);
   if (note.at("albedo").get<bool>()) source.albedo.emplace(make_plane_store(width, height, spill));
@@ -173,22 +130,22 @@ int share_count(const BakeJob& job) { return job.shard ? job.shard->count : job.
 }  // namespace
 
 std::string shard_note(const BakeJob& job, const BakeSource& source) {
-  Json note = {{"width", source.map.normals.width()},
-               {"height", source.map.normals.height()},
-               {"shortened", source.has_roughness()},
-               {"albedo", source.albedo.has_value()},
-               {"weights", source.weights ? source.weights->count : 0},
-               {"mean_cosine", source.mean_cosine},
-               {"albedo_clamped", source.albedo_clamped},
-               {"albedo_notes", source.albedo_notes},
-               {"report", report_json(source.map.report)},
-               {"files", Json::array()}};
-  if (source.roughness) note["roughness"] = roughness_json(*source.roughness);
+  NoteJson note = {{"width", source.map.normals.width()},
+                   {"height", source.map.normals.height()},
+                   {"shortened", source.has_roughness()},
+                   {"albedo", source.albedo.has_value()},
+                   {"weights", source.weights ? source.weights->count : 0},
+                   {"mean_cosine", source.mean_cosine},
+                   {"albedo_clamped", source.albedo_clamped},
+                   {"albedo_notes", source.albedo_notes},
+                   {"report", source.map.report},
+                   {"files", NoteJson::array()}};
+  if (source.roughness) note["roughness"] = *source.roughness;
   for (const std::string& file : input_files(job)) {
     const InputHashes::FileState state = job.hashes->state(file);
     note["files"].push_back({state.size, state.modified_ns, job.hashes->hash(file)});
   }
-  return note.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return note.dump(-1, ' ', false, NoteJson::error_handler_t::replace);
 }
 
 void write_map_rows(const BakeSource& source, ShardWriter& writer) {
@@ -212,13 +169,13 @@ void write_map_rows(const BakeSource& source, ShardWriter& writer) {
 }
 
 void take_share_hashes(const BakeJob& job) {
-  const Json note = Json::parse(ShardReader::note_of(job.output, {0, job.shard->count}), nullptr, false);
+  const NoteJson note = NoteJson::parse(ShardReader::note_of(job.output, {0, job.shard->count}), nullptr, false);
   if (!note.is_object() || !note.contains("files")) return;
   const std::vector<std::string> files = input_files(job);
-  const Json& there = note["files"];
+  const NoteJson& there = note["files"];
   if (!there.is_array() || there.size() != files.size()) return;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const Json& file = there[i];
+    const NoteJson& file = there[i];
     if (!file.is_array() || file.size() != 3 || !file[0].is_number_integer() || !file[1].is_number_integer() ||
         !file[2].is_string())
       return;
@@ -235,8 +192,8 @@ BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
                              job.memory_bytes > 0 || !job.shard ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
   std::optional<BakeSource> source;
   try {
-    source = source_of(Json::parse(share.note()), path, spill);
-  } catch (const Json::exception&) {
+    source = source_of(NoteJson::parse(share.note()), path, spill);
+  } catch (const NoteJson::exception&) {
     throw Error(ErrorCode::kEnvironment, path + ": says nothing of its map");
   }
   // A scratch file is as long as what was written to it.

@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-constexpr int kStride = 16;  // of one texel's planes: whole vectors
+constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // of one texel's planes
 
 // Averages of the planes that one_lobe_finest makes of the map, by equal weights, and of alpha^2.
 std::vector<float> launched_averages(Device& device, const reference::OneLobeTexel& texel) {

@@ -14,10 +14,10 @@ function movedWithinPixel(scene, [width, height], x, y) {
   return { ...scene, rays, toClip };
 }
 
-/** Sum of the absolute differences of two RGBA pictures' colours, the first times `scale`. */
-function differenceOf(one, other, scale = 1) {
+/** Sum of the absolute differences of two RGBA pictures' colours. */
+function differenceOf(one, other) {
   let sum = 0;
-  for (let i = 0; i < one.length; ++i) if (i % 4 !== 3) sum += Math.abs(scale * one[i] - other[i]);
+  for (let i = 0; i < one.length; ++i) if (i % 4 !== 3) sum += Math.abs(one[i] - other[i]);
   return sum;
 }
 
@@ -40,7 +40,7 @@ async function errorsBesideMap(gl, methods, scene, isStale, onShare) {
     if (isStale()) return null;
   }
   const count = PLACES_ACROSS ** 2, mean = halves[0].map((one, i) => (one + halves[1][i]) / count);
-  const whole = Math.max(differenceOf(mean, mean, 0), Number.MIN_VALUE);
+  const whole = Math.max(differenceOf(mean, new Float32Array(mean.length)), Number.MIN_VALUE);
   return { noise: differenceOf(halves[0], halves[1]) / count / whole,
     errors: methods.map((method) => differenceOf(gl.radiance(method, scene), mean) / whole) };
 }
