@@ -138,11 +138,10 @@ std::string ExportReport::to_json(const ExportJob& job) const {
 ExportReport export_file(const ExportJob& job, Device& device, Progress* progress) {
   check_export_job(job);
   const MaterialFolderSettings output = output_of(job);
-  make_folder(output.folder);
   Stopwatch stopwatch;
   ExportReport report;
   progress_stage(progress, "read");
-  const ExportSource source = read_export_source(job, output.folder, progress);
+  const ExportSource source = read_export_source(job, existing_part(output.folder), progress);
   report.input = source.map.report;
   if (source.material) report.roughness = source.material->roughness;
   report.width = source.map.normals.width();
@@ -153,6 +152,7 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   report.side_warnings = side_warnings(output, report.width, report.height);
   for (const std::string& warning : report.side_warnings) log_warning(warning);
   check_paths_differ(input_files(job), report.files);
+  make_folder(output.folder);  // what is refused leaves none
   report.seconds.emplace_back("read", stopwatch.lap());
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));

@@ -47,6 +47,13 @@ void make_folder(const std::string& path) {
   if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
 }
 
+std::string existing_part(const std::string& path) {
+  std::error_code error;
+  std::filesystem::path folder = path;
+  while (!folder.empty() && !std::filesystem::is_directory(folder, error)) folder = folder.parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
 void check_writable(const std::string& path) {
   // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
   const AtomicFile probe(path);

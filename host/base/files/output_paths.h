@@ -20,6 +20,9 @@ std::string canonical_name(const std::string& path);
 /// Makes a folder, and those that it lies in, where it is not there yet. Throws Error(kEnvironment).
 void make_folder(const std::string& path);
 
+/// The folder that `path` is or would lie in, as far as it is there.
+std::string existing_part(const std::string& path);
+
 /// Throws Error(kEnvironment, or kUsage for a folder) when no file of this name can be written; creates none.
 void check_writable(const std::string& path);
 

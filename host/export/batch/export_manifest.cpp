@@ -111,7 +111,6 @@ std::vector<ManifestExport> read_export_manifest(const std::string& path, const 
 ManifestExportResult run_manifest_export(const ManifestExport& map, bool is_dry, Device& device, Progress* progress) {
   ManifestExportResult result{find_export_state(map.job), std::nullopt};
   if (result.found.finding == ExportFinding::kInPlace || is_dry) return result;
-  make_folder(export_place(map.job.output).folder);
   result.report = export_file(map.job, device, progress);
   write_export_record(map.job, result.report->files);
   return result;

@@ -32,6 +32,16 @@ TEST(OutputPathsTest, DifferentFilesAreTaken) {
   EXPECT_NO_THROW(check_paths_differ({folder / "a", folder / "a"}, {folder / "b", "", "", folder / "c"}));
 }
 
+TEST(OutputPathsTest, FindsWhatIsThereOfAFolder) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "file", "x");
+  EXPECT_EQ(existing_part(folder.path()), folder.path());
+  EXPECT_EQ(existing_part(folder / "none/of/these"), folder.path());
+  EXPECT_EQ(existing_part(folder / "file/inside"), folder.path());
+  EXPECT_EQ(existing_part("none of these"), ".");
+  EXPECT_EQ(existing_part("/none of these"), "/");
+}
+
 TEST(OutputPathsTest, WritableLeavesNothing) {
   const TemporaryFolder folder;
   EXPECT_NO_THROW(check_writable(folder / "a.png"));
