@@ -2,7 +2,7 @@
 // A baked file on the GPU: one texture a lobe (a r, a), and one a lobe for premultiplied colours if the file has them.
 // Level for level as they are in the file; trilinear filtering of these values is exact
 // (host/asset/lobes/movmf_mipmap.h). Levels that the file leaves to the normal map are textures of that map
-// (movmf_shading.glsl, multum_movmf_normal_map).
+// (movmf_shading.glsl, multum_normal_map_share).
 #pragma once
 
 #include <optional>

@@ -185,22 +185,38 @@ TEST_F(ShadingTest, HardCases) {
   }
 }
 
-// What is a lobe of the normal map, by how much, and that it and the stored lobes share what there is.
-TEST_F(ShadingTest, TheNormalMapIsALobeOfItsShare) {
-  ShaderHarnessInput input{"multum_movmf_normal_map(a.xyz, b.x)", {}, {}, nullptr};
+// Normals that turn evenly from texel to texel, at places all over them: the spread of the lobe is on average that of
+// the normals that a pixel sees, from far smaller ones up to those of sqrt(2) texels.
+TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
+  const int places = 64;
+  const double turn = 0.2;
+  for (const double width : {0.05, 0.25, 0.5, 1.0, 1.4}) {
+    ShaderHarnessInput input{"multum_movmf_magnified(a, b.x)", {}, {}, nullptr};
+    for (int i = 0; i < places; ++i) {
+      const double t = (i + 0.5) / places;
+      input.a.emplace_back(t * std::sin(turn), 0.0, 1.0 - t + t * std::cos(turn), 1.0);
+      input.b.emplace_back(std::log2(width), 0.0, 0.0, 0.0);
+    }
+    double spread = 0.0;
+    for (const glm::vec4& lobe : evaluate_shader(context_->functions(), input))
+      spread += (1.0 - static_cast<double>(glm::length(glm::vec3(lobe)))) / places;
+    const double half = 0.5 * turn * width;
+    const double exact = 1.0 - std::sin(half) / half;
+    EXPECT_NEAR(spread, exact, 0.01 * exact + 1e-6) << width;
+  }
+}
+
+// What share the normal map has, and that shares of a lobe shade to shares of its light.
+TEST_F(ShadingTest, TheNormalMapHasItsShare) {
+  ShaderHarnessInput input{"vec4(multum_normal_map_share(b.x))", {}, {}, nullptr};
   const float lods[] = {-8.0f, -1.5f, -1.0f, -0.75f, -0.25f, 0.0f, 0.25f, 9.0f};
   const float shares[] = {1.0f, 1.0f, 1.0f, 0.75f, 0.25f, 0.0f, 0.0f, 0.0f};
   for (const float lod : lods) {
-    input.a.emplace_back(0.3f, -0.4f, 0.5f, 7.0f);
+    input.a.emplace_back(0.0f);
     input.b.emplace_back(lod, 0.0f, 0.0f, 0.0f);
   }
   const std::vector<glm::vec4> values = evaluate_shader(context_->functions(), input);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    EXPECT_FLOAT_EQ(values[i].w, shares[i]) << lods[i];
-    EXPECT_FLOAT_EQ(values[i].x, shares[i] * 0.3f);
-    EXPECT_FLOAT_EQ(values[i].y, shares[i] * -0.4f);
-    EXPECT_FLOAT_EQ(values[i].z, shares[i] * 0.5f);
-  }
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_FLOAT_EQ(values[i].x, shares[i]) << lods[i];
   // Half the lobe shades to half the light: shares can be mixed.
   ShaderHarnessInput halves{
       "vec4(multum_movmf_blinn_phong(a, b.xyz, 50.0), 2.0 * multum_movmf_blinn_phong(0.5 * a, b.xyz, 50.0),"

@@ -59,15 +59,10 @@ float multum_movmf_ggx_facet_kappa(vec4 lobe, vec3 h, float alpha) {
 float multum_movmf_ggx_specular(sampler2D table, vec4 lobe, vec3 l, vec3 v, vec3 h, float alpha) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);
-  float kappa = multum_vmf_kappa(d);
-  vec3 mu = multum_movmf_mean_direction(lobe);
-  float e = multum_one_minus_cosine(mu, h);
-  // multum_movmf_highlight_cosine() of l and of v, with what both have in common.
-  vec3 sum = multum_ggx_facet_kappa(alpha, kappa, e) * h + kappa * mu;
-  float size = length(sum);
-  float spread = d > 0.0 ? multum_vmf_spread(size) : 0.0;
-  float n_l = multum_vmf_mean_cosine(spread, dot(sum, l) / max(size, 1e-6));
-  float n_v = multum_vmf_mean_cosine(spread, dot(sum, v) / max(size, 1e-6));
+  float e = multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);
+  vec4 normals = multum_movmf_reflecting_normals(lobe, h, multum_ggx_facet_kappa(alpha, multum_vmf_kappa(d), e));
+  float n_l = multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
+  float n_v = multum_vmf_mean_cosine(normals.w, dot(normals.xyz, v));
   float facets = lobe.w * multum_ggx_lobe_density(multum_ggx_lobe_shape(table, alpha, d), alpha, d, e);
   return facets * n_l * multum_smith_visibility(alpha, n_l, n_v);
 }

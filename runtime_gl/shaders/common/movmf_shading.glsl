@@ -11,7 +11,7 @@
 //     radiance += albedo / pi * multum_movmf_lambert(lobe, l) + k_s * facets * cosine;
 //
 // A file that leaves the finest levels to the normal map (multum:firstLevel > 0) has one more lobe: see
-// multum_movmf_normal_map() at the end.
+// multum_normal_map_share() at the end.
 //
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
 // with the lobe, amplitude included; a lobe of amplitude 0 (no material, or a lobe that does not occur here) returns 0.
@@ -87,17 +87,22 @@ float multum_movmf_lambert(vec4 lobe, vec3 l) {
   return lobe.w * multum_vmf_mean_cosine(multum_movmf_spread(lobe), dot(multum_movmf_mean_direction(lobe), l));
 }
 
-// The highlight's cosine: the mean of max(n . l, 0) over those normals of the lobe that reflect from l to the eye. They
-// are distributed as f(n . h) vMF(n), and where f is a vMF about h of concentration facet_kappa, that is one too, of
-// mean vector facet_kappa h + kappa mu: its length is the concentration. Times f over the lobe it is the integral of
-// f(n . h) max(n . l, 0): of vMFs but for the 0.22 % above; of Blinn-Phong, as the vMF of the same mean cosine, at most
-// 5.5 % off (relative L1 over l and the eye) at s = 1, 1.2 % from 5, 0.25 % from 20.
-float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa) {
+// Those normals of the lobe that reflect from l to the eye: they are distributed as f(n . h) vMF(n), and where f is a
+// vMF about h of concentration facet_kappa, that is one too, of mean vector facet_kappa h + kappa mu, whose length is
+// the concentration. xyz: its mean direction; w: its spread.
+vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
   float d = multum_movmf_spread(lobe);
   vec3 sum = facet_kappa * h + multum_vmf_kappa(d) * multum_movmf_mean_direction(lobe);
   float size = length(sum);
-  // A single direction is that normal alone.
-  return multum_vmf_mean_cosine(d > 0.0 ? multum_vmf_spread(size) : 0.0, dot(sum, l) / max(size, 1e-6));
+  return vec4(sum / max(size, 1e-6), d > 0.0 ? multum_vmf_spread(size) : 0.0);  // a single direction is that normal
+}
+
+// The highlight's cosine: the mean of max(n . l, 0) over those normals. Times f over the lobe it is the integral of
+// f(n . h) max(n . l, 0): of vMFs but for the 0.22 % above; of Blinn-Phong, as the vMF of the same mean cosine, at most
+// 5.5 % off (relative L1 over l and the eye) at s = 1, 1.2 % from 5, 0.25 % from 20.
+float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa) {
+  vec4 normals = multum_movmf_reflecting_normals(lobe, h, facet_kappa);
+  return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
 }
 
 // A normal drawn from the lobe's vMF, `xi` evenly from the unit square: for renderers that keep one normal a pixel, as
@@ -117,20 +122,32 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
   return (1.0 - e) * mu + across * (cos(phi) * s + sin(phi) * t);
 }
 
+// The mean of a normal map's normals where a pixel is smaller than a texel, or not much larger: between texels the
+// filter's mean is as short as if the pixel saw all four of them. Where normals turn by g a texel it loses g^2 / 6 on
+// average, and a pixel w texels wide sees a variance of g^2 w^2 / 12: w^2 / 2 of it, and all from w^2 = 2 on, where
+// coarser levels take over. `map_lod` is log2 w, w the pixel's longer side; `lobe` (a r, a), a less than 1 at a black
+// border alone. Not for files with roughness in their lobes (multum:roughness): lengths are the BRDF's width, too.
+vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
+  float size = length(lobe.xyz);
+  if (size <= MULTUM_AMPLITUDE_MIN) return lobe;
+  float seen = exp2(2.0 * min(map_lod, 0.5) - 1.0);
+  return vec4(lobe.xyz * (mix(lobe.w, size, seen) / size), lobe.w);
+}
+
 // The normal map as one more lobe, for files whose finest stored level L = multum:firstLevel is not 0. The lobe maps
 // begin at L; the levels finer than L are the normal map's own, whose mips must be averages of unit vectors that keep
 // their length (a float or snorm texture with x, y and z, or an unsigned one decoded after filtering): that length is
 // the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
 //
 //     float lod = textureQueryLod(lobe_map[0], uv).y;               // ES 300: EXT_texture_query_lod or derivatives
-//     vec4 lobe = multum_movmf_normal_map(texture(normal_map, uv).xyz, lod);        // shade it, and for every J:
-//     vec4 lobe_J = texture(lobe_map[J], uv) * (1.0 - lobe.w);                      // shade it
+//     float share = multum_normal_map_share(lod);
+//     vec4 lobe = share * multum_movmf_magnified(vec4(texture(normal_map, uv).xyz, 1.0), lod + L);   // shade it, and
+//     vec4 lobe_J = (1.0 - share) * texture(lobe_map[J], uv);                                        // for every J it
 //
 // `lod` is the level of detail that the lobe maps ask for before it is clamped: 0 at L, -1 at L - 1. From L on the
 // share of the normal map is 0, up to L - 1 it is 1, and between them it mixes linearly, as trilinear filtering would.
 // Everything above is linear in (a r, a), so a share of a lobe shades to that share. The normal map's own level of
 // detail must stop at L - 1 (GL_TEXTURE_MAX_LEVEL, or textureLod): its coarser levels are what the lobes replace. This
-// lobe's colour is the albedo map's.
-vec4 multum_movmf_normal_map(vec3 mean_normal, float lod) {
-  return clamp(-lod, 0.0, 1.0) * vec4(mean_normal, 1.0);
-}
+// lobe's colour is the albedo map's. An anisotropic sampler's `lod` is of the pixel's shorter side: the longer one that
+// multum_movmf_magnified() takes is the larger of dFdx and dFdy of uv times the map's size.
+float multum_normal_map_share(float lod) { return clamp(-lod, 0.0, 1.0); }

@@ -99,6 +99,12 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 #endif
 #endif
 
+// The level of detail of all taps together: that of the longer length, which a trilinear filter alone would take.
+float multum_footprint_longer_lod(MultumFootprint footprint, ivec2 size) {
+  if (footprint.tap_count == 1) return footprint.level;
+  return log2(float(footprint.tap_count) * length(footprint.tap_step * vec2(size))) + u_level_bias;
+}
+
 // The footprint on another texture over the same coordinates: levels are counted from its own finest.
 MultumFootprint multum_footprint_on(MultumFootprint footprint, ivec2 from_size, ivec2 to_size) {
   float octaves = log2(float(max(to_size.x, to_size.y)) / float(max(from_size.x, from_size.y)));

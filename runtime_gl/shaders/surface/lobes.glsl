@@ -27,7 +27,7 @@ uniform sampler2D u_mean_colours;
 #define MULTUM_PART_COUNT (8 * MULTUM_LOBE_COUNT)
 #elif defined(MULTUM_NORMAL_MAP)
 #define MULTUM_PART_COUNT (MULTUM_LOBE_COUNT + 1)
-uniform sampler2D u_normal_map;  // mean normals of the levels finer than those of the lobes; w = 1
+uniform sampler2D u_normal_map;  // mean normals of the levels finer than those of the lobes; w = 1 but beyond a black border
 #else
 #define MULTUM_PART_COUNT MULTUM_LOBE_COUNT
 #endif
@@ -169,12 +169,13 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   surface.albedo = multum_mean_colour(st, footprint);
 #endif
 #ifdef MULTUM_NORMAL_MAP
-  float share = 1.0;  // of the stored lobes
-  MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), textureSize(u_normal_map, 0));
-  vec4 normal = multum_filtered(u_normal_map, st, on_map);
-  vec4 finest = multum_movmf_normal_map(normal.xyz, footprint.level);
-  share -= finest.w;
-  finest.w *= normal.w;  // beyond a black border there is no material
+  ivec2 map_size = textureSize(u_normal_map, 0);
+  MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), map_size);
+  float map_share = multum_normal_map_share(footprint.level);
+  vec4 finest = map_share * multum_filtered(u_normal_map, st, on_map);
+#ifndef MULTUM_ROUGHNESS
+  finest = multum_movmf_magnified(finest, multum_footprint_longer_lod(on_map, map_size));
+#endif
 #endif
 #ifdef MULTUM_COLOURS
   vec3 mean_colour = vec3(0.0);
@@ -197,7 +198,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
 #ifdef MULTUM_NORMAL_MAP
-    lobe *= share;
+    lobe *= 1.0 - map_share;
 #endif
     surface.lobes[j] = lobe;
   }

@@ -57,10 +57,14 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   surface.albedo = multum_filtered(u_colours, st, footprint).rgb;
 #endif
 #ifdef MULTUM_NORMAL_MAP
-  MultumFootprint on_map =
-      multum_footprint_on(footprint, textureSize(u_harmonics, 0).xy, textureSize(u_normal_map, 0));
-  surface.finest = multum_movmf_normal_map(multum_filtered(u_normal_map, st, on_map).xyz, footprint.level);
-  surface.share -= surface.finest.w;
+  ivec2 map_size = textureSize(u_normal_map, 0);
+  MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_harmonics, 0).xy, map_size);
+  float map_share = multum_normal_map_share(footprint.level);
+  surface.finest = map_share * multum_filtered(u_normal_map, st, on_map);
+#ifndef MULTUM_ROUGHNESS
+  surface.finest = multum_movmf_magnified(surface.finest, multum_footprint_longer_lod(on_map, map_size));
+#endif
+  surface.share -= map_share;
   surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
 #ifdef MULTUM_ALBEDO_MAP
   surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;

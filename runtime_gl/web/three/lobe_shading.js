@@ -64,7 +64,9 @@ void multum_fetch_lobes(vec2 st, mat3 frame) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < on_map.tap_count; ++i)
       sum += multum_finest_normal(place + float(i) * on_map.tap_step, level);
-    finest = multum_movmf_normal_map(sum / float(on_map.tap_count), footprint.level);
+    finest = multum_normal_map_share(footprint.level) *
+        multum_movmf_magnified(vec4(sum / float(on_map.tap_count), 1.0),
+                               multum_footprint_longer_lod(on_map, textureSize(normalMap, 0)));
   }
   multum_mean_normal = vec3(0.0);
   for (int j = 0; j < MULTUM_NORMALS; ++j) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/gl/glsl_environment.h"
+#include "tests/gl/glsl/environment_inputs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -13,7 +13,7 @@
 #include "host/reference/shading.h"
 #include "runtime_gl/materials/ggx_lobe_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
-#include "tests/gl/glsl_case_lists.h"
+#include "tests/gl/glsl/case_lists.h"
 
 namespace multum::gl {
 namespace {

@@ -15,8 +15,8 @@
 #include "host/reference/spherical_harmonics.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
-#include "tests/gl/glsl_case_lists.h"
-#include "tests/gl/glsl_environment.h"
+#include "tests/gl/glsl/case_lists.h"
+#include "tests/gl/glsl/environment_inputs.h"
 
 namespace multum::gl {
 namespace {

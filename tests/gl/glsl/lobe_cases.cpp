@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/gl/glsl_cases.h"
+// The numerical cases of movmf_shading.glsl, and of Blinn-Phong over lobes.
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/reference/shading.h"
-#include "tests/gl/glsl_case_lists.h"
+#include "tests/gl/glsl/case_lists.h"
 
 namespace multum::gl {
 namespace {
@@ -241,9 +241,24 @@ void normal_map_share(const GlFunctions& gl, const Edits& edits, WorstError& wor
   std::vector<Point> points;
   for (const double lod : {-1e30, -40.0, -1.0, -0.25, -0.0, 0.0, 1e-40, 3.0, 1e30})
     points.push_back({1.0, 0.0, 0.0, lod});
-  const std::vector<double> values = evaluated(gl, edits, "multum_movmf_normal_map(a.xyz, b.w).w", points);
+  const std::vector<double> values = evaluated(gl, edits, "multum_normal_map_share(b.w)", points);
   for (std::size_t i = 0; i < points.size(); ++i)
     worst.add(values[i], std::clamp(-points[i].parameter, 0.0, 1.0), 1.0, text_of(points[i]));
+}
+
+// Means of normals from none to longer than their amplitude, of pixels far smaller and far larger than texels.
+void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"multum_movmf_magnified(a, b.x)", {}, {}};
+  for (const float amplitude : {0.0f, 0.5f, 1.0f})
+    for (const float length : {0.0f, 1e-9f, 1e-3f, 0.9f, 1.0f, 1.001f})
+      for (const float lod : {-1e30f, -40.0f, -1.0f, 0.0f, 0.5f, 9.0f, 1e30f})
+        c.inputs.push_back({glm::vec4(amplitude * length * glm::vec3(tilted(40.0)), amplitude), glm::vec4(lod)});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double length = glm::length(glm::dvec3(a)), seen = std::min(0.5 * std::exp2(2.0 * b.x), 1.0);
+    const double scale = length > 1e-6 ? (a.w - (a.w - length) * seen) / length : 1.0;
+    return glm::dvec4(glm::dvec3(a) * scale, a.w);
+  };
+  compare_glsl(gl, edits, c, worst);
 }
 
 // Lobes that a BRDF's width has shortened, from none to longer than their amplitude, by any mean cosine.
@@ -290,7 +305,12 @@ std::vector<GlslCase> function_cases() {
         1e-6, "absolute", "a share is a copy"},
        {glsl_edit("clamp(-lod, 0.0, 1.0)", "(-lod)")},
        normal_map_share,
-       {"multum_movmf_normal_map"}},
+       {"multum_normal_map_share"}},
+      {{"glsl-magnified-normal-map", file, "normals that cancel: 0 / 0; a variance grown past what was lost",
+        "means as they are below 1e-6; at most what the filter lost", 1e-6, "absolute", "a length and two quotients"},
+       {glsl_edit("if (size <= MULTUM_AMPLITUDE_MIN) return lobe;", ""), glsl_edit("min(map_lod, 0.5)", "map_lod")},
+       magnified,
+       {"multum_movmf_magnified"}},
       {{"glsl-roughness-taken-out", file, "a lobe longer than its amplitude: more light than there is; 0 / 0 of none",
         "as long as its amplitude at most; a length of at least 1e-12", 1e-6, "absolute", "a length and two quotients"},
        {glsl_edit("lobe.w / max(length(lobe.xyz), 1e-12)", "1.0 / mean_cosine")},
@@ -350,72 +370,15 @@ std::vector<GlslCase> lobe_cases() {
         "a length of at least 1e-6 divides", 2.5e-3, "absolute", "0.22 % of the cosine's model"},
        {glsl_edit("max(size, 1e-6)", "size")},
        highlight_cosines,
-       {"multum_movmf_highlight_cosine"}},
+       {"multum_movmf_highlight_cosine", "multum_movmf_reflecting_normals"}},
   };
 }
 
 }  // namespace
 
-double highlight_cosine(const glm::dvec3& sum, const glm::dvec3& l) {
-  const double size = glm::length(sum);
-  return size < 1e-6 ? 0.25 : reference::mean_cosine(size, angle_between(sum / size, l));
-}
-
-SourceEdit glsl_edit(const std::string& text, const std::string& replacement) {
-  return {kGlslFormulas, text, replacement};
-}
-
-SourceEdit glsl_unclamped_spread() {
-  const std::string spread = "(lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN)";
-  return glsl_edit("clamp(" + spread + ", 0.0, 1.0)", "(" + spread + ")");
-}
-
-glm::dvec3 tilted(double degrees, double azimuth) {
-  const double t = degrees * std::numbers::pi / 180.0;
-  return {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)};
-}
-
-glm::vec4 with(const glm::dvec3& v, double w) { return {glm::vec3(v), static_cast<float>(w)}; }
-
-glm::dvec3 half_vector(const glm::dvec3& l, const glm::dvec3& v) {
-  return (l + v) / std::max(glm::length(l + v), 1e-6);
-}
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  return 2.0 * std::asin(std::min(1.0, 0.5 * glm::length(a - b)));
-}
-
-std::vector<glm::vec4> evaluate_glsl(const GlFunctions& gl, const Edits& edits, const std::string& expression,
-                                     const GlslInputs& inputs, const ShaderHarnessInput& variant) {
-  ShaderHarnessInput input = variant;
-  input.expression = expression;
-  input.edits = edits;
-  for (const auto& [a, b] : inputs) {
-    input.a.push_back(a);
-    input.b.push_back(b);
-  }
-  return evaluate_shader(gl, input);
-}
-
-void compare_glsl(const GlFunctions& gl, const Edits& edits, const GlslComparison& c, WorstError& worst) {
-  const std::vector<glm::vec4> values = evaluate_glsl(gl, edits, c.expression, c.inputs, c.variant);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const glm::dvec4 a(c.inputs[i].first), b(c.inputs[i].second), expected = c.exact(a, b);
-    for (int k = 0; k < 4; ++k)
-      worst.add(static_cast<double>(values[i][k]), expected[k], c.is_relative ? std::abs(expected[k]) : 1.0,
-                fmt::format("{}[{}], a ({:.4g}, {:.4g}, {:.4g}, {:.4g}), b ({:.4g}, {:.4g}, {:.4g}, {:.4g})",
-                            c.expression, k, a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w));
-  }
-}
-
-const std::vector<GlslCase>& glsl_cases() {
-  static const std::vector<GlslCase> cases = [] {
-    std::vector<GlslCase> all = function_cases();
-    for (GlslCase& c : lobe_cases()) all.push_back(std::move(c));
-    for (auto* part : {glsl_brdf_cases, glsl_common_cases, glsl_light_cases, glsl_surface_cases})
-      for (GlslCase& c : part()) all.push_back(std::move(c));
-    return all;
-  }();
+std::vector<GlslCase> glsl_lobe_cases() {
+  std::vector<GlslCase> cases = function_cases();
+  for (GlslCase& c : lobe_cases()) cases.push_back(std::move(c));
   return cases;
 }
 

@@ -15,7 +15,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/reference/case_page.h"
 #include "host/reference/case_table.h"
-#include "tests/gl/glsl_cases.h"
+#include "tests/gl/glsl/glsl_cases.h"
 #include "tests/gl/test_context.h"
 
 namespace multum::gl {
@@ -126,7 +126,7 @@ TEST(GlslCases, EveryFormulaHasOne) {
       continue;
     }
     EXPECT_TRUE(std::any_of(glsl_cases().begin(), glsl_cases().end(), [&](const GlslCase& c) { return is_of(c, f); }))
-        << f.name << " of " << f.file << " has no numerical case (tests/gl/glsl_*_cases.cpp) that names it";
+        << f.name << " of " << f.file << " has no numerical case (tests/gl/glsl/*_cases.cpp) that names it";
   }
   for (const GlslCase& c : glsl_cases())
     for (const std::string& function : c.functions)

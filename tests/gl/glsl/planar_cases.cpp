@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numerical cases of planar Gaussians and of moments of slopes, on what the kernels of the same formulas are tried
+// with (host/selftest) and on what only a shader meets.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "host/reference/moments.h"
+#include "host/reference/planar_em.h"
+#include "host/reference/shading.h"
+#include "runtime_gl/materials/sh_material.h"
+#include "tests/gl/glsl/case_lists.h"
+
+namespace multum::gl {
+namespace {
+
+using Edits = std::vector<SourceEdit>;
+
+// The third value as rounding and filtering may leave it: less than the square of the mean.
+void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(multum_gmm_density(a, b.xyz, b.w) / (b.w + 3.0))", {}, {}};
+  for (const double degrees : {0.0, 30.0, 60.0, 89.0})
+    for (const float missing : {0.0f, 1e-6f, 3e-5f, 5e-4f})
+      for (const double s : {20.0, 500.0, 1e4})
+        for (int i = -10; i <= 10; ++i) {
+          const glm::vec3 p(tilted(degrees));
+          c.inputs.push_back({{p.x, p.y, p.x * p.x + p.y * p.y - missing, 1.0f}, with(tilted(degrees + 2.0 * i), s)});
+        }
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    return glm::dvec4(reference::gmm_density(a, b.w, glm::dvec3(b)) / (b.w + 3.0));
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+// Means that rounding left outside the unit circle, and lobes of every amplitude there.
+void planar_means_beyond_the_rim(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(multum_gmm_lambert(a, b.xyz), multum_gmm_lifted(a.xy / max(a.w, 1e-6)))", {}, {}};
+  for (const double length : {0.0, 0.5, 0.9999, 1.0, 1.0001, 1.5})
+    for (const double amplitude : {1.0, 0.25})
+      for (const double degrees : {0.0, 60.0, 120.0})
+        c.inputs.push_back({with(amplitude * glm::dvec3(length, 0.0, 1.0), amplitude), with(tilted(degrees), 0.0)});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double x = a.x / a.w, y = a.y / a.w, z = std::sqrt(std::max(1.0 - x * x - y * y, 0.0));
+    return glm::dvec4(reference::gmm_lambert(a, glm::dvec3(b)), x, y, z);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+void planar_amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{
+      "vec4(multum_gmm_density(a, b.xyz, b.w), multum_gmm_lambert(a, b.xyz), multum_gmm_variance(a), "
+      "multum_gmm_mean(a).x)",
+      {},
+      {}};
+  for (const float amplitude : {1e-6f, 1e-8f, 1e-30f, 1e-40f, 0.0f})
+    c.inputs.push_back({glm::vec4(0.0f, 0.0f, 0.0f, amplitude), with(tilted(10.0), 100.0)});
+  c.exact = [](const glm::dvec4&, const glm::dvec4&) { return glm::dvec4(0.0); };
+  compare_glsl(gl, edits, c, worst);
+}
+
+// A mean normal, of which there may be none, as a Gaussian; and the facets' variance about means of every length.
+void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(multum_gmm_normal_map(a).zw, multum_gmm_facet_variance(a, b.x), 0.0)", {}, {}};
+  for (const double amplitude : {0.0, 1e-40, 1e-30, 1e-5, 0.5, 1.0})
+    for (const double length : {0.0, 0.5, 1.0, 1.001})
+      c.inputs.push_back({with(amplitude * length * tilted(80.0), amplitude), glm::vec4(100.0f)});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double amplitude = std::max(a.w, 1e-6), square = (a.x * a.x + a.y * a.y) / (amplitude * amplitude);
+    return glm::dvec4(a.w - a.z * a.z / amplitude, a.w, reference::facet_variance(b.x, square), 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+// Mean normals of every length, none at all and longer than 1 among them.
+void toksvig_of_every_length(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  const auto exponent_of = [](double length, double s) {
+    const double size = std::min(length, 1.0);
+    return s * size / (size + s * (1.0 - size));
+  };
+  GlslComparison c{"vec4(multum_moments_toksvig(a.xyz, b.xyz, b.w) / (b.w + 1.0))", {}, {}};
+  for (const double length : {0.0, 1e-20, 1e-6, 0.5, 1.0 - 0x1p-20, 1.0, 1.0 + 0x1p-20, 1.001})
+    for (const double s : {1.0, 20.0, 1000.0, 1e5})
+      for (int i = 0; i < 20; ++i)
+        c.inputs.push_back({with({0.0, 0.0, length}, 1.0),
+                            with(tilted(89.0 * (i + 0.5) / 20.0 / std::sqrt(exponent_of(length, s) + 1.0)), s)});
+  c.exact = [=](const glm::dvec4& a, const glm::dvec4& b) {
+    const double theta = angle_between(glm::dvec3(b), {0.0, 0.0, 1.0});
+    return glm::dvec4(a.z <= 1e-12 ? 0.0 : reference::blinn_phong(exponent_of(a.z, b.w), theta) / (b.w + 1.0));
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+constexpr char kLean[] = "vec4(multum_moments_lean(a, b.w, b.xyz, u_exponent, false))";
+
+ShaderHarnessInput of_exponent(double s) {
+  ShaderHarnessInput variant;
+  variant.set_uniforms = [s](const ShaderProgram& program) { program.set("u_exponent", static_cast<float>(s)); };
+  return variant;
+}
+
+glm::vec4 half_at(double s, double t, double cross_moment) {
+  return with(glm::normalize(glm::dvec3(-s, -t, 1.0)), cross_moment);
+}
+
+// Second moments below the square of the mean, of slopes up to the largest: no value is above the BRDF's own peak.
+void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const double s : {1.0, 100.0, 1e5}) {
+    GlslInputs inputs;
+    for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
+      for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f}) {
+        const float square = mean * mean * (1.0f - missing) - (mean == 0.0f ? missing : 0.0f);
+        const double at = static_cast<double>(mean), cross = -static_cast<double>(square);
+        for (const glm::vec4& h : {half_at(at, -at, cross), half_at(0.0, 0.0, cross)})
+          inputs.emplace_back(glm::vec4(mean, -mean, square, square), h);
+      }
+    const double peak = s / (2.0 * std::numbers::pi);
+    const std::vector<glm::vec4> values = evaluate_glsl(gl, edits, kLean, inputs, of_exponent(s));
+    double largest = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double value = static_cast<double>(values[i].x);
+      worst.add((std::max(value - peak, 0.0) + std::max(-value, 0.0)) / peak + 0.0 * value,
+                fmt::format("s {}, mean slope {}, second moment {}", s, inputs[i].first.x, inputs[i].first.z));
+      largest = std::max(largest, value);
+    }
+    worst.add(largest, peak, peak, "the peak itself, of one slope");
+  }
+}
+
+// Slopes along one line of the plane: Sigma has no determinant, and only the BRDF's own variance 1/s is across.
+void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const double s : {10.0, 1e3, 1e5}) {
+    GlslComparison c{kLean, {}, {}, true, of_exponent(s)};
+    for (const float variance : {4.0f, 64.0f, 256.0f})
+      for (const double sign : {1.0, -1.0})
+        c.inputs.push_back({{0.0f, 0.0f, variance, variance}, half_at(0.0, 0.0, sign * static_cast<double>(variance))});
+    c.exact = [=](const glm::dvec4& a, const glm::dvec4& b) {
+      reference::TexelMoments m;
+      m.ss = a.z, m.tt = a.w, m.st = b.w;
+      return glm::dvec4(reference::lean(m, glm::dvec3(b), s, false));
+    };
+    compare_glsl(gl, edits, c, worst);
+  }
+}
+
+// Steep slopes nearly alike under a sharp highlight, as in host/selftest/moment_cases.cpp.
+void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const double s : {100.0, 1e3, 1e4, 1e5}) {
+    GlslInputs inputs;
+    std::vector<double> exact, scales;
+    for (const double slope : {0.1, 1.0, 5.0, 20.0})
+      for (const double variance : {0.0, 1e-6, 1e-4})
+        for (const double off : {0.0, std::sqrt(variance + 1.0 / s)}) {
+          reference::TexelMoments m;
+          m.s = slope, m.t = -slope, m.st = -slope * slope;
+          m.ss = m.tt = slope * slope + variance;
+          inputs.emplace_back(glm::vec4(glm::dvec4(m.s, m.t, m.ss, m.tt)), half_at(slope + off, -slope, m.st));
+          exact.push_back(reference::lean(m, glm::dvec3(inputs.back().second), s, false));
+          scales.push_back(s / (2.0 * std::numbers::pi) *
+                           (1e-6 + 0x1p-22 * (s * slope * slope + std::sqrt(s) * (1.0 + slope))));
+        }
+    const std::vector<glm::vec4> values = evaluate_glsl(gl, edits, kLean, inputs, of_exponent(s));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      worst.add(static_cast<double>(values[i].x), exact[i], scales[i],
+                fmt::format("s {}, slope {}, second moment {}", s, inputs[i].first.x, inputs[i].first.z));
+  }
+}
+
+// Half vectors at and below the horizon, where a slope and the Jacobian have no bound.
+void half_vectors_at_the_horizon(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslInputs inputs;
+  for (const double z : {1e-4, 1e-20, 1e-40, 0.0, -0.0, -1e-3, -1.0})
+    inputs.emplace_back(glm::vec4(-20.0f, 0.0f, 400.0f, 0.0f), with({std::sqrt(1.0 - z * z), 0.0, z}, 0.0));
+  for (const char* jacobian : {"false", "true"}) {
+    const std::string text = fmt::format("vec4(multum_moments_lean(a, b.w, b.xyz, 100.0, {}))", jacobian);
+    for (const glm::vec4& value : evaluate_glsl(gl, edits, text, inputs, {}))
+      worst.add(static_cast<double>(value.x), fmt::format("z and {}", jacobian));
+  }
+}
+
+std::vector<GlslCase> gaussian_cases() {
+  const std::string file = "gmm_shading.glsl";
+  return {
+      {{"glsl-planar-filtered-variance-below-0", file,
+        "rounding and filtering leave less than the square of the mean: the variance is negative",
+        "no variance but the facets' own", 2e-3, "of an upright lobe's peak, times 2 pi",
+        "6e-8 of a mean near 1, twice, against a variance of 1e-4"},
+       {glsl_edit("max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0)",
+                  "(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN))")},
+       planar_variance_below_0,
+       {"multum_gmm_mean", "multum_gmm_variance", "multum_gmm_facet_variance", "multum_gmm_density"}},
+      {{"glsl-planar-means-beyond-the-rim", file, "a mean outside the circle is lifted to the root of less than 0",
+        "to the equator", 1e-3, "absolute", "the root of 1.2e-7, of a mean on the circle"},
+       {glsl_edit("sqrt(max(1.0 - dot(p, p), 0.0))", "sqrt(1.0 - dot(p, p))")},
+       planar_means_beyond_the_rim,
+       {"multum_gmm_lifted", "multum_gmm_lambert"}},
+      {{"glsl-planar-amplitude-to-0", file, "a lobe of no normals is divided by its amplitude: 0 / 0",
+        "no lobe at or below 1e-6", kNothingWrong, "absolute", "nothing may be"},
+       {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
+       planar_amplitude_to_0,
+       {"multum_gmm_density", "multum_gmm_lambert"}},
+      {{"glsl-planar-mean-normals", file, "a mean of no normals is divided by its share: 0 / 0",
+        "shares of at least 1e-6 divide", 1e-6, "absolute", "two products and a quotient"},
+       {glsl_edit("mean.z * mean.z / max(mean.w, MULTUM_AMPLITUDE_MIN)", "mean.z * mean.z / mean.w")},
+       planar_mean_normals,
+       {"multum_gmm_normal_map", "multum_gmm_facet_variance"}},
+  };
+}
+
+std::vector<GlslCase> moment_cases() {
+  const std::string file = "moment_shading.glsl";
+  return {
+      {{"glsl-mean-normals-of-every-length", file, "longer than 1: a gloss above 1 or below 0; of no length: 0 / 0",
+        "1 less the length is at least 0; nothing where there is no length", 1e-5, "of the peak, times 2 pi",
+        "6e-8 of mu and h, by the angle that the exponent sees"},
+       {glsl_edit("max(1.0 - size, 0.0)", "(1.0 - size)")},
+       toksvig_of_every_length,
+       {"multum_moments_toksvig"}},
+      {{"glsl-slope-variance-below-0", file, "E[s^2] below the square of E[s]: a negative determinant has no root",
+        "variances of at least 0", 2e-6, "of the peak: how far above it, or below 0",
+        "a root, a division and an exponential"},
+       {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))", "(slopes.zw - slopes.xy * slopes.xy)")},
+       slope_variance_below_0,
+       {"multum_moments_lean"}},
+      {{"glsl-slopes-along-a-line", file,
+        "the determinant of Sigma + I/s as a difference: s = 1e5 leaves nothing of it",
+        "1/s (1/s + trace) and the determinant of Sigma, held at 0 and above", 5e-6, "relative",
+        "a root, a division and four products"},
+       {glsl_edit("base * (base + variance.x + variance.y) +\n"
+                  "                      max(variance.x * variance.y - covariance * covariance, 0.0)",
+                  "(base + variance.x) * (base + variance.y) - covariance * covariance")},
+       slopes_along_a_line},
+      {{"glsl-steep-slopes-under-sharp-highlights", file,
+        "moments in half floats: 400 to the next 0.25, where s = 1e5 has 1e-5",
+        "32-bit moments; what they lose broadens the highlight by 2^-22 s b^2 of its width at most", 1.0,
+        "of the peak, over 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, b the slope",
+        "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each"},
+       {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))",
+                  "max(floor(slopes.zw * 4.0 + 0.5) * 0.25 - slopes.xy * slopes.xy, vec2(0.0))")},
+       steep_and_sharp},
+      {{"glsl-half-vectors-at-the-horizon", file, "the slope of a half vector at the horizon: inf - inf",
+        "nothing at or below 1e-4 above it", kNothingWrong, "absolute, where nothing is to be", "nothing may be"},
+       {glsl_edit("if (h.z <= 1e-4) return 0.0;", "")},
+       half_vectors_at_the_horizon},
+  };
+}
+
+}  // namespace
+
+std::vector<GlslCase> glsl_planar_cases() {
+  std::vector<GlslCase> cases = gaussian_cases();
+  for (GlslCase& c : moment_cases()) cases.push_back(std::move(c));
+  return cases;
+}
+
+}  // namespace multum::gl

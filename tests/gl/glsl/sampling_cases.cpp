@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numerical cases of what is drawn at random: normals of lobes, numbers of blue noise, texels of footprints.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "host/reference/shading.h"
+#include "runtime_gl/materials/sh_material.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
+#include "tests/gl/glsl/case_lists.h"
+
+namespace multum::gl {
+namespace {
+
+using Edits = std::vector<SourceEdit>;
+
+// Of every width, about every direction, also straight down, where tangents are chosen anew.
+void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(multum_movmf_drawn_normal(a, b.xy), 0.0)", {}, {}};
+  for (const double tilt : {0.0, 40.0, 90.0, 140.0, 180.0})
+    for (const float spread : {-1e-4f, 0.0f, 1e-6f, 0.1f, 0.9f, 1.0f})
+      for (const float x : {0.0f, 0.3f, 0.9f, 0.9999999f, 1.0f})
+        for (const float y : {0.0f, 0.4f})
+          c.inputs.push_back({with(static_cast<double>(1.0f - spread) * tilted(tilt), 1.0), {x, y, 0.0f, 0.0f}});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double size = glm::length(glm::dvec3(a)), d = std::clamp(1.0 - size, 0.0, 1.0);
+    const glm::dvec3 mu = size > 1e-12 ? glm::dvec3(a) / size : glm::dvec3(0.0, 0.0, 1.0);
+    const double kappa = d <= 0.0 ? 1e12 : d >= 1.0 ? 1e-3 : std::max(reference::vmf_kappa(d), 1e-3);
+    const double e = std::clamp(-std::log(std::max(1.0 - b.x * -std::expm1(-2.0 * kappa), 1e-30)) / kappa, 0.0, 2.0);
+    const double side = mu.z < 0.0 ? -1.0 : 1.0, q = -1.0 / (side + mu.z), r = mu.x * mu.y * q;
+    const glm::dvec3 s(1.0 + side * mu.x * mu.x * q, side * r, -side * mu.x), t(r, side + mu.y * mu.y * q, -mu.y);
+    const double phi = 2.0 * M_PI * b.y;
+    return glm::dvec4((1.0 - e) * mu + std::sqrt(e * (2.0 - e)) * (std::cos(phi) * s + std::sin(phi) * t), 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+// Every frame of a pixel, also where a float has no fraction left; `map` holds quarters.
+void numbers_of_the_millionth_frame(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr int kSide = 64;
+  std::vector<float> texels;
+  for (int i = 0; i < kSide * kSide; ++i)
+    for (int c = 0; c < 4; ++c) texels.push_back(0.25f * static_cast<float>((i + i / kSide + c) % 4));
+  Texture noise(gl, "noise", {kSide, kSide, 1, TexelFormat::kRgba32f},
+                {WrapMode::kClamp, WrapMode::kClamp, true, 1.0f});
+  noise.upload_level(0, texels.data());
+  GlslComparison c{"vec4(multum_blue_noise(map, a.xy, b.x), 0.0)", {}, {}};
+  for (const float x : {0.0f, 0.5f, 63.9f, 64.0f, 1919.5f})
+    for (const float y : {0.5f, 70.0f, 1079.5f})
+      for (const float frame : {0.0f, 1.0f, 1023.0f, 1024.0f, 1030.0f, 1000003.0f, 16777215.0f})
+        c.inputs.push_back({{x, y, 0.0f, 0.0f}, {frame, 0.0f, 0.0f, 0.0f}});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double steps[] = {0.618033988749895, 0.754877666246693, 0.569840290998053}, count = std::fmod(b.x, 1024.0);
+    const int column = static_cast<int>(a.x) % kSide, row = static_cast<int>(a.y) % kSide;
+    glm::dvec4 numbers(0.0);
+    for (int k = 0; k < 3; ++k) {
+      const double texel = 0.25 * ((row * kSide + column + row + k) % 4);
+      const double place = texel * 255.0 / 256.0 + count * steps[k];
+      numbers[k] = place - std::floor(place);
+    }
+    return numbers;
+  };
+  c.variant.texture = &noise;
+  c.variant.formulas = shader_common_blue_noise_glsl;
+  compare_glsl(gl, edits, c, worst);
+}
+
+int wrapped(int i, int size, int mode) {
+  if (mode == 1) return std::clamp(i, 0, size - 1);
+  if (mode == 0) return i >= 0 && i < size ? i : -1;
+  const int period = mode == 2 ? size : 2 * size, at = ((i % period) + period) % period;
+  return at < size ? at : period - 1 - at;
+}
+
+ShaderHarnessInput footprint_variant(int sample, int wrap) {
+  ShaderHarnessInput variant;
+  variant.flags = {"MULTUM_REFERENCE"};
+  variant.formulas = shader_common_footprint_glsl;
+  variant.set_uniforms = [=](const ShaderProgram& program) {
+    program.set("u_sample", sample);
+    program.set("u_wrap_s", wrap);
+    program.set("u_wrap_t", wrap);
+  };
+  return variant;
+}
+
+void texels_far_outside(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(float(multum_wrapped(int(a.x), int(b.x), int(b.y))), 0.0, 0.0, 0.0)", {}, {}};
+  for (const int size : {1, 2, 3, 37, 4096})
+    for (const int mode : {0, 1, 2, 3})
+      for (const int i :
+           {0, 1, -1, size - 1, size, -size, -size - 1, 2 * size, 2 * size - 1, -2 * size, 8388607, -8388607})
+        c.inputs.push_back(
+            {glm::vec4(static_cast<float>(i)), {static_cast<float>(size), static_cast<float>(mode), 0.0f, 0.0f}});
+  c.variant = footprint_variant(0, 0);
+  c.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const int texel = wrapped(static_cast<int>(a.x), static_cast<int>(b.x), static_cast<int>(b.y));
+    return glm::dvec4(texel, 0.0, 0.0, 0.0);
+  };
+  compare_glsl(gl, edits, c, worst);
+}
+
+std::uint32_t hash(std::uint32_t v) {
+  const std::uint32_t state = v * 747796405u + 2891336453u;
+  const std::uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+  return (word >> 22u) ^ word;
+}
+
+// The pixel's own number is that of the element.
+void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr std::uint32_t kSteps[] = {3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u};
+  for (const int sample : {0, 1, 1000003, 2147483647}) {
+    GlslInputs inputs;
+    for (std::uint32_t i = 0; i < 100; ++i) inputs.emplace_back(glm::vec4(), glm::vec4(static_cast<float>(i % 6)));
+    const std::vector<glm::vec4> found =
+        evaluate_glsl(gl, edits, "vec4(multum_random(int(b.x)), 0.0, 0.0, 0.0)", inputs, footprint_variant(sample, 0));
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      const std::uint32_t n = i % 6, place = hash(i + hash(hash(n))) + static_cast<std::uint32_t>(sample) * kSteps[n];
+      worst.add(static_cast<double>(found[i].x), static_cast<double>(place >> 8u) / 16777216.0, 1.0,
+                fmt::format("sample {}, coordinate {}", sample, n));
+    }
+  }
+}
+
+// Texels that a filter mixes at one place, inside and far outside, are the only ones that are drawn.
+void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  constexpr int kWidth = 37, kHeight = 21;
+  constexpr WrapMode kModes[] = {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror};
+  for (const int mode : {0, 1, 2, 3})
+    for (const glm::vec2& st : {glm::vec2(0.0f, 0.999999f), glm::vec2(-3.3f, 17.25f)}) {
+      const Texture map(gl, "map", {kWidth, kHeight}, {kModes[mode], kModes[mode], true, 1.0f});
+      ShaderHarnessInput variant = footprint_variant(7, mode);
+      variant.texture = &map;
+      variant.formulas += "uniform vec2 u_place;\n";
+      variant.set_uniforms = [&st, set = variant.set_uniforms](const ShaderProgram& program) {
+        set(program);
+        program.set_vec2("u_place", &st.x);
+      };
+      for (const glm::vec4& found : evaluate_glsl(
+               gl, edits,
+               "vec4(vec2(multum_footprint_texel(map, u_place, MultumFootprint(vec2(0.0), 1, 0.0))), 0.0, 0.0)",
+               GlslInputs(64), variant)) {
+        bool is_one = false;
+        for (int corner = 0; corner < 4; ++corner) {
+          const glm::vec2 place = st * glm::vec2(kWidth, kHeight) - 0.5f;
+          const int x = wrapped(static_cast<int>(std::floor(place.x)) + corner % 2, kWidth, mode),
+                    y = wrapped(static_cast<int>(std::floor(place.y)) + corner / 2, kHeight, mode);
+          const glm::vec2 texel = x < 0 || y < 0 ? glm::vec2(-1.0f) : glm::vec2(x, y);
+          is_one = is_one || texel == glm::vec2(found);
+        }
+        worst.add(is_one ? 0.0 : 1.0,
+                  fmt::format("mode {}, ({}, {}): texel ({}, {})", mode, st.x, st.y, found.x, found.y));
+      }
+    }
+}
+
+}  // namespace
+
+std::vector<GlslCase> glsl_sampling_cases() {
+  return {
+      {{"glsl-normals-drawn-from-any-lobe", "movmf_shading.glsl",
+        "a root of less than 0, where rounding draws beyond the direction opposite", "1 - cosine within 0 and 2", 3e-2,
+        "absolute, of a unit vector", "of a lobe that fills the sphere the logarithm of nearly 1"},
+       {glsl_edit("clamp(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa, 0.0, 2.0)",
+                  "(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa)")},
+       normals_drawn,
+       {"multum_movmf_drawn_normal"}},
+      {{"glsl-numbers-of-the-millionth-frame", "blue_noise.glsl",
+        "the fraction of a large product in float is lost: all frames draw alike", "frames counted modulo 1024", 1e-4,
+        "absolute", "6e-5 of a product of 772"},
+       {glsl_edit("frame - MULTUM_BLUE_NOISE_FRAMES * floor(frame / MULTUM_BLUE_NOISE_FRAMES)", "frame")},
+       numbers_of_the_millionth_frame,
+       {"multum_blue_noise"}},
+      {{"glsl-texels-far-outside", "footprint.glsl", "a quotient cut off towards 0: texels left of the map are others",
+        "rounded down", kNothingWrong, "texels", "whole numbers"},
+       {glsl_edit("(i >= 0 ? i / period : -1 - (-1 - i) / period)", "(i / period)")},
+       texels_far_outside,
+       {"multum_wrapped"}},
+      {{"glsl-places-of-the-billionth-sample", "footprint.glsl",
+        "the fraction of a large product in float is lost: all samples lie at one place",
+        "products modulo 2^32 in whole numbers", kNothingWrong, "absolute", "not a bit may differ"},
+       {glsl_edit("float((pixel + uint(u_sample) * steps[n]) >> 8u) / 16777216.0",
+                  "fract(float(pixel) / 4294967296.0 + float(u_sample) * (float(steps[n]) / 4294967296.0))")},
+       places_of_the_billionth_sample,
+       {"multum_hash", "multum_random"}},
+      {{"glsl-footprints-of-one-place", "footprint.glsl", "a texel beyond a black border is read", "none is named",
+        kNothingWrong, "texels wrong", "none may be"},
+       {glsl_edit("if (min(texel.x, texel.y) < 0) return MULTUM_NO_TEXEL;", "")},
+       footprints_of_one_place,
+       {"multum_footprint_texel"}},
+  };
+}
+
+}  // namespace multum::gl
