@@ -27,7 +27,7 @@ uniform sampler2D u_mean_colours;
 #define MULTUM_PART_COUNT (8 * MULTUM_LOBE_COUNT)
 #elif defined(MULTUM_NORMAL_MAP)
 #define MULTUM_PART_COUNT (MULTUM_LOBE_COUNT + 1)
-uniform sampler2D u_normal_map;  // mean normals of the levels finer than those of the lobes; w = 1 but beyond a black border
+uniform sampler2D u_normal_map;  // mean normals of levels finer than those of the lobes; w = 0 beyond a black border
 #else
 #define MULTUM_PART_COUNT MULTUM_LOBE_COUNT
 #endif
