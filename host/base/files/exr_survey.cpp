@@ -14,6 +14,7 @@ namespace multum {
 namespace {
 
 constexpr char kHeader[] = "an EXR header";
+constexpr std::uint64_t kExrMagic = 0x01312f76;  // the first four bytes
 
 // A name or type of an EXR attribute, at most 255 bytes, with the position moved behind its zero byte.
 std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& position) {
@@ -169,7 +170,9 @@ void check_exr_headers(const std::string& path, const std::string& otherwise) {
   if (!std::filesystem::is_regular_file(path, ignored)) return;
   try {
     ByteFile file(path);
-    if (file.size() >= 8 && file.little_endian(0, 4, "the first bytes") == 0x01312f76) survey_exr(path, file);
+    if (file.size() < 4 || file.little_endian(0, 4, "the first bytes") != kExrMagic)
+      refuse_file(path, "found no OpenEXR file, expected one as multum writes them");
+    if (file.size() >= 8) survey_exr(path, file);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInput) throw;
     const std::string words = error.what(), name = path + ": ";

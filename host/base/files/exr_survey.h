@@ -31,7 +31,7 @@ void walk_exr_headers(const std::string& path, ByteFile& file, const std::functi
 /// chunks does not fit into it.
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
 
-/// Checks the headers before a library opens the file; leaves it to the library to refuse what is no OpenEXR file, or
+/// Checks the first bytes and the headers before a library opens the file; leaves it to the library to refuse what is
 /// not there. `otherwise`: what the refusal says first, as "not a readable baked file".
 void check_exr_headers(const std::string& path, const std::string& otherwise);
 
