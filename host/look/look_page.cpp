@@ -99,7 +99,7 @@ std::string look_page(const nlohmann::ordered_json& data) {
   for (const char* name : {"matrices.js", "glb.js", "three/bc5.js"})
     script += plain_script(look_module_files().at(name));
   for (const char* name :
-       {"look_glb.js", "look_textures.js", "look_gl.js", "look_error.js", "look_drops.js", "look.js"})
+       {"look_glb.js", "look_gltf.js", "look_textures.js", "look_gl.js", "look_error.js", "look_drops.js", "look.js"})
     script += file(name);
   const std::string worker = file("look_exr.js");
   check_script(script);

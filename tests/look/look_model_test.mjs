@@ -51,6 +51,15 @@ function glb(vertices, indices, { image = null, change = () => {} } = {}) {
   return Buffer.concat([head, body]);
 }
 
+/** The glTF in JSON of a binary one, and its buffer; `change` may change both. */
+function gltf(bytes, change = () => {}) {
+  const length = bytes.readUInt32LE(12), json = JSON.parse(bytes.subarray(20, 20 + length).toString());
+  const parts = { json, buffer: bytes.subarray(28 + length, 28 + length + json.buffers[0].byteLength) };
+  json.buffers[0].uri = "the%20buffer.bin";
+  change(parts);
+  return [["model.gltf", Buffer.from(JSON.stringify(json))], ["the buffer.bin", parts.buffer]];
+}
+
 // Where the page's plane has the same coordinates, but for whole ones: u = x, v = -y. glTF's z is the page's -y.
 const square = (options) => glb([[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, z]) =>
   [[7 * x, 2, 7 * z], options?.isFlat ? null : [0, 1, 0], [HALF_SIDE * x, HALF_SIDE * z - 0.76]]),
@@ -147,6 +156,36 @@ try {
   assert.notEqual(await at(views[0]), withMap);
   run("multum", "testmap", "large", "--size", "160");
   assert.equal(await drop(page, ["large.glb", square({ image: readFileSync(inFolder("large_normal.png")) })]), "");
+
+  // As JSON with files, or with data in itself, it is drawn alike, its own normal map too.
+  const own = square({ image: readFileSync(inFolder("own_normal.png")) });
+  assert.equal(await drop(page, ["own.glb", own]), "");
+  const withOwn = await at(views[0]);
+  const apartImage = ({ json }) => { json.images[0] = { uri: "own_normal.png", mimeType: "image/png" }; };
+  const [map, image] = [readFileSync(inFolder("map_normal.png")), ["own_normal.png",
+    readFileSync(inFolder("own_normal.png"))]];
+  const inItself = ({ json, buffer }) => {
+    json.buffers[0].uri = `data:application/octet-stream;base64,${buffer.toString("base64")}`; };
+  for (const files of [gltf(own), [image, ...gltf(own, apartImage)], gltf(own, inItself).slice(0, 1)]) {
+    assert.equal(await drop(page, ["square.glb", square()], ["map_normal.png", map]), "");
+    assert.notEqual(await at(views[0]), withOwn);
+    assert.equal(await drop(page, ...files), "");
+    assert.equal(await at(views[0]), withOwn);
+  }
+  for (const [words, files] of [
+    ["names the buffer.bin, which was not dropped", gltf(own).slice(0, 1)],
+    ["names own_normal.png, which was not dropped", gltf(own, apartImage)],
+    ["expected 152", gltf(square(), (parts) => { parts.buffer = parts.buffer.subarray(0, 100); })],
+    ["names no file", gltf(own, ({ json }) => { delete json.buffers[0].uri; })],
+    ["names buffer 7, of 1", gltf(own, ({ json }) => { json.bufferViews[0].buffer = 7; })],
+    ["view beyond its buffer", gltf(own, ({ json }) => { json.bufferViews[0].byteLength = 1e9; })],
+    ["not in base64", gltf(own, ({ json }) => { json.buffers[0].uri = "data:,abc"; })],
+    ["of version 1.0", gltf(own, ({ json }) => { json.asset.version = "1.0"; })],
+    ["JSON is damaged", [["model.gltf", Buffer.from("{ \"asset\": ")]]],
+  ]) {
+    const said = await drop(page, ...files);
+    assert.ok(said.startsWith("model.gltf: ") && said.includes(words), `expected ${words}: ${said}`);
+  }
 
   // What is not read is refused in words; what was drawn stays.
   const good = square(), before = await at(views[0]);

@@ -4,9 +4,10 @@ const FILE_BYTES_MAX = 256e6;
 const DECODING_MS_MAX = 120000;
 const NORMALS_APART_MAX = 0.1; // root mean square of x and y: another map's are several times as far apart
 
-/** "exr", "ktx2", "glb" or "image", by a file's first bytes. */
+/** "exr", "ktx2", "glb", "gltf" or "image", by a file's first bytes. */
 async function kindOf(file) {
   const head = new Uint8Array(await file.slice(0, 12).arrayBuffer());
+  if (/^(\u00ef\u00bb\u00bf)?\s*\{/.test(String.fromCharCode(...head))) return "gltf";
   if (head[0] === 0x76 && head[1] === 0x2f && head[2] === 0x31) return "exr";
   if (new TextDecoder().decode(head.subarray(0, 4)) === "glTF") return "glb";
   return KTX2_IDENTIFIER[1] === head[1] && KTX2_IDENTIFIER[2] === head[2] ? "ktx2" : "image";
@@ -94,22 +95,42 @@ class Drops {
     const list = [...files];
     this.last = this.last.then(async () => {
       const kinds = await Promise.all(list.map((file) => kindOf(file).catch(() => "image")));
-      const order = ["exr", "ktx2", "image", "glb"];
-      const sorted = list.map((file, i) => [file, kinds[i]]).sort((a, b) => order.indexOf(a[1]) - order.indexOf(b[1]));
+      const order = ["exr", "ktx2", "image", "glb", "gltf"];
       say("");
-      for (const [file, kind] of sorted) await this.takeOne(file, kind);
+      const { models, named } = await this.gltfModels(list, kinds);
+      const sorted = list.map((file, i) => [file, kinds[i]]).filter(([file]) => !named.has(file.name))
+        .sort((a, b) => order.indexOf(a[1]) - order.indexOf(b[1]));
+      for (const [file, kind] of sorted) await this.takeOne(file, kind, models.get(file));
     });
     return this.last;
   }
 
-  async takeOne(file, kind) {
+  /** The JSON of each glTF, an Error where it is damaged, and the names of all files that they ask for. */
+  async gltfModels(list, kinds) {
+    const models = new Map(), named = new Set();
+    const files = new Map(list.map((file) => [file.name, file]));
+    for (const [i, file] of list.entries()) {
+      if (kinds[i] !== "gltf") continue;
+      try {
+        const json = parsedGltf(await bytesOfFile(file));
+        for (const name of filesOfGltf(json)) named.add(name);
+        models.set(file, { json, files });
+      } catch (error) {
+        models.set(file, { error });
+      }
+    }
+    return { models, named };
+  }
+
+  async takeOne(file, kind, model) {
     const reading = byId("reading");
     reading.textContent = `Reading ${file.name} ...`;
     try {
       const progress = (share) => { reading.textContent = `Reading ${file.name}: ${share} %`; };
       if (kind === "exr") await this.takeExr(file, progress);
       else if (kind === "ktx2") this.page.setLobes(parseLobes(await bytesOfFile(file)));
-      else if (kind === "glb") await this.takeModel(file);
+      else if (kind === "glb") await this.takeModel(file.name, await bytesOfFile(file));
+      else if (kind === "gltf") await this.takeGltf(file.name, model);
       else this.takeImage(await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
     } catch (error) {
       say(`${file.name}: ${error.message}`);
@@ -128,10 +149,15 @@ class Drops {
     if (this.unfinished === null) this.page.install(map);
   }
 
+  async takeGltf(name, { json, files, error }) {
+    if (error !== undefined) throw error;
+    await this.takeModel(name, await glbOfGltf(json, files));
+  }
+
   /** Drawn with its own normal map where that has the size of the lobes' map, else with the map that is shown. */
-  async takeModel(file) {
-    const model = readModel(await bytesOfFile(file), TARGET);
-    this.page.setModel(model, file.name);
+  async takeModel(name, bytes) {
+    const model = readModel(bytes, TARGET);
+    this.page.setModel(model, name);
     this.page.change({ distance: Math.min(this.page.view.distance, MODEL_DISTANCE) });
     if (model.image === null || this.unfinished !== null) return;
     const image = await createImageBitmap(model.image, { colorSpaceConversion: "none", premultiplyAlpha: "none" });

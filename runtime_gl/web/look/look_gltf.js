@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// A glTF in JSON with the files that it names, dropped together, as one binary glTF for look_glb.js: buffers one behind
+// the other, and the image of the first normal map.
+const GLTF_BYTES_MAX = 256e6; // of all files together
+
+const nameOfUri = (uri) => decodeURIComponent(uri).split("/").at(-1);
+
+/** The files' names that a glTF asks for: a Set. Throws Error where its JSON is damaged. */
+function filesOfGltf(json) {
+  const uris = [json.buffers, json.images].flatMap((list) => (Array.isArray(list) ? list : [])).map((one) => one?.uri);
+  return new Set(uris.filter((uri) => typeof uri === "string" && !uri.startsWith("data:")).map(nameOfUri));
+}
+
+/** The JSON of a file's bytes. Throws Error where it is damaged. */
+function parsedGltf(bytes) {
+  let json = null;
+  try {
+    json = JSON.parse(new TextDecoder().decode(bytes));
+  } catch { /* refused below */ }
+  if (json === null || typeof json !== "object" || Array.isArray(json)) throw new Error("its JSON is damaged");
+  if (json.asset?.version !== "2.0") throw new Error(`is glTF of version ${json.asset?.version}, expected 2.0`);
+  return json;
+}
+
+/** The bytes of `uri`: data in base64, or one of `files`, a Map of File by name. */
+async function bytesOfUri(uri, files) {
+  if (uri.startsWith("data:")) {
+    const [head, data] = uri.split(",", 2);
+    if (!head.endsWith(";base64") || data === undefined) throw new Error("has data that is not in base64");
+    return Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+  }
+  const file = files.get(nameOfUri(uri));
+  if (file === undefined) throw new Error(`names ${nameOfUri(uri)}, which was not dropped with it: drop all together`);
+  return bytesOfFile(file);
+}
+
+/** A binary glTF of the JSON and of what it names. Throws Error for files that are missing, too large or too short. */
+async function glbOfGltf(json, files) {
+  const parts = [];
+  let length = 0;
+  const add = (bytes) => {
+    const at = length;
+    if (at + bytes.length > GLTF_BYTES_MAX)
+      throw new Error(`has more than ${GLTF_BYTES_MAX / 1e6} MB of buffers and images, expected at most that`);
+    parts.push([at, bytes]);
+    length += bytes.length + (-bytes.length & 3);
+    return at;
+  };
+  const list = (key) => (Array.isArray(json[key]) ? json[key] : []);
+  const begins = [];
+  for (const [i, buffer] of list("buffers").entries()) {
+    if (typeof buffer?.uri !== "string") throw new Error(`its buffer ${i} names no file, expected one`);
+    const bytes = await bytesOfUri(buffer.uri, files);
+    if (!(bytes.length >= buffer.byteLength))
+      throw new Error(`found ${bytes.length} bytes in its buffer ${i}, expected ${buffer.byteLength}`);
+    begins.push([add(bytes), buffer.byteLength]);
+  }
+  const bufferViews = list("bufferViews").map((view) => {
+    const [begin, end] = begins[view?.buffer] ?? [];
+    if (begin === undefined) throw new Error(`names buffer ${view?.buffer}, of ${begins.length}`);
+    const from = view.byteOffset ?? 0;
+    if (!(from >= 0 && from + view.byteLength <= end)) throw new Error("has a view beyond its buffer");
+    return { ...view, buffer: 0, byteOffset: begin + from };
+  });
+  const used = list("materials").find((one) => one?.normalTexture !== undefined);
+  const source = list("textures")[used?.normalTexture?.index]?.source;
+  const images = list("images").map((image) => ({ ...image }));
+  if (typeof images[source]?.uri === "string") {
+    const bytes = await bytesOfUri(images[source].uri, files);
+    images[source].bufferView = bufferViews.length;
+    bufferViews.push({ buffer: 0, byteOffset: add(bytes), byteLength: bytes.length });
+  }
+  return packedGlb({ ...json, bufferViews, images, buffers: [{ byteLength: length }] }, parts, length);
+}
+
+/** `parts`: [place, bytes] of a binary chunk of `length` bytes. */
+function packedGlb(json, parts, length) {
+  const text = new TextEncoder().encode(JSON.stringify(json)), padded = text.length + (-text.length & 3);
+  const bytes = new Uint8Array(28 + padded + length).fill(0x20, 20, 20 + padded), view = new DataView(bytes.buffer);
+  [0x46546c67, 2, bytes.length, padded, 0x4e4f534a].forEach((one, i) => view.setUint32(4 * i, one, true));
+  bytes.set(text, 20);
+  [length, 0x004e4942].forEach((one, i) => view.setUint32(20 + padded + 4 * i, one, true));
+  for (const [at, part] of parts) bytes.set(part, 28 + padded + at);
+  return bytes;
+}
