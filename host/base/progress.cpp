@@ -10,6 +10,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 
 #include "host/base/error.h"
 #include "host/base/processes/interrupt.h"
@@ -45,8 +46,25 @@ void Progress::report() {
 namespace {
 
 volatile std::sig_atomic_t g_interrupted = 0;
+volatile std::sig_atomic_t g_interrupted_at = 0;  // seconds of a steady clock
 
-void on_interrupt(int) { g_interrupted = 1; }
+int steady_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<int>(now.tv_sec);
+}
+
+// The first one asks politely. Another ends a program that does not listen, but not in the same or the next second:
+// some senders (timeout of coreutils, agents of farms) signal a process and then its group, which it is in.
+void on_interrupt(int signal) {
+  if (g_interrupted == 0) {
+    g_interrupted_at = steady_seconds();
+    g_interrupted = 1;
+  } else if (steady_seconds() - g_interrupted_at > 1) {
+    std::signal(signal, SIG_DFL);
+    raise(signal);
+  }
+}
 
 }  // namespace
 
@@ -57,8 +75,6 @@ namespace {
 void install_interrupt_handlers() {
   struct sigaction action = {};
   action.sa_handler = on_interrupt;
-  // One Ctrl-C asks politely; SA_RESETHAND lets a second one end a program that does not listen.
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

@@ -19,7 +19,17 @@ constexpr int kNoticeSeconds = 30;
 // Shares that a farm hands to one process: starting one, with its OpenCL programs, takes a second or less.
 constexpr int kChunkSeconds = 60;
 
-std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+std::string absolute(const std::string& path) {
+  const fs::path normal = fs::absolute(path).lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).string();  // without a slash behind
+}
+
+std::vector<std::string> all_absolute(std::vector<std::string> paths) {
+  for (std::string& path : paths) path = absolute(path);
+  std::sort(paths.begin(), paths.end());
+  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
+  return paths;
+}
 
 // Input, Input2, ... , Output: in order of the words.
 std::vector<std::string> parameter_names(const FarmCommand& command) {
@@ -167,16 +177,17 @@ FarmJson openjd_parameter_values(const FarmCommand& command) {
   return {{"parameterValues", values}};
 }
 
+std::vector<std::string> openjd_input_files(const FarmCommand& command) { return all_absolute(command.inputs); }
+
+int openjd_task_count(const FarmCommand& command) {
+  const int more = command.is_one_map ? 2 : command.is_merged ? 1 : 0;
+  return command.shards == 1 ? 1 : command.shards + more;
+}
+
 FarmJson openjd_asset_references(const FarmCommand& command) {
-  const auto all_absolute = [](std::vector<std::string> paths) {
-    for (std::string& path : paths) path = absolute(path);
-    std::sort(paths.begin(), paths.end());
-    paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
-    return FarmJson(paths);
-  };
   return {
       {"assetReferences",
-       {{"inputs", {{"filenames", all_absolute(command.inputs)}, {"directories", all_absolute(command.input_folders)}}},
+       {{"inputs", {{"filenames", openjd_input_files(command)}, {"directories", all_absolute(command.input_folders)}}},
         {"outputs", {{"directories", all_absolute(command.output_folders)}}},
         {"referencedPaths", FarmJson::array()}}}};
 }

@@ -41,6 +41,11 @@ FarmJson openjd_template(const FarmCommand& command);
 FarmJson openjd_parameter_values(const FarmCommand& command);
 FarmJson openjd_asset_references(const FarmCommand& command);
 
+/// Absolute and sorted, each once.
+std::vector<std::string> openjd_input_files(const FarmCommand& command);
+/// Of all steps: shares, and what comes before and after them.
+int openjd_task_count(const FarmCommand& command);
+
 /// YAML 1.2 of objects, lists, texts, numbers and booleans, in blocks; texts are in double quotes.
 std::string yaml_text(const FarmJson& value);
 

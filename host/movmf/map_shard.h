@@ -57,7 +57,7 @@ std::string shard_path(const std::string& output, const MapShard& shard);
 ///
 ///   rows; then text: the key; a note; and a line for each block of rows, in order: level, first row, rows, bytes of a
 ///   row of lobes, bytes of a row of features, CRC-64 of the block; the bytes of that text, 8 of them, little-endian;
-///   "multum shard 2\n"
+///   "multum shard 3\n"
 ///
 /// A block is rows [lobe][column] of lobes, then rows [triple][lobe][column] of features.
 class ShardWriter {

@@ -211,19 +211,20 @@ class MovmfFitter {
                           const LevelRows& kept) {
     const std::size_t lobe_bytes = row_bytes(level), feature_bytes = feature_row_bytes(level);
     const auto count = static_cast<std::size_t>(rows.row_count);
-    std::vector<unsigned char> lobes(lobe_bytes * count), features(feature_bytes * count);
-    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.data());
-    if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.data());
+    // Not set to 0: tens of megabytes a band.
+    const auto lobes = std::make_unique_for_overwrite<unsigned char[]>(lobe_bytes * count),
+               features = std::make_unique_for_overwrite<unsigned char[]>(feature_bytes * count);
+    rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
+    if (has_features()) rows.features->copy_rows(rows.first_row, rows.row_count, features.get());
     if (store.own)
       for_each_piece(rows.first_row, rows.row_count, level.fit.height, [&](int first, int piece, int at) {
-        store.own->write(first, piece, lobes.data() + lobe_bytes * static_cast<std::size_t>(at));
+        store.own->write(first, piece, lobes.get() + lobe_bytes * static_cast<std::size_t>(at));
       });
     const LevelRows own = {std::max(rows.first_row, kept.begin), std::min(rows.first_row + rows.row_count, kept.end)};
     if (own.begin >= own.end) return;
     const auto at = static_cast<std::size_t>(own.begin - rows.first_row);
     inputs_.shard->writer->add_rows(level.level, own.begin, own.end - own.begin, lobe_bytes,
-                                    lobes.data() + lobe_bytes * at, feature_bytes,
-                                    features.data() + feature_bytes * at);
+                                    lobes.get() + lobe_bytes * at, feature_bytes, features.get() + feature_bytes * at);
     advance(own.begin, own.end - own.begin, level.fit.height);
   }
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -16,7 +17,7 @@
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
 #include "host/base/files/byte_file.h"
-#include "host/base/files/output_paths.h"
+#include "host/base/files/partial_folder.h"
 #include "host/base/held_warnings.h"
 #include "host/base/processes/viewer_process.h"
 #include "host/base/run_times.h"
@@ -103,26 +104,18 @@ std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
   return sweep;
 }
 
-// A folder that goes away.
-class Scratch {
- public:
-  explicit Scratch(std::string folder) : folder_(std::move(folder)) { make_folder(folder_); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  std::string operator/(const std::string& name) const { return folder_ + "/" + name; }
-
- private:
-  const std::string folder_;
-};
+// Has what a killed sweep left removed.
+std::unique_ptr<PartialFolder> take_scratch(const std::string& output) {
+  std::unique_ptr<PartialFolder> folder = PartialFolder::take(output);
+  if (!folder) throw Error(ErrorCode::kEnvironment, output + ": is being written by another process");
+  folder->clear();
+  return folder;
+}
 
 class Sweep {
  public:
   Sweep(const TradeoffJob& job, Device& device, Progress* progress)
-      : job_(job), device_(device), progress_(progress), scratch_(job.scratch) {}
+      : job_(job), device_(device), progress_(progress), scratch_(take_scratch(job.output)) {}
 
   TradeoffResult run() {
     const Stopwatch stopwatch;
@@ -159,7 +152,7 @@ class Sweep {
     progress_stage(progress_, "bake " + options);
     BakeJob bake = job_.bake;
     apply(swept.values, bake);
-    bake.output = scratch_ / "swept.ndf.exr";
+    bake.output = scratch("swept.ndf.exr");
     bake.report.clear();
     bake.force = true;
     if (!job_.has_roughness()) bake.highlights = job_.brdf.more_highlights();
@@ -208,7 +201,7 @@ class Sweep {
       runs.push_back([this, &one, &source] {
         BakeJob bake = job_.bake;
         apply(one.values, bake);
-        bake.output = scratch_ / "timed.ndf.exr";
+        bake.output = scratch("timed.ndf.exr");
         bake_unmeasured(bake, source);
       });
     const std::vector<RunTime> times = time_in_turns(runs, kTimedRounds, progress_);
@@ -224,7 +217,7 @@ class Sweep {
   void repeat_default(const BakeSource& source) {
     progress_stage(progress_, "repeat the default");
     BakeJob bake = job_.bake;
-    bake.output = scratch_ / "repeated.ndf.exr";
+    bake.output = scratch("repeated.ndf.exr");
     bake_times_.push_back(bake_unmeasured(bake, source).bake_seconds());
     if (job_.viewer.empty()) return;
     const View view{"", "", "", true};
@@ -254,28 +247,30 @@ class Sweep {
     row.has_error = true;
   }
 
+  std::string scratch(const std::string& name) const { return scratch_->path() + "/" + name; }
+
   // The reference is drawn with it, the pixel's own, as the measured error has it. Then again without: the quicker of
   // two frames is less of what else the machine did.
   void draw(const std::string& baked, const View& view, TradeoffRow& row) {
     progress_stage(progress_, "draw " + row.options);
     const nlohmann::json with_reference =
         run_view(baked, view,
-                 {"--pictures", scratch_ / "picture", "--compare", "reference", "--reference-of", "pixel", "--samples",
+                 {"--pictures", scratch("picture"), "--compare", "reference", "--reference-of", "pixel", "--samples",
                   fmt::format("{}", job_.samples)});
     result_.renderer = with_reference.at("context").get<std::string>();
     row.rendered = own_picture(with_reference).at("relative_l1").get<double>();
     const nlohmann::json again = run_view(baked, view, {});
     row.frame_ms = std::min(own_picture(with_reference).at("frame_time_ms").get<double>(),
                             own_picture(again).at("frame_time_ms").get<double>());
-    row.picture = bytes_of_file(scratch_ / "picture_multum.png");
-    if (result_.reference.empty()) result_.reference = bytes_of_file(scratch_ / "picture_reference.png");
+    row.picture = bytes_of_file(scratch("picture_multum.png"));
+    if (result_.reference.empty()) result_.reference = bytes_of_file(scratch("picture_reference.png"));
   }
 
   // What it reports.
   nlohmann::json run_view(const std::string& baked, const View& view, const std::vector<std::string>& more) {
     std::vector<std::string> command = {job_.viewer, baked,
-                                        "-o",        scratch_ / "sheet.png",
-                                        "--report",  scratch_ / "view.json",
+                                        "-o",        scratch("sheet.png"),
+                                        "--report",  scratch("view.json"),
                                         "--source",  job_.bake.input,
                                         "--context", job_.context,
                                         "--decode",  job_.decode,
@@ -288,7 +283,7 @@ class Sweep {
     std::stringstream words(view.arguments);
     for (std::string word; words >> word;) command.push_back(word);
     run_viewer(command, "drawing " + baked, progress_);
-    return nlohmann::json::parse(bytes_of_file(scratch_ / "view.json"));
+    return nlohmann::json::parse(bytes_of_file(scratch("view.json")));
   }
 
   // A frame that was not drawn keeps to no budget of time.
@@ -319,7 +314,7 @@ class Sweep {
   const TradeoffJob& job_;
   Device& device_;
   Progress* const progress_;
-  const Scratch scratch_;
+  const std::unique_ptr<PartialFolder> scratch_;
   TradeoffResult result_;
   std::vector<double> bake_times_, frame_times_;  // of the default settings
 };

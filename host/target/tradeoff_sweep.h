@@ -20,7 +20,7 @@ struct TradeoffJob {
   std::string viewer;             // multum-view; empty: nothing is drawn
   std::string context = "auto";   // of multum-view
   std::string decode = "child";   // of multum-view, too
-  std::string scratch;            // a folder for baked files and pictures, made and removed again
+  std::string output;             // the page, which others write; baked files and pictures lie beside it, hidden
   int width = 320, height = 240;  // of pictures
   int samples = 64;               // a pixel of the reference
   std::optional<double> error;    // what to pick settings for: one of both, or none
@@ -87,7 +87,7 @@ struct TradeoffResult {
   std::size_t setting_count() const;
 };
 
-/// Throws Error, Cancelled; TradeoffJob::scratch is gone after, whatever happens. Progress: a unit a row.
+/// Throws Error, Cancelled; nothing is left beside TradeoffJob::output. Progress: a unit a row.
 TradeoffResult run_tradeoff(const TradeoffJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

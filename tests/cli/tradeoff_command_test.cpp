@@ -190,12 +190,18 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
 }
 
 TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {
-  Program program(multum_command(command({})));
-  while (program.running() && folder_.names().count("costs.html.sweep") == 0)
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  program.send(SIGINT);
-  const ProgramResult result = program.wait();
-  EXPECT_EQ(result.exit_code, 130) << result.err;
+  const std::string scratch = ".multum-partial-costs.html";
+  // What a killed one leaves is in no one's way.
+  for (const int signal : {SIGKILL, SIGINT}) {
+    Program program(multum_command(command({})));
+    while (program.running() && !std::filesystem::exists(path(scratch + "/swept.ndf.exr")))
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    program.send(signal);
+    const ProgramResult result = program.wait();
+    EXPECT_EQ(signal == SIGKILL ? result.signal : result.exit_code, signal == SIGKILL ? SIGKILL : 130) << result.err;
+    EXPECT_EQ(folder_.names().contains(scratch), signal == SIGKILL);
+    std::filesystem::remove(path(scratch + "/swept.ndf.exr"));  // which tells when the next one has begun
+  }
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png"}));
 }
 

@@ -156,6 +156,17 @@ class SlurmTest(ClientCase):
         self.slurm.wait_until("the shared folder is empty", lambda: os.listdir(place) == ["task.sh"])
         self.assertEqual([name for name in os.listdir(self.service.root) if name.startswith(".")], [])
 
+    def daemon_rests(self):
+        """Its own processor time, without that of the commands it runs."""
+        def seconds():
+            with open(f"/proc/{self.service.process.pid}/stat", encoding="utf-8") as file:
+                fields = file.read().rsplit(")", 1)[1].split()
+            return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
+
+        before = seconds()
+        time.sleep(1)
+        self.assertLess(seconds() - before, 0.3)
+
     # ---- As it should go
 
     def test_small_jobs_share_tasks(self):
@@ -173,6 +184,7 @@ class SlurmTest(ClientCase):
         here = self.drill(text="here", output=self.output("here"))  # of the other queue
         self.assertEqual(self.succeed(here, "here")["parts"], [])
         self.nothing_is_left()
+        self.daemon_rests()
 
     def test_types_of_a_queue(self):
         self.start_slurm('types = ["bake"]')
@@ -328,7 +340,8 @@ class SlurmTest(ClientCase):
     def test_a_daemon_that_dies(self):
         service = self.start_slurm("chunk_s = 0")
         numbers = {f"job{i}": self.farm(f"job{i}", 2) for i in range(4)}
-        self.slurm.wait_until("two run", lambda: sum(" RUNNING" in line for line in self.slurm.jobs()) == 2)
+        self.slurm.wait_until("all are sent, and two run", lambda: self.submitted_count() == 4 and sum(
+            " RUNNING" in line for line in self.slurm.jobs()) == 2)
         service.kill()
         self.slurm.wait_until("they have ended", lambda: len(self.slurm.jobs()) <= 2)
         service.start()

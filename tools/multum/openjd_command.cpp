@@ -41,7 +41,7 @@ struct OpenJdOptions {
   std::vector<std::string> words;
 };
 
-// "--option=value" as two words, so that each path is a word's.
+// "--option=value" as two words, so that each path is a word's; a set that lies here as ./SET, so that it has a folder.
 std::vector<std::string> split_words(const std::vector<std::string>& given) {
   std::vector<std::string> words;
   for (const std::string& word : given) {
@@ -53,6 +53,8 @@ std::vector<std::string> split_words(const std::vector<std::string>& given) {
     words.push_back(word.substr(0, equals));
     words.push_back(word.substr(equals + 1));
   }
+  for (std::string& word : words)
+    if (word.find(kUdim) != std::string::npos && word.find('/') == std::string::npos) word.insert(0, "./");
   return words;
 }
 
@@ -90,6 +92,28 @@ std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std:
   return found;
 }
 
+// Commands name what they work on first. A farm would find out on some worker, later.
+void check_input_is_there(const std::vector<std::string>& words) {
+  if (words.size() < 2 || words[1].starts_with('-') || words[1].find(kUdim) != std::string::npos || exists(words[1]))
+    return;
+  throw Error(ErrorCode::kInput, words[1] + ": is not there, expected what " + words[0] + " is to read");
+}
+
+// What merging shares of one map has no part in (docs/FARMS.md, "Shares of one map").
+void check_can_be_divided(const std::vector<std::string>& words) {
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string& value = i + 1 < words.size() ? words[i + 1] : words[i];
+    const bool has_no_bands =
+        words[i] == "--refine" || words[i] == "--onto" || words[i] == "--target-error" || words[i] == "--budget-ms" ||
+        (words[i] == "--ndf" && (value == "moments" || value == "sh")) || (words[i] == "--lobes" && value == "1");
+    if (has_no_bands)
+      throw Error(ErrorCode::kUsage,
+                  "--shards of one map and " + words[i] +
+                      " are given, expected a bake of two lobes and more, without --refine, --onto, --target-error or "
+                      "--budget-ms");
+  }
+}
+
 struct BakedMaps {
   std::vector<BakeJob> jobs;
   bool is_scene = false;
@@ -103,6 +127,8 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
     if (words[i - 1] == "--manifest") manifest = words[i];
     if (words[i - 1] == "-o" || words[i - 1] == "--output") pattern.output = words[i];
   }
+  if (manifest.empty() && pattern.output.empty())
+    throw Error(ErrorCode::kUsage, "bake: found no --output, expected one, or --manifest");
   if (!manifest.empty()) {
     BakedMaps baked;
     for (ManifestMap& map : read_bake_manifest(manifest, pattern)) baked.jobs.push_back(std::move(map.job));
@@ -157,9 +183,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   FarmCommand command;
   command.words = split_words(o.words);
   const std::string kind = command.words.front();
-  if (!kCommands.contains(kind))
-    throw Error(ErrorCode::kUsage,
-                kind + " is no command for a farm, expected bake, export, infer, pack, mip, reflectance or tradeoff");
+  check_input_is_there(command.words);
   for (std::size_t i = 1; i < command.words.size(); ++i) {
     if (command.words[i] == "--shard" || command.words[i] == "--merge")
       throw Error(ErrorCode::kUsage,
@@ -178,6 +202,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene;
   command.is_merged = bakes.is_scene || kind == "infer";
   command.shards = o.shards > 0 ? o.shards : pieces;
+  if (command.is_one_map && command.shards > 1) check_can_be_divided(command.words);
   if (kind == "infer" && command.shards > kMergedSharesMax)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--shards is {}, expected at most {}", command.shards, kMergedSharesMax));
@@ -192,13 +217,19 @@ int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std
   apply(o.common);
   if (o.words.empty())
     throw Error(ErrorCode::kUsage, "found no command, expected one: multum openjd -o FOLDER bake ...");
+  if (!kCommands.contains(o.words.front()))
+    throw Error(ErrorCode::kUsage, o.words.front() +
+                                       " cannot be sent to a farm, expected bake, export, infer, pack, "
+                                       "mip, reflectance or tradeoff");
   check_words(o.words);
   const FarmCommand command = farm_command(o);
   check_paths_differ(command.inputs, {o.output});
   write_openjd_bundle(command, o.output);
+  const int tasks = openjd_task_count(command);
+  const std::size_t files = openjd_input_files(command).size();
   if (!o.common.quiet)
-    print_shown(stdout, "%s: %d %s, %zu files read\n", o.output.c_str(), command.shards,
-                command.shards == 1 ? "task" : "tasks", command.inputs.size());
+    print_shown(stdout, "%s: written; %d %s, %zu input %s\n", o.output.c_str(), tasks, tasks == 1 ? "task" : "tasks",
+                files, files == 1 ? "file" : "files");
   return 0;
 }
 
@@ -207,7 +238,11 @@ int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std
 void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words)) {
   auto options = std::make_shared<OpenJdOptions>();
   CLI::App* openjd = app.add_subcommand(
-      "openjd", "write another command as a job bundle of Open Job Description, for render farms (docs/FARMS.md)");
+      "openjd",
+      "write another command as a job bundle of Open Job Description, for render farms (docs/FARMS.md)\n"
+      "  multum openjd -o bundle bake --manifest maps.toml\n"
+      "  multum openjd -o bundle --shards 8 bake cliff.png -o cliff.ndf.exr\n"
+      "  multum openjd -o bundle --shards 16 infer animation.toml -o inferred");
   openjd->prefix_command();
   openjd->add_option("-o,--output", options->output, "folder to write the bundle to")->required();
   openjd

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum tradeoff: what accuracy costs in time, for one map on this machine.
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include "host/base/error.h"
@@ -49,9 +48,7 @@ int run_tradeoff_command(TradeoffOptions& o) {
   check_paths_differ(input_files(job.bake), outputs);
   for (const std::string& path : outputs)
     if (!path.empty()) check_writable(path);
-  job.scratch = o.output + ".sweep";
-  if (std::filesystem::exists(job.scratch))
-    throw Error(ErrorCode::kEnvironment, job.scratch + ": exists already, expected no file or folder of that name");
+  job.output = o.output;
   Device device = Device::when_needed(DeviceChoice{o.values.text("device").value_or("")});
   const auto progress = make_progress(o.common);
   const TradeoffResult result = run_tradeoff(job, device, progress.get());

@@ -190,30 +190,41 @@ void Dispatcher::start() {
 
 void Dispatcher::pump() {
   if (is_draining_) return;
-  wants_claim_ = wants_slurm_claim_ = true;
-  if (!is_claiming_) claim(reserve(pool_.idle()), limits_here(), &is_claiming_, &wants_claim_);
-  if (!slurm_ || is_claiming_slurm_) return;
-  const auto room = static_cast<std::size_t>(std::min(slurm_->room(), kSlurmClaimsMax));
-  claim(std::vector<std::string>(room, slurm_owner(instance_)), limits_of_slurm(), &is_claiming_slurm_,
-        &wants_slurm_claim_);
+  claims_here_.is_wanted = slurm_claims_.is_wanted = true;
+  claim_here();
+  claim_for_slurm();
 }
 
-void Dispatcher::claim(std::vector<std::string> owners, ClaimLimits limits, bool* is_claiming, bool* wants_claim) {
+void Dispatcher::claim_here() {
+  if (is_draining_ || claims_here_.is_under_way) return;
+  claim(claims_here_, reserve(pool_.idle()), limits_here(), &Dispatcher::claim_here);
+}
+
+void Dispatcher::claim_for_slurm() {
+  if (is_draining_ || !slurm_ || slurm_claims_.is_under_way) return;
+  const auto room = static_cast<std::size_t>(std::min(slurm_->room(), kSlurmClaimsMax));
+  claim(slurm_claims_, std::vector<std::string>(room, slurm_owner(instance_)), limits_of_slurm(),
+        &Dispatcher::claim_for_slurm);
+}
+
+// One that ends asks again for itself alone: if it asked for both, each would find at its end that the other had asked,
+// for ever.
+void Dispatcher::claim(Claims& claims, std::vector<std::string> owners, ClaimLimits limits,
+                       void (Dispatcher::*again)()) {
   if (owners.empty()) return;
-  *is_claiming = true;
-  *wants_claim = false;
+  claims = {.is_under_way = true, .is_wanted = false};
   const auto outcome = std::make_shared<Outcome>();
   ledger_.run(
       [outcome, owners, limits = std::move(limits)](JobQueue& queue) { settle(queue, limits, owners, *outcome); },
-      [=, this](const std::exception_ptr& error) {
-        *is_claiming = false;
+      [=, this, &claims](const std::exception_ptr& error) {
+        claims.is_under_way = false;
         if (error) {
           if (!ledger_.is_lost()) service_log(LogSeverity::kError, 0, "jobs cannot be claimed: " + words_of(error));
           for (const std::string& owner : owners) reserved_.erase(owner);
           return wake_at(wall_clock_ms() + 5000);
         }
         take(owners, *outcome);
-        if (*wants_claim || !outcome->claimed.empty()) pump();
+        if (claims.is_wanted || !outcome->claimed.empty()) (this->*again)();
       });
 }
 

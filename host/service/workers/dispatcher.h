@@ -98,7 +98,13 @@ class Dispatcher {
   void adopt(const std::vector<Job>& jobs, const std::vector<SlurmPart>& parts, std::int64_t last_batch);
   ClaimLimits limits_here() const;
   ClaimLimits limits_of_slurm() const;
-  void claim(std::vector<std::string> owners, ClaimLimits limits, bool* is_claiming, bool* wants_claim);
+  struct Claims {
+    bool is_under_way = false;
+    bool is_wanted = false;  // again, for what has changed since
+  };
+  void claim_here();
+  void claim_for_slurm();
+  void claim(Claims& claims, std::vector<std::string> owners, ClaimLimits limits, void (Dispatcher::*again)());
   void on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result);
   void publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed);
   /// On the ledger's thread. Throws as StagedResult::publish() does.
@@ -129,8 +135,7 @@ class Dispatcher {
   };
   std::map<std::int64_t, Running> running_;
   std::set<std::string> reserved_;  // workers that a claim is on its way for
-  // Of workers here, and for Slurm.
-  bool is_claiming_ = false, wants_claim_ = false, is_claiming_slurm_ = false, wants_slurm_claim_ = false;
+  Claims claims_here_, slurm_claims_;
   bool is_draining_ = false;
   int unsettled_ = 0;  // ends and publications on their way into the ledger
   std::function<void()> drained_;

@@ -133,7 +133,7 @@ class BundleTest(FarmTest):
         whole = self.folder / "whole.ndf.exr"
         self.succeed("bake", map_file, "-o", whole)
         bundle, said = self.bundle("--shards", 3, "bake", map_file, "-o", output)
-        self.assertIn("3 tasks", said)
+        self.assertIn("5 tasks, 1 input file", said)
         self.assertNotIn("extensions", bundle.template)
         tasks = bundle.run(order=lambda tasks: tasks[::-1])
         self.assertEqual([(task.values.get("Task.Param.Shard"), task.code) for task in tasks],
@@ -181,17 +181,38 @@ class BundleTest(FarmTest):
         self.assertEqual(contents(self.folder / "out"), resumed)
 
     def test_refusals(self):
-        for words, expected in ((("bake", self.folder / "none.png", "-o", "a.ndf.exr"), "found no map that is there"),
+        rock = self.folder / "rock_1001.png"
+        for words, expected in ((("bake", rock), "found no --output"),
+                                (("--shards", 2, "bake", rock, "-o", "a.ndf.exr", "--refine"), "--refine"),
+                                (("--shards", 2, "bake", rock, "-o", "a.ndf.exr", "--ndf=sh"), "two lobes and more"),
+                                (("serve",), "cannot be sent to a farm"),
                                 (("bake", "--manifest", self.manifest, "--lobos", 3), "--lobos"),
                                 (("bake", "--manifest", self.manifest, "--shard", "1/2"), "--shards N before bake"),
                                 (("bake", self.folder / "rock_1001.png", "-o", "a.exr", "--merge", 2), "--shards N"),
                                 (("--shards", 6, "bake", "--manifest", self.manifest), "at most 5"),
-                                (("info", self.folder / "rock_1001.png"), "no command for a farm"),
+                                (("info", self.folder / "rock_1001.png"), "cannot be sent to a farm"),
                                 (("bakery",), "bakery"), ((), "found no command")):
             done = run("openjd", "-o", self.folder / "bundle", *words)
             self.assertEqual(done.returncode, 2, words)
             self.assertIn(expected, done.stderr)
             self.assertFalse((self.folder / "bundle").exists())
+        for words in (("bake", self.folder / "none.png", "-o", "a.ndf.exr"), ("pack", "none", "-o", "a.mpt")):
+            done = run("openjd", "-o", self.folder / "bundle", *words)
+            self.assertEqual(done.returncode, 3, words)
+            self.assertIn("is not there", done.stderr)
+            self.assertFalse((self.folder / "bundle").exists())
+
+    def test_a_set_that_lies_here(self):
+        done = subprocess.run([farm_programs.multum(), "openjd", "-o", "bundle", "--shards", "2", "bake",
+                               "rock_<UDIM>.png", "-o", "<UDIM>.ndf.exr"],
+                              capture_output=True, text=True, check=False, cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("2 tasks, 5 input files", done.stdout)
+        bundle = Bundle(self.folder / "bundle")
+        bundle.set("Multum", str(farm_programs.multum()))
+        self.assertEqual([bundle.values[f"Param.{name}"] for name in ("Input", "Output")], [str(self.folder)] * 2)
+        self.assertEqual([task.code for task in bundle.run()], [0, 0])
+        self.assertEqual(len(contents(self.folder)), self.maps)
 
     def test_the_schema_refuses_what_is_none(self):
         good, _ = self.bundle("bake", "--manifest", self.manifest)
@@ -211,7 +232,7 @@ class MergedBundleTest(FarmTest):
     def check(self, words, shards):
         self.succeed(*words, "-o", self.folder / "whole")
         bundle, said = self.bundle("--shards", shards, *words, "-o", self.folder / "out")
-        self.assertIn(f"{shards} tasks", said)
+        self.assertIn(f"{shards + 1} tasks", said)
         self.assertEqual([step["name"] for step in bundle.steps()], ["Shares", "Merge"])
         tasks = bundle.run(chunk_size=2, again=[{"Task.Param.Shard": "1-2"}], order=lambda tasks: tasks[::-1])
         self.assertEqual([(task.values.get("Task.Param.Shard"), task.code) for task in tasks],

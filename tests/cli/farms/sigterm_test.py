@@ -22,8 +22,11 @@ at = sys.argv.index("--traced-folder")
 TRACED_FOLDER = sys.argv[at + 1]
 del sys.argv[at:at + 2]
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "gltf"))
+import gltf_test  # noqa: E402
+
 GRACE_SECONDS = 30  # of a farm; a quarter of it must do
-SIZE = 256
+SIZE = 128
 
 
 @dataclasses.dataclass
@@ -34,42 +37,53 @@ class Row:
     keeps: tuple = ()   # beginnings of names, hidden ones too, that may be there when it was stopped
     before: tuple = ()  # commands that make what it works on in `out`
     timed: tuple = ("report.json", "report.html")  # results that have times in them, and differ from run to run
+    until: str = ""     # a stage that it must have begun
+    share: float = 0.3  # of its time, after which it is stopped
 
 
 MAP = ("{maps}/map_normal.png",)
+LARGE = ("{maps}/large_normal.png",)
+ONE = ("-o", "{out}/map.ndf.exr", "--no-measure")
+PARTIAL = (".multum-partial-",)
 ROWS = (
-    Row("bake", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--resume"), (".multum-partial-",)),
-    Row("bake gmm", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--ndf", "gmm", "--resume"), (".multum-partial-",)),
-    Row("bake refine", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--refine", "--resume"), (".multum-partial-",)),
-    Row("bake target", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--target-error", "0.5", "--resume"),
-        (".multum-partial-",)),
-    Row("bake several", ("bake", "{maps}/map_normal.png", "{maps}/second_normal.png", "-o", "{out}", "--resume"),
-        (".multum-partial-", "map_normal.ndf.exr")),
+    # With the stage that measures.
+    Row("bake", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--resume"), PARTIAL),
+    Row("bake gmm", ("bake", *MAP, *ONE, "--ndf", "gmm", "--resume"), PARTIAL),
+    Row("bake refine", ("bake", *MAP, *ONE, "--refine", "--resume"), PARTIAL),
+    Row("bake target", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--target-error", "0.5", "--ndf", "vmf", "--brdf",
+                        "lambert", "--resume"), (*PARTIAL, "map.ndf.exr"), share=0.1),  # most of it draws a picture
+    Row("bake budget", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--budget-ms", "1e6"), until="choose settings"),
+    Row("bake several", ("bake", *MAP, "{maps}/second_normal.png", "-o", "{out}", "--no-measure", "--resume"),
+        (*PARTIAL, "map_normal.ndf.exr")),
     Row("bake manifest", ("bake", "--manifest", "{out}/maps.toml", "--resume"),
-        (".multum-partial-", "map.ndf.exr", "maps.toml")),
+        (*PARTIAL, "map.ndf.exr", "maps.toml")),
     Row("bake scene", ("bake", "{maps}/scene.toml", "-o", "{out}", "--resume"),
-        (".multum-partial-", "plan.json", "wall.ndf.exr")),
+        (*PARTIAL, "plan.json", "wall.ndf.exr")),
     Row("bake scene shard", ("bake", "{maps}/scene.toml", "-o", "{out}", "--shard", "1-2/2", "--resume"),
-        (".multum-partial-", "wall.ndf.exr", "shards"), timed=("shards",)),
-    Row("bake shard", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--shard", "0/2")),
-    Row("bake merge", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--merge", "2"), ("map.ndf.exr.shard-",),
-        tuple(("bake", *MAP, "-o", "{out}/map.ndf.exr", "--shard", f"{i}/2") for i in range(3))),
-    Row("bake moments", ("bake", "{maps}/large_normal.png", "-o", "{out}/map.ndf.exr", "--ndf", "moments")),
-    Row("bake harmonics", ("bake", "{maps}/large_normal.png", "-o", "{out}/map.ndf.exr", "--ndf", "sh")),
-    Row("bake one lobe", ("bake", "{maps}/large_normal.png", "-o", "{out}/map.ndf.exr", "--lobes", "1")),
+        (*PARTIAL, "wall.ndf.exr", "shards"), timed=("shards",)),
+    Row("bake shard", ("bake", *MAP, *ONE, "--shard", "0/2")),
+    Row("bake merge", ("bake", *LARGE, *ONE, "--compression", "zip:8", "--merge", "2"), ("map.ndf.exr.shard-",),
+        tuple(("bake", *LARGE, *ONE, "--compression", "zip:8", "--shard", f"{i}/2") for i in range(3))),
+    Row("bake moments", ("bake", *LARGE, *ONE, "--ndf", "moments")),
+    Row("bake harmonics", ("bake", *LARGE, *ONE, "--ndf", "sh")),
+    Row("bake one lobe", ("bake", *LARGE, *ONE, "--lobes", "1")),
     Row("bake onto", ("bake", "{maps}/edited_normal.png", "-o", "{out}/map.ndf.exr", "--onto", "{maps}/baked.ndf.exr",
-                      "--region", "0,0,256,256")),
-    Row("infer", ("infer", "{maps}/animation.toml", "-o", "{out}", "--context", "osmesa", "--absolute-geometry"),
-        ("textures", "matrices", "frames", "comparison", "inferred.json")),
+                      "--region", "0,0,128,128")),
+    Row("infer", ("infer", "{maps}/animation.toml", "-o", "{out}", "--context", "osmesa", "--absolute-geometry",
+                  "--no-comparison"), ("textures", "matrices", "frames", "inferred.json")),
     Row("infer shard", ("infer", "{maps}/animation.toml", "-o", "{out}", "--context", "osmesa", "--shard", "1-2/2"),
         ("textures", "matrices", "shards"), timed=("shards",)),
-    Row("pack", ("pack", "{maps}/inferred", "-o", "{out}/field.mpt", "--ratio", "8", "--resume"),
-        (".multum-partial-",)),
+    Row("pack", ("pack", "{maps}/inferred", "-o", "{out}/field.mpt", "--ratio", "8", "--resume"), PARTIAL),
     Row("mip", ("mip", "{maps}/large_albedo.png", "-o", "{out}/colours.exr")),
     Row("reflectance", ("reflectance", "--light", "0,0,1", "--light", "1,0,1", "--size", "2048", "-o",
                         "{out}/map.exr")),
+    Row("tradeoff", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--no-pictures")),
+    # While another program draws.
+    Row("tradeoff drawing", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--context", "osmesa"), until="draw"),
+    Row("gltf", ("gltf", "{maps}/model.glb", "-o", "{out}/model.glb", "--format", "rgba8")),
     Row("export", ("export", *MAP, "-o", "{out}/engine")),
-    Row("export several", ("export", "{maps}/map_normal.png", "{maps}/second_normal.png", "-o", "{out}"),
+    Row("export resume", ("export", *MAP, "-o", "{out}/engine", "--resume"), PARTIAL),
+    Row("export several", ("export", *MAP, "{maps}/second_normal.png", "-o", "{out}"),
         ("map_normal", "second_normal")),
 )
 
@@ -87,12 +101,14 @@ class SigtermTest(unittest.TestCase):
         cls.addClassCleanup(cls.holder.cleanup)
         cls.maps = pathlib.Path(cls.holder.name) / "maps"
         cls.maps.mkdir()
-        for name, size, seed in (("map", SIZE, 1), ("second", SIZE, 2), ("edited", SIZE, 3), ("large", 2 * SIZE, 1)):
+        for name, size, seed in (("map", SIZE, 1), ("second", SIZE, 2), ("edited", SIZE, 3), ("large", 4 * SIZE, 1)):
             cls.prepare("testmap", cls.maps / name, "--size", size, "--seed", seed)
         (cls.maps / "scene.toml").write_text(farm_programs.scene_of([("wall", "map", ""), ("floor", "second", "")]))
-        cls.prepare("bake", cls.maps / "map_normal.png", "-o", cls.maps / "baked.ndf.exr")
+        cls.prepare("bake", cls.maps / "map_normal.png", "-o", cls.maps / "baked.ndf.exr", "--no-measure")
+        model = gltf_test.plain_model(gltf_test.bumps(2 * SIZE, 2 * SIZE), gltf_test.packed(2 * SIZE, 2 * SIZE))
+        (cls.maps / "model.glb").write_bytes(model.glb())
         (cls.maps / "renders").mkdir()
-        subprocess.run([TRACED_FOLDER, cls.maps / "renders", "2", "4"], check=True)
+        subprocess.run([TRACED_FOLDER, cls.maps / "renders", "2", "2"], check=True)
         cls.prepare("animation", cls.maps / "renders", "-o", cls.maps / "animation.toml")
         cls.prepare("infer", cls.maps / "animation.toml", "-o", cls.maps / "inferred", "--context", "osmesa",
                     "--no-frames", "--no-comparison")
@@ -120,13 +136,17 @@ class SigtermTest(unittest.TestCase):
         return out
 
     def stopped(self, row, out, pause):
-        """Exit code of the command when it hears SIGTERM, and how long it took from there."""
+        """Exit code of the command when it hears SIGTERM, and how long it took from there. The signal comes twice, as
+        from `timeout`, which signals a process and its group."""
         words = [farm_programs.multum(), *self.words_of(row.words, out), "--openjd"]
         with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+            begun = not row.until
             for line in child.stdout:
-                if line.startswith("openjd_progress"):
+                begun = begun or line.startswith("openjd_status: " + row.until)
+                if begun and line.startswith("openjd_progress"):
                     break
             time.sleep(pause)
+            child.send_signal(signal.SIGTERM)
             child.send_signal(signal.SIGTERM)
             sent = time.monotonic()
             said = child.communicate(timeout=GRACE_SECONDS)[1]
@@ -135,16 +155,19 @@ class SigtermTest(unittest.TestCase):
     def test_every_command(self):
         for row in ROWS:
             with self.subTest(row.name):
-                whole_out = self.out_of(row, "whole")
-                begin = time.monotonic()
-                self.prepare(*self.words_of(row.words, whole_out))
-                seconds = time.monotonic() - begin
-                whole = results(whole_out, row.timed)
-                self.assertTrue(whole or row.timed)
-                for share in (0.3, 0.1, 0.0):
+                whole, pauses = {}, (0.0,) if row.until else (0.2, 0.05, 0.0)
+                if row.keeps:  # others begin anew, as the first time
+                    whole_out = self.out_of(row, "whole")
+                    begin = time.monotonic()
+                    self.prepare(*self.words_of(row.words, whole_out))
+                    seconds = time.monotonic() - begin
+                    pauses = (row.share * seconds, row.share / 3 * seconds, 0.0)
+                    whole = results(whole_out, row.timed)
+                    self.assertTrue(whole or row.timed)
+                for pause in pauses:
                     out = self.out_of(row, "out")
                     there = set(results(out))
-                    code, waited, said = self.stopped(row, out, share * seconds)
+                    code, waited, said = self.stopped(row, out, pause)
                     self.assertIn(code, (0, 130), said)
                     self.assertLess(waited, GRACE_SECONDS / 4)
                     if code == 130:  # otherwise all was done when the signal came
@@ -158,7 +181,7 @@ class SigtermTest(unittest.TestCase):
                     self.assertNotIn(".multum-tmp-", name)
                     if name in whole:
                         self.assertEqual(left[name], whole[name], f"{name} is half-written")
-                if row.keeps:  # others begin anew, as the first time
+                if row.keeps:
                     self.prepare(*self.words_of(row.words, out))
                     self.assertEqual(results(out, row.timed), whole)
 

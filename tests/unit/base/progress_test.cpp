@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
+#include <thread>
 #include <vector>
 
 #include "host/base/error.h"
@@ -82,6 +84,16 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
         {
           const auto progress = make_terminal_progress(false);
           std::raise(signal);
+          std::raise(signal);
+          std::_Exit(42);
+        },
+        ::testing::ExitedWithCode(42), "")
+        << "one sender's two signals";
+    EXPECT_EXIT(
+        {
+          const auto progress = make_terminal_progress(false);
+          std::raise(signal);
+          std::this_thread::sleep_for(std::chrono::milliseconds(2100));
           std::raise(signal);
           std::_Exit(1);
         },

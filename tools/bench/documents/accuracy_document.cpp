@@ -409,7 +409,7 @@ std::string errors_table(const TradeoffResult& result) {
 std::string representations_section(Device& device, const AccuracyDocumentOptions& options) {
   const ScratchFolder scratch("");
   TradeoffJob job;
-  job.scratch = scratch / "sweep";
+  job.output = scratch / "sweep.html";
   job.bake.threads = options.threads;
   const auto sweep = [&](const std::string& name, const std::string& path) {
     std::printf("%s, every representation\n", name.c_str());
