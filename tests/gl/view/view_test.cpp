@@ -467,19 +467,30 @@ class FirstLevelViewTest : public ViewTest {
   gl::TestMap map_;
 };
 
-TEST_F(FirstLevelViewTest, PicturesAreNearThoseOfAFileThatHoldsEveryLevel) {
+TEST_F(FirstLevelViewTest, FromAfarPicturesAreThoseOfAFileThatHoldsEveryLevel) {
+  const std::vector<std::string> far = {"--camera", "0,30,60,0,30,0,40", "--repeat", "10"};  // 3.6 texels a pixel
   write_from(0);
-  const double whole = error();
+  const double whole = error(far);
   EXPECT_GT(whole, 0.01) << "a map that averages are wrong for, or there is nothing to compare";
   for (const int first_level : {1, 2}) {
     write_from(first_level);
-    EXPECT_NEAR(error(), whole, 0.1 * whole) << first_level;
+    EXPECT_NEAR(error(far), whole, 0.1 * whole) << first_level;
   }
   // The picture by itself needs the source as well, and no --compare.
   const ChildResult alone =
       view({"-o", path("alone.png"), "--source", path("n.png"), "--size", "16x12", "--context", "osmesa"});
   EXPECT_EQ(alone.exit_code, 0) << alone.output;
   EXPECT_EQ(alone.output.find("is not read"), std::string::npos) << alone.output;
+}
+
+// Half a texel a pixel.
+TEST_F(FirstLevelViewTest, NearTheNormalMapIsTheSurfaceBetweenTexels) {
+  const std::vector<std::string> near = {"--camera", "0,30,60,0,30,0,40",  "--repeat",
+                                         "1.29",     "--reference-texels", "interpolated"};
+  write_from(0);
+  const double stored = error(near);
+  write_from(1);
+  EXPECT_LT(error(near), 0.75 * stored);
 }
 
 TEST_F(FirstLevelViewTest, TheNormalMapIsAskedForByName) {
