@@ -54,13 +54,14 @@ int steady_seconds() {
   return static_cast<int>(now.tv_sec);
 }
 
-// The first one asks politely. Another ends a program that does not listen, but not in the same or the next second:
-// some senders (timeout of coreutils, agents of farms) signal a process and then its group, which it is in.
+// The first one asks politely. Another ends a program that does not listen, but not at once: some senders (timeout of
+// coreutils, agents of farms) signal a process and then its group, which it is in, and on a machine that is overloaded
+// seconds may lie between. Who presses Ctrl-C again does not wait so long.
 void on_interrupt(int signal) {
   if (g_interrupted == 0) {
     g_interrupted_at = steady_seconds();
     g_interrupted = 1;
-  } else if (steady_seconds() - g_interrupted_at > 1) {
+  } else if (steady_seconds() - g_interrupted_at > (signal == SIGINT ? 1 : 10)) {
     std::signal(signal, SIG_DFL);
     raise(signal);
   }

@@ -233,8 +233,7 @@ const steps = {
     const page = await openPage(`#job-${id}`, { width: 360, height: 740 });
     const link = page.locator("#detail a", { hasText: "its lobes" });
     const opening = page.context().waitForEvent("page");
-    await link.focus();
-    await page.keyboard.press("Enter");
+    await link.press("Enter");
     const look = await opening;
     look.on("pageerror", (error) => complaints.push(String(error)));
     await look.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);

@@ -94,10 +94,20 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
           const auto progress = make_terminal_progress(false);
           std::raise(signal);
           std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+          std::raise(SIGTERM);
+          std::_Exit(42);
+        },
+        ::testing::ExitedWithCode(42), "")
+        << "the same, of a machine that is overloaded";
+    EXPECT_EXIT(
+        {
+          const auto progress = make_terminal_progress(false);
           std::raise(signal);
+          std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+          std::raise(SIGINT);
           std::_Exit(1);
         },
-        ::testing::KilledBySignal(signal), "");
+        ::testing::KilledBySignal(SIGINT), "");
   }
 }
 
