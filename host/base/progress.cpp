@@ -73,11 +73,16 @@ bool is_interrupted() { return g_interrupted != 0; }
 
 namespace {
 
-void install_interrupt_handlers() {
-  struct sigaction action = {};
-  action.sa_handler = on_interrupt;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+// LLVM, which OpenCL's driver brings, puts handlers of its own in place of these, which a first signal takes away again
+// (SA_RESETHAND): a second one at the same moment would end the program. So they are looked after.
+void keep_interrupt_handlers() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction action = {};
+    if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler == on_interrupt) continue;
+    action = {};
+    action.sa_handler = on_interrupt;
+    sigaction(signal, &action, nullptr);
+  }
 }
 
 class TerminalBar {
@@ -127,9 +132,10 @@ class TerminalBar {
 }  // namespace
 
 std::unique_ptr<Progress> make_terminal_progress(bool show_bar) {
-  install_interrupt_handlers();
+  keep_interrupt_handlers();
   auto bar = show_bar && isatty(STDERR_FILENO) != 0 ? std::make_shared<TerminalBar>() : nullptr;
   return std::make_unique<Progress>([bar](const ProgressEvent& event) {
+    keep_interrupt_handlers();
     if (bar) bar->show(event);
     return g_interrupted == 0;
   });

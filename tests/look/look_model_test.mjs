@@ -181,11 +181,14 @@ try {
     ["view beyond its buffer", gltf(own, ({ json }) => { json.bufferViews[0].byteLength = 1e9; })],
     ["not in base64", gltf(own, ({ json }) => { json.buffers[0].uri = "data:,abc"; })],
     ["of version 1.0", gltf(own, ({ json }) => { json.asset.version = "1.0"; })],
-    ["JSON is damaged", [["model.gltf", Buffer.from("{ \"asset\": ")]]],
+    // A picture that belongs to such a model is no map of the page's.
+    ["JSON is damaged", [["colour.png", map], ["model.gltf", Buffer.from("{ \"asset\": ")]]],
+    ["names 50%.bin, which was not dropped", gltf(own, ({ json }) => { json.buffers[0].uri = "50%.bin"; })],
   ]) {
     const said = await drop(page, ...files);
     assert.ok(said.startsWith("model.gltf: ") && said.includes(words), `expected ${words}: ${said}`);
   }
+  assert.equal(await at(views[0]), withOwn);
 
   // What is not read is refused in words; what was drawn stays.
   const good = square(), before = await at(views[0]);

@@ -50,13 +50,16 @@ MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
 }
 
 #ifdef MULTUM_DRIVER_FILTER
-// Of what the driver will do the level alone is known.
+// Of what the driver will do the level alone is known, of an anisotropic filter that of the shorter length; the longer
+// one stands as the step of its one tap.
 MultumFootprint multum_footprint(sampler2D map, vec2 st) {
-  return MultumFootprint(vec2(0.0), 1, textureQueryLod(map, st).y);
+  vec2 size = vec2(textureSize(map, 0)), x = dFdx(st), y = dFdy(st);
+  return MultumFootprint(length(x * size) > length(y * size) ? x : y, 1, textureQueryLod(map, st).y);
 }
 
 MultumFootprint multum_footprint(sampler2DArray map, vec2 st) {
-  return MultumFootprint(vec2(0.0), 1, textureQueryLod(map, st).y);
+  vec2 size = vec2(textureSize(map, 0).xy), x = dFdx(st), y = dFdy(st);
+  return MultumFootprint(length(x * size) > length(y * size) ? x : y, 1, textureQueryLod(map, st).y);
 }
 
 vec4 multum_filtered(sampler2D map, vec2 st, MultumFootprint footprint) { return texture(map, st); }
@@ -101,8 +104,12 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 
 // The level of detail of all taps together: that of the longer length, which a trilinear filter alone would take.
 float multum_footprint_longer_lod(MultumFootprint footprint, ivec2 size) {
+#ifdef MULTUM_DRIVER_FILTER
+  return max(footprint.level, log2(max(length(footprint.tap_step * vec2(size)), 1e-15)));
+#else
   if (footprint.tap_count == 1) return footprint.level;
   return log2(float(footprint.tap_count) * length(footprint.tap_step * vec2(size))) + u_level_bias;
+#endif
 }
 
 // The footprint on another texture over the same coordinates: levels are counted from its own finest.

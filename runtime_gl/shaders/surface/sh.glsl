@@ -19,7 +19,7 @@ uniform vec3 u_diffuse_zonal[MULTUM_SH_ORDER + 1];  // of max(n . l, 0), the mea
 uniform sampler2D u_weights;
 #endif
 #ifdef MULTUM_NORMAL_MAP
-uniform sampler2D u_normal_map;  // mean normals of the levels finer than those that are stored; w = 1
+uniform sampler2D u_normal_map;  // mean normals of the levels finer than those stored; w = 0 beyond a black border
 #endif
 #ifdef MULTUM_ALBEDO_MAP
 uniform sampler2D u_albedo_map;

@@ -97,15 +97,18 @@ class Drops {
       const kinds = await Promise.all(list.map((file) => kindOf(file).catch(() => "image")));
       const order = ["exr", "ktx2", "image", "glb", "gltf"];
       say("");
-      const { models, named } = await this.gltfModels(list, kinds);
-      const sorted = list.map((file, i) => [file, kinds[i]]).filter(([file]) => !named.has(file.name))
+      const { models, isCompanion } = await this.gltfModels(list, kinds);
+      const sorted = list.map((file, i) => [file, kinds[i]]).filter(([file, kind]) => !isCompanion(file, kind))
         .sort((a, b) => order.indexOf(a[1]) - order.indexOf(b[1]));
       for (const [file, kind] of sorted) await this.takeOne(file, kind, models.get(file));
     });
     return this.last;
   }
 
-  /** The JSON of each glTF, an Error where it is damaged, and the names of all files that they ask for. */
+  /**
+   * The JSON of each glTF, or an Error where it is damaged, and whether a file is one that they ask for: with a damaged
+   * one, whose files are not known, every picture and what is not known.
+   */
   async gltfModels(list, kinds) {
     const models = new Map(), named = new Set();
     const files = new Map(list.map((file) => [file.name, file]));
@@ -119,7 +122,8 @@ class Drops {
         models.set(file, { error });
       }
     }
-    return { models, named };
+    const isAnyDamaged = [...models.values()].some(({ error }) => error !== undefined);
+    return { models, isCompanion: (file, kind) => kind === "image" && (isAnyDamaged || named.has(file.name)) };
   }
 
   async takeOne(file, kind, model) {
@@ -159,9 +163,9 @@ class Drops {
     const model = readModel(bytes, TARGET);
     this.page.setModel(model, name);
     this.page.change({ distance: Math.min(this.page.view.distance, MODEL_DISTANCE) });
-    if (model.image === null || this.unfinished !== null) return;
+    if (model.image === null) return;
     const image = await createImageBitmap(model.image, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
-    const { width, height } = this.page.means[0];
+    const { width, height } = this.unfinished ?? this.page.means[0];
     if (image.width === width && image.height === height) this.takeImage(image);
   }
 

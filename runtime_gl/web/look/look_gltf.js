@@ -3,9 +3,16 @@
 // the other, and the image of the first normal map.
 const GLTF_BYTES_MAX = 256e6; // of all files together
 
-const nameOfUri = (uri) => decodeURIComponent(uri).split("/").at(-1);
+/** The file's own name; of a uri that is not encoded as it should be, as it stands. */
+function nameOfUri(uri) {
+  let path = uri;
+  try {
+    path = decodeURIComponent(uri);
+  } catch { /* as it stands */ }
+  return path.split("/").at(-1);
+}
 
-/** The files' names that a glTF asks for: a Set. Throws Error where its JSON is damaged. */
+/** The files' names that a glTF asks for: a Set. */
 function filesOfGltf(json) {
   const uris = [json.buffers, json.images].flatMap((list) => (Array.isArray(list) ? list : [])).map((one) => one?.uri);
   return new Set(uris.filter((uri) => typeof uri === "string" && !uri.startsWith("data:")).map(nameOfUri));
@@ -18,7 +25,6 @@ function parsedGltf(bytes) {
     json = JSON.parse(new TextDecoder().decode(bytes));
   } catch { /* refused below */ }
   if (json === null || typeof json !== "object" || Array.isArray(json)) throw new Error("its JSON is damaged");
-  if (json.asset?.version !== "2.0") throw new Error(`is glTF of version ${json.asset?.version}, expected 2.0`);
   return json;
 }
 
@@ -27,7 +33,10 @@ async function bytesOfUri(uri, files) {
   if (uri.startsWith("data:")) {
     const [head, data] = uri.split(",", 2);
     if (!head.endsWith(";base64") || data === undefined) throw new Error("has data that is not in base64");
-    return Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+    if (data.length / 4 * 3 > GLTF_BYTES_MAX) throw new Error(`has more than ${GLTF_BYTES_MAX / 1e6} MB of data`);
+    const text = atob(data), bytes = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+    return bytes;
   }
   const file = files.get(nameOfUri(uri));
   if (file === undefined) throw new Error(`names ${nameOfUri(uri)}, which was not dropped with it: drop all together`);
@@ -36,6 +45,7 @@ async function bytesOfUri(uri, files) {
 
 /** A binary glTF of the JSON and of what it names. Throws Error for files that are missing, too large or too short. */
 async function glbOfGltf(json, files) {
+  if (json.asset?.version !== "2.0") throw new Error(`is glTF of version ${json.asset?.version}, expected 2.0`);
   const parts = [];
   let length = 0;
   const add = (bytes) => {
@@ -56,7 +66,7 @@ async function glbOfGltf(json, files) {
     begins.push([add(bytes), buffer.byteLength]);
   }
   const bufferViews = list("bufferViews").map((view) => {
-    const [begin, end] = begins[view?.buffer] ?? [];
+    const [begin, end] = (Number.isInteger(view?.buffer) ? begins[view.buffer] : undefined) ?? [];
     if (begin === undefined) throw new Error(`names buffer ${view?.buffer}, of ${begins.length}`);
     const from = view.byteOffset ?? 0;
     if (!(from >= 0 && from + view.byteLength <= end)) throw new Error("has a view beyond its buffer");

@@ -92,6 +92,22 @@ TEST(ProgressDeathTest, SignalsCancelOnceAndThenEndTheProgram) {
     EXPECT_EXIT(
         {
           const auto progress = make_terminal_progress(false);
+          progress->start(2);
+          std::signal(signal, SIG_DFL);  // as LLVM leaves it
+          progress->advance(1);
+          std::raise(signal);
+          try {
+            progress->advance(1);
+          } catch (const Cancelled&) {
+            std::_Exit(42);
+          }
+          std::_Exit(1);
+        },
+        ::testing::ExitedWithCode(42), "")
+        << "handlers of others are taken away";
+    EXPECT_EXIT(
+        {
+          const auto progress = make_terminal_progress(false);
           std::raise(signal);
           std::this_thread::sleep_for(std::chrono::milliseconds(2100));
           std::raise(SIGTERM);
