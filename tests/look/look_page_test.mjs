@@ -141,7 +141,9 @@ try {
   assert.equal(await drop(again, ["map_normal.png", readFileSync(inFolder("map_normal.png"))]), "");
   const good = readFileSync(inFolder("map.ktx2"));
   const changed = (at, value) => { const bytes = Buffer.from(good); bytes[at] = value; return bytes; };
-  for (const [bytes, words] of [[changed(12, 99), "VkFormat 99"], [changed(24, 3), "bytes of level"],
+  const rough = Buffer.from(good); // a key of the same length
+  rough.write('"meanCosine"   ', good.indexOf('"layersPerLobe"'), "latin1");
+  for (const [bytes, words] of [[rough, "found roughness"], [changed(12, 99), "VkFormat 99"], [changed(24, 3), "bytes of level"],
     [changed(32, 200), "layers"],
     [changed(40, 30), "levels"], [changed(44, 2), "supercompression"],
       [good.subarray(0, good.length - 9), "beyond the end"],

@@ -363,6 +363,7 @@ async function refusesBrokenFiles(page) {
     scheme: [word(44, 1), /supercompression 1/],
     length: [word(88, 16), /16 bytes of level 0/],
     version: [said('"version":1', '"version":7'), /version 7/],
+    roughness: [said('"layersPerLobe"', '"meanCosine"   '), /found roughness in the lobes/],
     key: [said("{", "["), /not JSON/],
     "first level": [said('"firstLevel":1', '"firstLevel":0'), /first level 0/],
     wrap: [said("periodic", "aperiode"), /wrap modes aperiode/],

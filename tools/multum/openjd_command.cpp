@@ -199,7 +199,10 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   collect_files(command, bakes);
   collect_exports(command);
   const int pieces = std::max(1, static_cast<int>(bakes.jobs.size()));
-  command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene;
+  // A manifest of one map has maps to share, not bands.
+  const bool has_manifest = std::any_of(command.words.begin(), command.words.end(),
+                                        [](const std::string& word) { return word.starts_with("--manifest"); });
+  command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene && !has_manifest;
   command.is_merged = bakes.is_scene || kind == "infer";
   command.shards = o.shards > 0 ? o.shards : pieces;
   if (command.is_one_map && command.shards > 1) check_can_be_divided(command.words);

@@ -57,6 +57,8 @@ function parseLobes(bytes) {
   if (texture.keys.multumLobes === undefined)
     throw new Error("found no key multumLobes, expected a KTX2 of multum export --lobes");
   const lobes = JSON.parse(texture.keys.multumLobes);
+  if (lobes.meanCosine !== undefined)
+    throw new Error("found roughness in the lobes, expected lobes of normals alone, of a bake without --roughness");
   const numbers = lobes.lobes?.flatMap?.((one) => [...one.columns.flat(), ...one.offset]) ?? [];
   const whole = (value, low, high) => Number.isInteger(value) && value >= low && value <= high;
   if (lobes.version !== 1 || !whole(lobes.lobes?.length, 1, 8) || numbers.length !== 20 * lobes.lobes.length ||

@@ -79,6 +79,8 @@ function factsOf(container, refuse) {
     refuse(`a key multumLobes that is not JSON (${error.message})`, "that of the export");
   }
   if (facts?.version !== 1) refuse(`version ${facts?.version} of multumLobes`, "1: is this package older than multum?");
+  if (facts.meanCosine !== undefined)
+    refuse("roughness in the lobes (meanCosine)", "lobes of normals alone, of a bake without --roughness");
   const isVector = (one) => Array.isArray(one) && one.length === 4 && one.every(Number.isFinite);
   const isLobe = (one) => Array.isArray(one?.columns) && one.columns.length === 4 && one.columns.every(isVector) &&
     isVector(one.offset);

@@ -147,6 +147,7 @@ class SigtermTest(unittest.TestCase):
                     break
             time.sleep(pause)
             child.send_signal(signal.SIGTERM)
+            time.sleep(0.01)  # or both are one
             child.send_signal(signal.SIGTERM)
             sent = time.monotonic()
             said = child.communicate(timeout=GRACE_SECONDS)[1]
