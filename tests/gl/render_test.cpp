@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <utility>
 
@@ -267,19 +266,6 @@ RenderScene plain_scene() {
   return scene;
 }
 
-// The plain from straight above, `texels` of a map of `size` to each pixel.
-RenderScene plain_from_above(double texels, int size) {
-  RenderScene scene = plain_scene();
-  scene.camera.eye = {0.0f, 30.0f, 60.0f};
-  scene.camera.target = {0.0f, 30.0f, 0.0f};
-  scene.camera.up = {0.0f, 1.0f, 0.0f};
-  // The plain has the map once in 60 units.
-  const double seen =
-      2.0 * 60.0 * std::tan(0.5 * static_cast<double>(scene.camera.fov_y_degrees) * std::numbers::pi / 180.0);
-  scene.uv_scale = static_cast<float>(texels * 60.0 / size * kRenderHeight / seen);
-  return scene;
-}
-
 // Levels that are left to the normal map are shaded by Toksvig's rule, whatever the moments are shaded by, where a
 // pixel sees all that lies between texels; from the first that is stored on nothing is lost.
 TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
@@ -291,7 +277,8 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
   const RenderScene far = distant_scene();
   for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
     EXPECT_LT(picture_error(moments(map, coarse, far, shading), moments(map, whole, far, shading)).relative_l1, 1e-6);
-  const RenderScene near = plain_from_above(1.7, 64);
+  RenderScene near = plain_scene();
+  look_from_above(near, 1.7, 64, kRenderHeight);
   const FloatImage toksvig = baseline(map, near, Baseline::kToksvig);
   for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
     EXPECT_LT(picture_error(moments(map, coarse, near, shading), toksvig).relative_l1, 1e-5);
@@ -386,10 +373,10 @@ TEST_P(RenderTest, TheFinestLevelsTakeTheirColoursFromTheAlbedoMap) {
 TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
   const TestMap map = make_noise_map(16, 0.4f, WrapMode::kBlack);
   RenderScene scene = plain_scene();
+  look_from_above(scene, 1.6, 16, kRenderHeight);
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
-  scene.camera.up = {0.0f, 1.0f, 0.0f};
-  scene.uv_scale = 2.0f * plain_from_above(1.6, 16).uv_scale;  // from half as high
+  scene.uv_scale *= 2.0f;  // from half as high
   const FloatImage whole = movmf(map, scene), coarse = movmf_from(1, map, scene);
   EXPECT_EQ(coarse.rgba[4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth * 3 / 4)], 0.0f);
   EXPECT_LT(picture_error(coarse, whole).relative_l1, 1e-5);

@@ -104,14 +104,17 @@ TEST_P(ShRenderTest, AFlatMapIsItsBrdfCutOff) {
             1e-5);
 }
 
-// Levels finer than the first stored come from the normal map, as a lobe: near, nothing but them is seen.
+// Levels finer than the first stored come from the normal map, as a lobe: near, nothing but them is seen, where a pixel
+// sees all that lies between texels.
 TEST_P(ShRenderTest, LevelsThatAreLeftToTheNormalMap) {
   const TestMap map = make_noise_map(16, 1.0f, WrapMode::kPeriodic);
   const ShMipmap whole = make_harmonics(map.image, 4, StorageEncoding::kFloat);
   ShMipmap coarse = whole;
   coarse.header.first_level = 2;
   for (std::size_t l = 0; l < 2; ++l) coarse.levels[l].parts.clear();
-  const RenderScene far = scene_of(20.0f, 600.0f), near = scene_of(20.0f, 0.3f);
+  const RenderScene far = scene_of(20.0f, 600.0f);
+  RenderScene near = scene_of(20.0f);
+  look_from_above(near, 1.7, 16, kShHeight);
   EXPECT_LT(error(draw(coarse, far, &map.image), draw(whole, far)), 1e-5);
   TestMap one_lobe = make_one_lobe_map(map.image);
   EXPECT_LT(error(draw(coarse, near, &map.image), lobes(one_lobe, near)), 1e-4);

@@ -43,4 +43,8 @@ MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 /// From far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
 RenderScene distant_scene();
 
+/// Turns the camera down to the plane from 60 above it, with `texels` of a map of `size` to each pixel of a picture of
+/// `height`.
+void look_from_above(RenderScene& scene, double texels, int size, int height);
+
 }  // namespace multum::gl
