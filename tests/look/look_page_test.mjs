@@ -143,10 +143,9 @@ try {
   const changed = (at, value) => { const bytes = Buffer.from(good); bytes[at] = value; return bytes; };
   const rough = Buffer.from(good); // a key of the same length
   rough.write('"meanCosine"   ', good.indexOf('"layersPerLobe"'), "latin1");
-  for (const [bytes, words] of [[rough, "found roughness"], [changed(12, 99), "VkFormat 99"], [changed(24, 3), "bytes of level"],
-    [changed(32, 200), "layers"],
-    [changed(40, 30), "levels"], [changed(44, 2), "supercompression"],
-      [good.subarray(0, good.length - 9), "beyond the end"],
+  for (const [bytes, words] of [[rough, "found roughness"], [changed(12, 99), "VkFormat 99"],
+    [changed(24, 3), "bytes of level"], [changed(32, 200), "layers"], [changed(40, 30), "levels"],
+    [changed(44, 2), "supercompression"], [good.subarray(0, good.length - 9), "beyond the end"],
     [good.subarray(0, 90), "cut"], [Buffer.from("no picture"), "odd.ktx2"], [changed(87, 9), "beyond the end"]]) {
     const said = await drop(again, ["odd.ktx2", bytes]);
     assert.ok(said.includes(words), `${words}: ${said}`);
