@@ -156,11 +156,12 @@ std::string ExportReport::to_json(const ExportJob& job) const {
 ExportReport export_file(const ExportJob& job, Device& device, Progress* progress) {
   check_export_job(job);
   const MaterialFolderSettings output = output_of(job);
-  check_writable(existing_part(output.folder) + "/" + (output.name_prefix.empty() ? "export" : output.name_prefix));
+  const std::string place = existing_part(output.folder);
+  check_writable(place + "/" + (output.name_prefix.empty() ? "export" : output.name_prefix));
   Stopwatch stopwatch;
   ExportReport report;
   progress_stage(progress, "read");
-  const ExportSource source = read_export_source(job, existing_part(output.folder), progress);
+  const ExportSource source = read_export_source(job, place, progress);
   report.input = source.map.report;
   if (source.material) report.roughness = source.material->roughness;
   report.width = source.map.normals.width();

@@ -38,9 +38,9 @@ LevelRows band(int height, const MapShard& shard) {
   return {edge(shard.index - 1), edge(shard.index)};
 }
 
-// Rows around a band are about as many on every level, so that each coarser level has twice the share of work that is
-// done again: by up to half as many rows as are kept all levels together cost at most one more, a sixteenth of a bake
-// of 16384 x 16384. The finest level, without which nothing is divided, may have as many again as are kept.
+// Rows around a band are about as many on every level, so that each coarser level has twice the share of rows that are
+// fitted again: the coarsest that is divided at most half as many as are kept, the next finer one a quarter, and so on.
+// The finest level, without which nothing is divided, may have as many again as are kept.
 bool is_worth_dividing(const LevelSchedule& level, const LevelRows& fitted, int steps, int count, bool is_finest) {
   const int height = level.fit.height, rows = fitted.end - fitted.begin + 2 * (steps - 1);
   return rows + 2 < height && 2 * rows * count <= (is_finest ? 4 : 3) * height + 2 * count;

@@ -116,7 +116,7 @@ void check_can_be_divided(const std::vector<std::string>& words) {
 
 struct BakedMaps {
   std::vector<BakeJob> jobs;
-  bool is_scene = false;
+  bool is_scene = false, is_manifest = false;
 };
 
 BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<FarmWord>& paths) {
@@ -131,6 +131,7 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
     throw Error(ErrorCode::kUsage, "bake: found no --output, expected one, or --manifest");
   if (!manifest.empty()) {
     BakedMaps baked;
+    baked.is_manifest = true;
     for (ManifestMap& map : read_bake_manifest(manifest, pattern)) baked.jobs.push_back(std::move(map.job));
     return baked;
   }
@@ -200,9 +201,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   collect_exports(command);
   const int pieces = std::max(1, static_cast<int>(bakes.jobs.size()));
   // A manifest of one map has maps to share, not bands.
-  const bool has_manifest = std::any_of(command.words.begin(), command.words.end(),
-                                        [](const std::string& word) { return word.starts_with("--manifest"); });
-  command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene && !has_manifest;
+  command.is_one_map = bakes.jobs.size() == 1 && !bakes.is_scene && !bakes.is_manifest;
   command.is_merged = bakes.is_scene || kind == "infer";
   command.shards = o.shards > 0 ? o.shards : pieces;
   if (command.is_one_map && command.shards > 1) check_can_be_divided(command.words);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A glTF in JSON with the files that it names, dropped together, as one binary glTF for look_glb.js: buffers one behind
-// the other, and the image of the first normal map.
+// the other, and the image of the first normal map. Its numbers are those of glb.js.
 const GLTF_BYTES_MAX = 256e6; // of all files together
 
 /** The file's own name; of a uri that is not encoded as it should be, as it stands. */
@@ -87,9 +87,9 @@ async function glbOfGltf(json, files) {
 function packedGlb(json, parts, length) {
   const text = new TextEncoder().encode(JSON.stringify(json)), padded = text.length + (-text.length & 3);
   const bytes = new Uint8Array(28 + padded + length).fill(0x20, 20, 20 + padded), view = new DataView(bytes.buffer);
-  [0x46546c67, 2, bytes.length, padded, 0x4e4f534a].forEach((one, i) => view.setUint32(4 * i, one, true));
+  [MAGIC, 2, bytes.length, padded, CHUNK_JSON].forEach((one, i) => view.setUint32(4 * i, one, true));
   bytes.set(text, 20);
-  [length, 0x004e4942].forEach((one, i) => view.setUint32(20 + padded + 4 * i, one, true));
+  [length, CHUNK_BINARY].forEach((one, i) => view.setUint32(20 + padded + 4 * i, one, true));
   for (const [at, part] of parts) bytes.set(part, 28 + padded + at);
   return bytes;
 }
