@@ -13,6 +13,7 @@
 #include "host/base/files/input_hashes.h"
 #include "host/image/material_maps.h"
 #include "host/image/normals/normal_map.h"
+#include "host/image/surface_points.h"
 #include "host/movmf/bake_settings.h"
 #include "host/movmf/map_shard.h"
 
@@ -27,6 +28,7 @@ struct BakeJob {
   std::string output;               // *.ndf.exr
   std::string report;               // JSON file; empty: none
   NormalMapSettings reading;
+  MapSurface surface = MapSurface::kTexels;  // kInterpolated: levels from 1 on alone, level 0 is the map
   Representation representation = Representation::kMovmf;
   int sh_order = 4;       // of spherical harmonics, 1..20
   MovmfSettings fitting;  // of lobes; its first level is that of every representation

@@ -36,6 +36,16 @@ void check_range(const BakeJob& job, float largest) {
                             is_float ? "" : ", the largest half float; --data-format float stores larger ones"));
 }
 
+// In the texels' place, from here on.
+void take_surface_points(const BakeJob& job, const SpillPolicy& spill, BakeSource& source, Progress* progress) {
+  progress_stage(progress, "interpolate " + job.input);
+  const MapWrap wrap = {source.map.report.wrap_s, source.map.report.wrap_t};
+  source.map.normals = surface_normals(source.map.normals, wrap, spill, job.threads, progress);
+  if (source.albedo) source.albedo = surface_values(*source.albedo, wrap, spill, job.threads);
+  if (source.weights)
+    for (PlaneStore& planes : source.weights->rgb_planes) planes = surface_values(planes, wrap, spill, job.threads);
+}
+
 }  // namespace
 
 std::string scratch_folder(const BakeJob& job) {
@@ -79,6 +89,7 @@ BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* 
     source.mean_cosine = source.roughness->mean_cosine;
   }
   for (const std::string& file : input_files(job)) job.hashes->check_unchanged(file);
+  if (job.surface == MapSurface::kInterpolated) take_surface_points(job, spill, source, progress);
   return source;
 }
 

@@ -11,6 +11,7 @@ namespace {
 
 const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 const Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
+const Choices<MapSurface> kSurfaces = {{"texels", MapSurface::kTexels}, {"interpolated", MapSurface::kInterpolated}};
 const Choices<StorageEncoding> kStorageEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
 
@@ -41,6 +42,17 @@ void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
   fit.first_level = values.integer("first_level").value_or(fit.first_level);
 }
 
+// Level 0 is the normal map's own then, to which no point of the surface belongs.
+void apply_surface(const ParameterValues& values, BakeJob& job) {
+  job.surface = values.choice("surface", kSurfaces).value_or(job.surface);
+  if (job.surface == MapSurface::kTexels || job.fitting.first_level > 0) return;
+  if (values.integer("first_level"))
+    throw Error(ErrorCode::kUsage,
+                "--first-level is 0 with --surface interpolated, expected 1 or more: the finest level that is stored "
+                "would have points between texels in the texels' place");
+  job.fitting.first_level = 1;
+}
+
 bool is_in_scope(const Parameter& parameter, Representation representation) {
   switch (parameter.scope) {
     case ParameterScope::kAll: return true;
@@ -66,6 +78,7 @@ void apply(const ParameterValues& values, BakeJob& job) {
   if (const auto file = values.text("weights")) job.weights = *file;
   job.representation = given_representation(values).value_or(job.representation);
   apply_to_fit(values, job.fitting);
+  apply_surface(values, job);
   job.sh_order = values.integer("sh_order").value_or(job.sh_order);
   job.encoding = values.choice("data_format", kStorageEncodings)
                      .value_or(representation_info(job.representation).encodings.front());
