@@ -117,3 +117,13 @@ MultumFootprint multum_footprint_on(MultumFootprint footprint, ivec2 from_size, 
   float octaves = log2(float(max(to_size.x, to_size.y)) / float(max(from_size.x, from_size.y)));
   return MultumFootprint(footprint.tap_step, footprint.tap_count, footprint.level + octaves);
 }
+
+// One lobe of the normal map that has the levels finer than those stored, over the footprint on it (behind
+// movmf_shading.glsl): of lobes without roughness in them no wider than what a pixel sees.
+vec4 multum_normal_map_lobe(sampler2D map, vec2 st, MultumFootprint footprint) {
+  vec4 lobe = multum_filtered(map, st, footprint);
+#ifndef MULTUM_ROUGHNESS
+  lobe = multum_movmf_magnified(lobe, multum_footprint_longer_lod(footprint, textureSize(map, 0)));
+#endif
+  return lobe;
+}

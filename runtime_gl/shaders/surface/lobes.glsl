@@ -169,13 +169,9 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   surface.albedo = multum_mean_colour(st, footprint);
 #endif
 #ifdef MULTUM_NORMAL_MAP
-  ivec2 map_size = textureSize(u_normal_map, 0);
-  MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), map_size);
+  MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), textureSize(u_normal_map, 0));
   float map_share = multum_normal_map_share(footprint.level);
-  vec4 finest = map_share * multum_filtered(u_normal_map, st, on_map);
-#ifndef MULTUM_ROUGHNESS
-  finest = multum_movmf_magnified(finest, multum_footprint_longer_lod(on_map, map_size));
-#endif
+  vec4 finest = map_share * multum_normal_map_lobe(u_normal_map, st, on_map);
 #endif
 #ifdef MULTUM_COLOURS
   vec3 mean_colour = vec3(0.0);

@@ -113,13 +113,9 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   surface.roughness = multum_filtered(u_roughness, st, footprint).r;
 #endif
 #ifdef MULTUM_NORMAL_MAP
-  ivec2 map_size = textureSize(u_normal_map, 0);
-  MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_normals, 0), map_size);
-  vec4 finest = multum_filtered(u_normal_map, st, on_map);
-#ifndef MULTUM_ROUGHNESS
-  finest = multum_movmf_magnified(finest, multum_footprint_longer_lod(on_map, map_size));
-#endif
-  surface.finest = vec4(finest.xyz, multum_normal_map_share(footprint.level));
+  MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_normals, 0), textureSize(u_normal_map, 0));
+  surface.finest.xyz = multum_normal_map_lobe(u_normal_map, st, on_map).xyz;
+  surface.finest.w = multum_normal_map_share(footprint.level);
   surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
 #ifdef MULTUM_ALBEDO_MAP
   surface.finest_albedo = multum_filtered(u_albedo_map, st, on_map).rgb;

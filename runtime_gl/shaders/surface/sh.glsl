@@ -57,13 +57,10 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   surface.albedo = multum_filtered(u_colours, st, footprint).rgb;
 #endif
 #ifdef MULTUM_NORMAL_MAP
-  ivec2 map_size = textureSize(u_normal_map, 0);
-  MultumFootprint on_map = multum_footprint_on(footprint, textureSize(u_harmonics, 0).xy, map_size);
+  ivec2 size = textureSize(u_harmonics, 0).xy;
+  MultumFootprint on_map = multum_footprint_on(footprint, size, textureSize(u_normal_map, 0));
   float map_share = multum_normal_map_share(footprint.level);
-  surface.finest = map_share * multum_filtered(u_normal_map, st, on_map);
-#ifndef MULTUM_ROUGHNESS
-  surface.finest = multum_movmf_magnified(surface.finest, multum_footprint_longer_lod(on_map, map_size));
-#endif
+  surface.finest = map_share * multum_normal_map_lobe(u_normal_map, st, on_map);
   surface.share -= map_share;
   surface.finest_albedo = surface.albedo;  // of the first stored level, the finest that is known
 #ifdef MULTUM_ALBEDO_MAP

@@ -90,6 +90,7 @@ const std::map<std::string, std::string> kByPictures = {
     {"texture_filter.glsl multum_footprint", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_first_tap", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_filtered", "TextureFilterTest, TapsAreTheirsInDouble"},
+    {"texture_filter.glsl multum_normal_map_lobe", "FirstLevelViewTest, NearTheNormalMapIsTheSurfaceBetweenTexels"},
     {"lobes.glsl multum_surface_footprint", "TextureFilterTest, AFlatMapIsTheSameByEveryFilter"},
     {"lobes.glsl multum_lobe_map_size", "RenderTest, TwoTiltsEqualReferenceWhereMipsFail"},
     {"lobes.glsl multum_unpacking", "LobeExportTest, MultumViewDrawsIt"},
