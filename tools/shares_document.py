@@ -76,6 +76,11 @@ def total(run):
     return sum(seconds(run[key]) for key, _ in PARTS)
 
 
+def whole_seconds(one):
+    """Of a round: the mean of the bakes before and after its shares."""
+    return seconds(one["wholes"]) / len(one["wholes"])
+
+
 def mib(runs):
     return max(run["memory"] for run in runs) >> 20
 
@@ -87,14 +92,14 @@ def span(values, form):
 
 def section(size, rounds, processes, plan):
     """One size: what was taken, and how parts compare with the plan, each as a part of its own whole."""
-    wholes = [one["whole"] for one in rounds]
-    hashes = {run["sha256"] for one in rounds for run in one.values()}
+    wholes = [run for one in rounds for run in one["wholes"]]
+    hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
     if len(hashes) != 1:
         sys.exit(f"{size}: shares made another file than one bake: {sorted(hashes)}")
     rows = [f"| one bake | | | | {span([w['processor_s'] for w in wholes], '{:.1f}')} | | {mib(wholes)} |"]
     for count in processes:
         runs = [one[str(count)] for one in rounds]
-        ratios = [total(one[str(count)]) / one["whole"]["processor_s"] for one in rounds]
+        ratios = [total(one[str(count)]) / whole_seconds(one) for one in rounds]
         cells = " | ".join(span([seconds(run[key]) for run in runs], "{:.1f}") for key, _ in PARTS)
         memory = ", ".join(f"{max(mib(run[key]) for run in runs)} ({name})" for key, name in PARTS)
         rows.append(f"| {count} at a time | {cells} | {span([total(run) for run in runs], '{:.1f}')} | "
@@ -103,16 +108,17 @@ def section(size, rounds, processes, plan):
     parts = []
     for key, name in PARTS:
         asked = [100 * p / predicted for p in plan[key]]
-        found = [100 * run["processor_s"] / one["whole"]["processor_s"] for one in rounds for count in processes
-                 for run in one[str(count)][key]]
-        off = [100 * want / (100 * run["processor_s"] / one["whole"]["processor_s"]) - 100 for one in rounds
+        found = [100 * run["processor_s"] / whole_seconds(one)
+                 for one in rounds for count in processes for run in one[str(count)][key]]
+        off = [100 * want / (100 * run["processor_s"] / whole_seconds(one)) - 100 for one in rounds
                for count in processes for run, want in zip(one[str(count)][key], asked)]
         name = "a band" if key == "band" else name
         parts.append(f"| {name} | {span(asked, '{:.1f}')} | {span(found, '{:.1f}')} | {span(off, '{:+.0f}')} |")
     return f"""## {size} x {size}
 
 Processor seconds, and MiB of memory of the largest process of each kind{
-    "" if len(rounds) == 1 else f", of {len(rounds)} rounds"}. The same SHA-256 each time.
+    "" if len(rounds) == 1 else f", of {len(rounds)} rounds"}. One bake before all of
+them and one after: what shares take is divided by their mean. The same SHA-256 each time.
 
 | | share 0 | bands, in all | merge | in all | times one bake | MiB |
 |---|---|---|---|---|---|---|
@@ -153,7 +159,7 @@ def main():
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
     options = parser.parse_args()
     if len(options.rounds) != len(options.sizes):
-        parser.error(f"--rounds has {len(options.rounds)} numbers, expected one for each of --sizes, {len(options.sizes)}")
+        parser.error(f"--rounds has {len(options.rounds)} numbers, expected {len(options.sizes)}, one for each size")
     options.folder.mkdir(parents=True, exist_ok=True)
     state = {"sizes": {}}
     if options.state and options.state.exists():
@@ -172,12 +178,13 @@ def main():
         bakes = Bakes(options.multum, options.folder, size, options.shards)
         found["plan"] = bakes.plan()
         while len(found["rounds"]) < rounds:
-            one = {"whole": bakes.whole()}
-            print(f"{size}: one bake {one['whole']['processor_s']:.1f} s", flush=True)
+            one = {"wholes": [bakes.whole()]}
+            print(f"{size}: one bake {whole_seconds(one):.1f} s", flush=True)
             for count in options.processes:
                 run = one[str(count)] = bakes.shared(count)
-                print(f"{size}: {count} at a time {total(run):.1f} s, "
-                      f"{total(run) / one['whole']['processor_s']:.2f} times", flush=True)
+                print(f"{size}: {count} at a time {total(run):.1f} s", flush=True)
+            one["wholes"].append(bakes.whole())
+            print(f"{size}: one bake {whole_seconds(one):.1f} s", flush=True)
             found["rounds"].append(one)
             keep()
     options.output.write_text(page_text(state, options.shards, options.processes))

@@ -13,18 +13,19 @@ namespace {
 
 // Processor time in nanoseconds a finest texel, by eye: the sums are those of a map of 16384 x 16384 texels
 // (CHANGELOG), how they divide among levels, lobes and stages is from maps of 1024 and 2048 (tools/share_constants.py
-// prints them beside what is predicted). 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, other programs beside.
+// prints them beside what is predicted). 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, other programs beside. What
+// shares take beside a bake is from docs/SHARES.md.
 constexpr double kReadCpu = 60.0;          // and decode, hash, detect the encoding
-constexpr double kStoreRows = 20.0;        // the map's rows into share 0's file
+constexpr double kStoreRows = 8.0;         // the map's rows into share 0's file
 constexpr double kFitLevelOneCpu = 40.0;   // level 1
 constexpr double kFitLobeOneCpu = 22.0;    // and more a lobe
 constexpr double kFitFineCpu = 15.0;       // each of levels 2 to 5
 constexpr double kFitLobeFineCpu = 7.5;    // and more a lobe
 constexpr double kFitCoarseCpu = 100.0;    // all coarser levels together
 constexpr double kColourFactorCpu = 0.6;   // more of the fit, a triple of features
-constexpr double kBandRows = 40.0;         // rows of the map and of lobes, from and to a share, of what a band covers
-constexpr double kMergeMap = 10.0;         // the map's hash, its rows in share 0's file
-constexpr double kMergeRows = 40.0;        // rows of lobes of all shares
+constexpr double kBandRows = 12.0;         // rows of the map and of lobes, from and to a share, of what a band covers
+constexpr double kMergeMap = 6.0;          // the map's hash, its rows in share 0's file
+constexpr double kMergeRows = 12.0;        // rows of lobes of all shares
 constexpr double kWriteTextureCpu = 30.0;  // a texture and texel that is stored
 constexpr double kMeasureLambertCpu = 10.0;
 constexpr double kMeasureExponentCpu = 30.0;

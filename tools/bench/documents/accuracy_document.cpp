@@ -262,7 +262,9 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
              "\n### Levels left to the normal map\n\nWith 4 lobes, stored from level L on (`multum bake --first-level "
              "L`). Finer levels are one lobe a texel with the mean vector of the normal map's own levels; between L - "
              "1 "
-             "and L both are shaded and mixed. Midway: the worse of x and y. Sizes in MB, of the file and on the GPU; "
+             "and L both are shaded and mixed. Midway: the worse of x and y. Measured is what the filter mixes there: "
+             "renderers narrow the normal map's lobe to what a pixel sees ([ALGORITHMS](ALGORITHMS.md), \"The finest "
+             "levels from the normal map\"). Sizes in MB, of the file and on the GPU; "
              "a BC5 normal and a BC4 roughness of this map take {:.1f} MB there.\n\n",
              usual / 1e6) +
          "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
