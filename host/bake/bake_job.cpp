@@ -12,6 +12,10 @@ ChannelFile roughness_file(const BakeJob& job) {
   return file;
 }
 
+int first_measured_level(const BakeJob& job) {
+  return job.stored_only || job.surface == MapSurface::kInterpolated ? job.fitting.first_level : 0;
+}
+
 std::vector<std::string> input_files(const BakeJob& job) {
   std::vector<std::string> files = {job.input};
   for (std::string BakeJob::*map : kMaterialMaps)

@@ -62,6 +62,10 @@ constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::r
 /// BakeJob::roughness, which must not be empty.
 ChannelFile roughness_file(const BakeJob& job);
 
+/// The finest level whose error is measured: finer ones are never seen, or are the normal map's own and no points of
+/// the surface.
+int first_measured_level(const BakeJob& job);
+
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);
 

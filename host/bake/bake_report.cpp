@@ -149,11 +149,13 @@ std::string BakeReport::to_text() const {
         output.unrepresentable);
   if (average.slopes_limited > 0)
     text += fmt::format("{} normals too near to the horizon for slopes, taken at 87 degrees\n", average.slopes_limited);
+  const bool has_finer =
+      std::any_of(accuracy.begin(), accuracy.end(), [&](const AccuracyRow& row) { return row.level < first_level; });
   if (first_level > 0 && stored_only)
     text += fmt::format("levels finer than {} are never seen, and not stored\n", first_level);
   else if (first_level > 0)
     text += fmt::format("levels finer than {} are not stored: renderers take them from the normal map{}\n", first_level,
-                        accuracy.empty() ? "" : ", as this table does");
+                        has_finer ? ", as this table does" : "");
   return text + accuracy_table(accuracy);
 }
 

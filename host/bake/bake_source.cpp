@@ -41,9 +41,10 @@ void take_surface_points(const BakeJob& job, const SpillPolicy& spill, BakeSourc
   progress_stage(progress, "interpolate " + job.input);
   const MapWrap wrap = {source.map.report.wrap_s, source.map.report.wrap_t};
   source.map.normals = surface_normals(source.map.normals, wrap, spill, job.threads, progress);
-  if (source.albedo) source.albedo = surface_values(*source.albedo, wrap, spill, job.threads);
+  if (source.albedo) source.albedo = surface_values(*source.albedo, wrap, spill, job.threads, progress);
   if (source.weights)
-    for (PlaneStore& planes : source.weights->rgb_planes) planes = surface_values(planes, wrap, spill, job.threads);
+    for (PlaneStore& planes : source.weights->rgb_planes)
+      planes = surface_values(planes, wrap, spill, job.threads, progress);
 }
 
 }  // namespace

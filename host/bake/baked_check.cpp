@@ -45,6 +45,7 @@ std::string other_shape(const BakedHeader& header, const BakeSource& source) {
 std::string find_damage(const BakeJob& job, Representation representation, VerifiedFile& file, Progress* progress) {
   AccuracySettings settings;
   settings.threads = job.threads;
+  settings.first_level = first_measured_level(job);
   try {
     file = ndf_bake(representation).verify(job, settings, progress);
     for (const VerifyFinding& finding : file.findings)

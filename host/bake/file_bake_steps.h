@@ -52,7 +52,7 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
   settings.threads = job.threads;
   settings.exponents = job.measured_exponents;
   settings.highlights = job.highlights;
-  if (job.stored_only) settings.first_level = job.fitting.first_level;
+  settings.first_level = first_measured_level(job);
   return settings;
 }
 

@@ -11,7 +11,6 @@ namespace {
 
 const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 const Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
-const Choices<MapSurface> kSurfaces = {{"texels", MapSurface::kTexels}, {"interpolated", MapSurface::kInterpolated}};
 const Choices<StorageEncoding> kStorageEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
 
@@ -44,7 +43,7 @@ void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
 
 // Level 0 is the normal map's own then, to which no point of the surface belongs.
 void apply_surface(const ParameterValues& values, BakeJob& job) {
-  job.surface = values.choice("surface", kSurfaces).value_or(job.surface);
+  job.surface = map_surface(values).value_or(job.surface);
   if (job.surface == MapSurface::kTexels || job.fitting.first_level > 0) return;
   if (values.integer("first_level"))
     throw Error(ErrorCode::kUsage,

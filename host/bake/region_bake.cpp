@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "host/base/error.h"
@@ -22,6 +23,12 @@ void check_same(const std::string& path, const char* what, const std::string& fo
                 fmt::format("{}: found {} {}, expected {} as this bake makes it", path, what, found, expected));
 }
 
+// What lies between texels; of files from before it could be said, nothing.
+std::string surface_of(const BakedHeader& header) {
+  const nlohmann::json settings = nlohmann::json::parse(header.provenance.settings, nullptr, false);
+  return settings.is_object() ? settings.value("surface", "texels") : "texels";
+}
+
 std::string size_text(const MovmfMipmap& m) { return fmt::format("{} x {}", m.width(), m.height()); }
 
 void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipmap& header) {
@@ -29,6 +36,7 @@ void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipma
              representation_info(header.header.representation).name);
   check_same(path, "a map of", size_text(old), size_text(header));
   check_same(path, "lobes:", std::to_string(old.lobe_count()), std::to_string(header.lobe_count()));
+  check_same(path, "a surface of", surface_of(old.header), surface_of(header.header));
   check_same(path, "encoding", storage_encoding_name(old.header.encoding),
              storage_encoding_name(header.header.encoding));
   check_same(path, "first level", std::to_string(old.header.first_level), std::to_string(header.header.first_level));

@@ -142,6 +142,7 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"base_roughness", nullptr},
                                  {"anisotropy", job.lobe.is_anisotropic},
                                  {"fast", job.lobe.is_fast},
+                                 {"surface", map_surface_name(job.surface)},
                                  {"rows_resumed", rows_resumed},
                                  {"device", device},
                                  {"files", files},

@@ -18,6 +18,7 @@
 #include "host/export/one_lobe_fit.h"
 #include "host/image/material_maps.h"
 #include "host/image/normals/normal_map.h"
+#include "host/image/surface_points.h"
 #include "host/opencl/device.h"
 
 namespace multum {
@@ -30,6 +31,7 @@ struct ExportJob {
   std::string output;  // a folder; or NAME.ktx2, NAME.dds for files NAME_normal.ktx2 and so on
   std::string report;  // JSON; empty: none
   NormalMapSettings reading;
+  MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
   OneLobeSettings lobe;
   std::optional<MaterialFormat> format;  // unset: by the output's name, else PNG
   std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8

@@ -54,6 +54,7 @@ std::vector<std::string> input_files(const ExportJob& job) {
 OneLobeInputs ExportSource::inputs(const ExportJob& job) const {
   OneLobeInputs inputs;
   inputs.normals = &map.normals;
+  if (surface) inputs.surface = &*surface;
   if (material) inputs.material = &material->planes;
   inputs.has_roughness = !job.roughness.empty();
   inputs.has_occlusion = !job.occlusion.empty();
@@ -71,12 +72,15 @@ ExportSource read_export_source(const ExportJob& job, const std::string& folder,
   ExportSource source{is_baked_name(job.input)
                           ? read_baked_normals(job.input, spill, progress)
                           : read_normal_map_rows(job.input, job.reading, spill, job.threads, progress),
-                      std::nullopt, nullptr, std::move(hashes)};
+                      std::nullopt, std::nullopt, nullptr, std::move(hashes)};
   source.lobes = compared_lobes(job, source.map, *source.hashes);
   if (!job.roughness.empty() || !job.occlusion.empty() || !job.metalness.empty())
     source.material = read_lobe_material(material_files_of(job), source.map.normals.width(),
                                          source.map.normals.height(), spill, job.threads);
   for (const std::string& file : input_files(job)) source.hashes->check_unchanged(file);
+  if (job.surface == MapSurface::kInterpolated)
+    source.surface = surface_normals(source.map.normals, {source.map.report.wrap_s, source.map.report.wrap_t}, spill,
+                                     job.threads, progress);
   const NormalMapReport& found = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));

@@ -16,12 +16,15 @@ namespace multum {
 
 struct ExportSource {
   NormalMapRows map;
+  std::optional<PlaneStore> surface;  // of MapSurface::kInterpolated
   std::optional<LobeMaterial> material;
   std::unique_ptr<BakedLobes> lobes;    // null: none to compare with
   std::unique_ptr<InputHashes> hashes;  // of its files, noted before they were read
 
   /// They look at the source, which must outlive them.
   OneLobeInputs inputs(const ExportJob& job) const;
+  /// What levels from 1 on are of.
+  const PlaneStore& fitted_normals() const { return surface ? *surface : map.normals; }
 };
 
 /// `folder`: for what does not fit in memory, unless the job names one. Throws Error(kInput) for files that cannot be

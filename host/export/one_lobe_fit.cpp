@@ -138,7 +138,7 @@ class LobeFitter {
         std::size_t end = slot + 1;
         while (end < count && sampled.finest[end] == sampled.finest[end - 1] + 1) ++end;
         const int row = sampled.finest[slot], row_count = static_cast<int>(end - slot);
-        inputs_.normals->read_rows(row, row_count, {rows_at(0, slot), rows_at(1, slot), rows_at(2, slot)});
+        inputs_.fitted_normals().read_rows(row, row_count, {rows_at(0, slot), rows_at(1, slot), rows_at(2, slot)});
         if (inputs_.has_roughness) inputs_.material->read_rows(0, row, row_count, rows_at(3, slot));
         slot = end;
       }
@@ -258,9 +258,16 @@ class OneLobePlanes : public AveragedPlanes {
     const glm::vec3 no_axis(-std::sin(axis_cut_), std::cos(axis_cut_), 0.0);
     const auto base =
         static_cast<float>(std::sqrt(std::max(kAlphaMin, settings_.base_roughness * settings_.base_roughness)));
+    std::array<const float*, 3> normals = {rows.plane(0), rows.plane(1), rows.plane(2)};
+    std::array<std::vector<float>, 3> texels;
+    if (inputs_.surface != nullptr) {
+      for (std::vector<float>& plane : texels) plane.resize(size_of(rows.width) * size_of(rows.height));
+      inputs_.normals->read_rows(rows.first_row, rows.height, {texels[0].data(), texels[1].data(), texels[2].data()});
+      normals = {texels[0].data(), texels[1].data(), texels[2].data()};
+    }
     for_each_row_band(rows.height, kRowsPerBand, inputs_.threads, [&](int, int begin, int end) {
       for (std::size_t i = size_of(begin) * size_of(rows.width); i < size_of(end) * size_of(rows.width); ++i) {
-        made.normals[i] = {rows.plane(0)[i], rows.plane(1)[i], rows.plane(2)[i]};
+        made.normals[i] = {normals[0][i], normals[1][i], normals[2][i]};
         made.roughness[i] =
             inputs_.has_roughness
                 ? std::sqrt(std::max(static_cast<float>(kAlphaMin), std::sqrt(rows.plane(MULTUM_ONE_LOBE_PLANES)[i])))
@@ -314,9 +321,9 @@ OneLobeReport fit_one_lobe(Device& device, const OneLobeInputs& inputs, const On
                            MaterialSink& sink, Progress* progress) {
   validate(settings);
   OneLobeReport report;
-  if (settings.is_anisotropic) report.axis_cut = find_axis_cut(*inputs.normals);
+  if (settings.is_anisotropic) report.axis_cut = find_axis_cut(inputs.fitted_normals());
   AverageInputs averaged;
-  averaged.normals = inputs.normals;
+  averaged.normals = &inputs.fitted_normals();
   averaged.memory_bytes = inputs.memory_bytes;
   averaged.threads = inputs.threads;
   if (inputs.material != nullptr) averaged.features.rgb_planes = {inputs.material};

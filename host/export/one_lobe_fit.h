@@ -27,12 +27,16 @@ struct OneLobeSettings {
 
 struct OneLobeInputs {
   const PlaneStore* normals = nullptr;
+  // What levels from 1 on are of, points of the surface between texels (host/image/surface_points.h); null: the same.
+  const PlaneStore* surface = nullptr;
   // alpha^2, occlusion, metalness: of the same size. Null: alpha is that of base_roughness, and there are no others.
   const PlaneStore* material = nullptr;
   bool has_roughness = false, has_occlusion = false, has_metalness = false;  // which of its planes are of maps
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;                       // for buffers; changes no byte
   int threads = 1;
   FitJournal* journal = nullptr;  // has rows that need no fit, and takes those that are fitted; null: none
+
+  const PlaneStore& fitted_normals() const { return surface != nullptr ? *surface : *normals; }
 };
 
 struct OneLobeReport {

@@ -98,7 +98,8 @@ class GltfConversion {
 
   UastcSettings uastc() const { return {folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
   SourceFitSettings fit_settings() const {
-    return {folder_->path(), job_.is_fast, job_.format == GltfTextureFormat::kUastc ? kBasisSideMultiple : 1,
+    return {folder_->path(),   job_.is_fast,
+            job_.surface,      job_.format == GltfTextureFormat::kUastc ? kBasisSideMultiple : 1,
             job_.memory_bytes, job_.threads};
   }
 
@@ -214,6 +215,7 @@ std::string GltfReport::to_json(const GltfJob& job) const {
                                  {"anisotropy", job.is_anisotropic},
                                  {"lobes", job.has_lobes},
                                  {"fast", job.is_fast},
+                                 {"surface", map_surface_name(job.surface)},
                                  {"bytes_before", bytes_before},
                                  {"bytes_after", bytes_after},
                                  {"materials", nlohmann::ordered_json::array()},

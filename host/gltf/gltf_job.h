@@ -11,6 +11,7 @@
 
 #include "host/base/progress.h"
 #include "host/gltf/texture_encoding.h"
+#include "host/image/surface_points.h"
 #include "host/opencl/device.h"
 
 namespace multum {
@@ -23,6 +24,7 @@ struct GltfJob {
   bool is_anisotropic = false;
   bool has_lobes = false;  // beside the fitted textures, in MULTUM_lobes
   bool is_fast = false;
+  MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
   int uastc_effort = 1;
   std::string encoder;                                    // UastcSettings::encoder
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and maps; changes no byte

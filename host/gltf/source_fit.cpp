@@ -19,6 +19,7 @@
 #include "host/gltf/plane_resize.h"
 #include "host/image/image_reader.h"
 #include "host/image/normals/normal_map.h"
+#include "host/image/surface_points.h"
 
 namespace multum {
 namespace {
@@ -215,10 +216,14 @@ FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSo
                         const SourceFitSettings& settings, Progress* progress) {
   const LobeSource& source = prepared.source;
   const PlaneStore normals = read_normals(asset, prepared, settings, progress);
+  std::optional<PlaneStore> surface;
+  if (settings.surface == MapSurface::kInterpolated)
+    surface = surface_normals(normals, {source.wrap_s, source.wrap_t}, spill_of(settings), settings.threads, progress);
   std::optional<PlaneStore> material;
   if (source.surface_image) material = read_material(asset, prepared, settings);
   OneLobeInputs inputs;
   inputs.normals = &normals;
+  if (surface) inputs.surface = &*surface;
   if (material) inputs.material = &*material;
   inputs.has_roughness = inputs.has_metalness = source.surface_image.has_value();
   inputs.has_occlusion = source.has_occlusion;

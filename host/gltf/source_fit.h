@@ -16,6 +16,7 @@
 #include "host/gltf/level_file.h"
 #include "host/gltf/material_plan.h"
 #include "host/image/normals/normal_map.h"
+#include "host/image/surface_points.h"
 #include "host/opencl/device.h"
 
 namespace multum {
@@ -23,6 +24,7 @@ namespace multum {
 struct SourceFitSettings {
   std::string folder;  // for images and levels
   bool is_fast = false;
+  MapSurface surface = MapSurface::kTexels;
   int side_multiple = 1;  // sides of textures are multiples of it
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;
   int threads = 1;

@@ -26,8 +26,8 @@ EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const
     bake.input = prepared.normal_file;
     bake.output = fmt::format("{}/lobes_{}.ndf.exr", settings.folder, number);
     bake.reading = gltf_normal_reading(source);
-    bake.fitting.first_level = 1;              // level 0 is the normal texture's
-    bake.surface = MapSurface::kInterpolated;  // as renderers of glTF show it
+    bake.fitting.first_level = 1;  // level 0 is the normal texture's
+    bake.surface = settings.surface;
     bake.measure = false;
     bake.memory_bytes = settings.memory_bytes + kProgramBytes;
     bake.scratch_folder = settings.folder;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/processes/parallel.h"
+#include "host/base/size_of.h"
 
 namespace multum {
 namespace {
@@ -72,8 +73,6 @@ class PointRows {
   }
 
  private:
-  static std::size_t size_of(int count) { return static_cast<std::size_t>(count); }
-
   void read(int y, Row& row) const { row.read(texels_, continued(y, texels_.height(), wrap_.t), are_normals_); }
 
   template <typename Values>
@@ -120,8 +119,9 @@ PlaneStore surface_normals(const PlaneStore& texels, const MapWrap& wrap, const 
   return points_of(texels, wrap, true, spill, threads, progress);
 }
 
-PlaneStore surface_values(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads) {
-  return points_of(texels, wrap, false, spill, threads, nullptr);
+PlaneStore surface_values(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
+                          Progress* progress) {
+  return points_of(texels, wrap, false, spill, threads, progress);
 }
 
 }  // namespace multum

@@ -23,6 +23,10 @@ namespace multum {
 /// What lies between texels: nothing, each is a facet of one normal, or what renderers interpolate.
 enum class MapSurface { kTexels, kInterpolated };
 
+inline const char* map_surface_name(MapSurface surface) {
+  return surface == MapSurface::kTexels ? "texels" : "interpolated";
+}
+
 /// How values beyond the border continue. Black and mirrored borders have the border's own texels there.
 struct MapWrap {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
@@ -34,6 +38,7 @@ PlaneStore surface_normals(const PlaneStore& texels, const MapWrap& wrap, const 
                            Progress* progress);
 
 /// The same points' colours or weights: interpolated as they are.
-PlaneStore surface_values(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads);
+PlaneStore surface_values(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
+                          Progress* progress);
 
 }  // namespace multum

@@ -144,14 +144,7 @@ Rows representation_rows() {
 
 Rows storage_rows() {
   Rows rows = {
-      {.name = "surface",
-       .kind = Kind::kChoice,
-       .help = "what lies between texels: texels, each is a facet of one normal, or interpolated, the surface that "
-               "renderers show from near, which is smoother; its level 0 is the normal map (--first-level 1)",
-       .default_text = "texels",
-       .choices = {"texels", "interpolated"},
-       .hashed_as = "surface",
-       .surfaces = kJob},
+      surface_parameter("; its level 0 is the normal map (--first-level 1)", kJob),
       {.name = "first_level",
        .kind = Kind::kInteger,
        .help = "finest level to store; renderers take finer ones from the normal map",

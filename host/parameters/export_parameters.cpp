@@ -67,6 +67,7 @@ Rows export_rows() {
       std::move(metalness),
       lobe_anisotropy_parameter(kExportJob),
       fast_lobe_parameter(kExportJob),
+      surface_parameter("; of levels from 1 on", kExportJob),
       {.name = "format",
        .kind = Kind::kChoice,
        .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2 and "

@@ -44,7 +44,8 @@ std::vector<Parameter> gltf_rows() {
            .excludes = {"anisotropy"},
            .surfaces = kOnCommandLine},
           std::move(anisotropy),
-          fast_lobe_parameter(kOnCommandLine)};
+          fast_lobe_parameter(kOnCommandLine),
+          surface_parameter("; of levels from 1 on", kOnCommandLine)};
 }
 
 std::vector<Parameter> gltf_run_rows() {

@@ -50,6 +50,20 @@ Parameter fast_lobe_parameter(unsigned surfaces) {
           .surfaces = surfaces};
 }
 
+Parameter surface_parameter(const std::string& more, unsigned surfaces) {
+  return {.name = "surface",
+          .kind = ParameterKind::kChoice,
+          .help =
+              "what lies between texels: texels, each is a facet of one normal, or interpolated, the surface that "
+              "renderers show from near, which is smoother" +
+              more,
+          .default_text = "texels",
+          .choices = {"texels", "interpolated"},
+          .group = kOneLobeGroup,
+          .hashed_as = "surface",
+          .surfaces = surfaces};
+}
+
 Parameter compression_parameter(unsigned surfaces) {
   return {.name = "compression",
           .kind = ParameterKind::kChoice,

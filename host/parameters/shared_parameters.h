@@ -11,6 +11,8 @@ Parameter device_parameter(unsigned surfaces);
 /// `memory`, from `low` bytes; `default_text` in words.
 Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces);
 Parameter compression_parameter(unsigned surfaces);
+/// `surface`; `more` ends its help text.
+Parameter surface_parameter(const std::string& more, unsigned surfaces);
 /// `anisotropy` and `fast`, of command lines that fit one lobe a texel.
 Parameter lobe_anisotropy_parameter(unsigned surfaces);
 Parameter fast_lobe_parameter(unsigned surfaces);

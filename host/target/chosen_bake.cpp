@@ -82,7 +82,7 @@ class Attempts {
     accuracy.seed = kSecondSeed;
     accuracy.exponents.clear();
     accuracy.highlights = trials_.highlights();
-    if (job.stored_only) accuracy.first_level = job.fitting.first_level;
+    accuracy.first_level = first_measured_level(job);
     Progress quiet = cancel_only(progress_);
     const VerifiedFile file = ndf_bake(job.representation).verify(job, accuracy, &quiet);
     file.meter->run(device_, source_.map.normals, source_.colours(), &quiet);

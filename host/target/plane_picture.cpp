@@ -38,12 +38,24 @@ const nlohmann::json& own_picture(const nlohmann::json& report) {
 
 double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer& viewer, Progress* progress) {
   const PictureFiles files(job.output);
-  std::vector<std::string> command = {viewer.program, job.output,  "-o",
-                                      files.sheet,    "--report",  files.report,
-                                      "--source",     job.input,   "--context",
-                                      viewer.context, "--decode",  viewer.decode,
-                                      "--compare",    "reference", "--reference-of",
-                                      "pixel",        "--samples", fmt::format("{}", viewer.samples)};
+  std::vector<std::string> command = {viewer.program,
+                                      job.output,
+                                      "-o",
+                                      files.sheet,
+                                      "--report",
+                                      files.report,
+                                      "--source",
+                                      job.input,
+                                      "--context",
+                                      viewer.context,
+                                      "--decode",
+                                      viewer.decode,
+                                      "--compare",
+                                      "reference",
+                                      "--reference-texels",
+                                      job.surface == MapSurface::kInterpolated ? "interpolated" : "nearest",
+                                      "--samples",
+                                      fmt::format("{}", viewer.samples)};
   if (job.roughness.empty()) command.insert(command.end(), {"--brdf", brdf.text});
   else command.insert(command.end(), {job.roughness_is_gloss ? "--gloss" : "--roughness", job.roughness});
   run_viewer(command, "drawing " + job.output, progress);

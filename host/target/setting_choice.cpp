@@ -77,6 +77,7 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
   const BakeJob job = with_candidate(job_, candidates_.at(candidate));
   AccuracySettings accuracy;
   accuracy.has_level_table = false;
+  accuracy.first_level = first_measured_level(job);
   accuracy.exponents.clear();
   accuracy.highlights = highlights_;
   BakeReport report;

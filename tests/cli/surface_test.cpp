@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes of the surface between texels, as renderers show it from near: `multum bake --surface interpolated`.
+#include <OpenImageIO/imagebuf.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "host/asset/lobes/movmf_mipmap.h"
+#include "host/base/files/atomic_file.h"
 #include "host/image/files/png_writer.h"
 #include "tests/cli/program.h"
 
@@ -98,21 +101,47 @@ TEST_F(SurfaceCommandTest, PicturesAreNearerWhatIsInterpolated) {
     EXPECT_LT(error("surface.ndf.exr", repeat), 0.6 * error("texels.ndf.exr", repeat)) << repeat;
 }
 
-TEST_F(SurfaceCommandTest, SharesAndThreadsAndOtherNdfsAreOfTheSameSurface) {
+TEST_F(SurfaceCommandTest, SharesAndOtherNdfsAreOfTheSameSurface) {
   write_noise(0.3f);
   bake("one.ndf.exr", {"--surface", "interpolated"});
   for (const char* part : {"0/2", "1/2", "2/2"}) bake("two.ndf.exr", {"--surface", "interpolated", "--shard", part});
+  const ProgramResult other =
+      multum({"bake", path("n.png"), "-o", path("two.ndf.exr"), "--bumpformat", "normal", "--merge", "2"});
+  expect_refusal(other, testing::kEnvironment, {"two.ndf.exr.shard-0-of-2", "other settings"});
   bake("two.ndf.exr", {"--surface", "interpolated", "--merge", "2"});
   EXPECT_TRUE(testing::read_bytes(path("one.ndf.exr")) == testing::read_bytes(path("two.ndf.exr")));
-  const ProgramResult other =
-      multum({"bake", path("n.png"), "-o", path("three.ndf.exr"), "--bumpformat", "normal", "--shard", "1/2"});
-  expect_refusal(other, testing::kEnvironment, {"three.ndf.exr.shard-0-of-2"});
   for (const char* ndf : {"moments", "sh", "gmm"})
     bake(std::string(ndf) + ".ndf.exr", {"--surface", "interpolated", "--ndf", ndf});
   for (const char* name : {"one", "moments", "sh", "gmm"}) {
     const ProgramResult verify = multum({"verify", path(std::string(name) + ".ndf.exr")});
     EXPECT_EQ(verify.exit_code, 0) << name << verify.out << verify.err;
   }
+}
+
+// Level 0 is the map's own, coarser ones are smoother, as their normals spread less.
+TEST_F(SurfaceCommandTest, ExportedLobesAreOfTheSurfaceFromLevel1On) {
+  write_noise(0.3f);
+  const auto roughness = [&](const std::string& surface, const char* level) {
+    const std::string folder = path(surface);
+    if (!std::filesystem::exists(folder)) {
+      const ProgramResult result = multum({"export", path("n.png"), "-o", folder, "--bumpformat", "normal", "--surface",
+                                           surface, "--base-roughness", "0.2", "--report", folder + ".json"});
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(folder + ".json"))["surface"], surface);
+    }
+    OIIO::ImageBuf orm(folder + "/orm_" + level + ".png");
+    OIIO::ImageSpec spec = orm.spec();
+    double sum = 0.0;
+    for (int y = 0; y < spec.height; ++y)
+      for (int x = 0; x < spec.width; ++x) sum += static_cast<double>(orm.getchannel(x, y, 0, 1));
+    return sum / (spec.width * spec.height);
+  };
+  EXPECT_NEAR(roughness("texels", "00"), 0.2, 0.003);
+  EXPECT_NEAR(roughness("interpolated", "00"), 0.2, 0.003);
+  for (const char* name : {"normal_00.png", "orm_00.png"})
+    EXPECT_TRUE(testing::read_bytes(path("texels/") + name) == testing::read_bytes(path("interpolated/") + name));
+  for (const char* level : {"01", "03", "05"})
+    EXPECT_LT(roughness("interpolated", level), 0.88 * roughness("texels", level)) << level;
 }
 
 TEST_F(SurfaceCommandTest, TexelsAndPointsAreNotMixed) {
@@ -126,11 +155,68 @@ TEST_F(SurfaceCommandTest, TexelsAndPointsAreNotMixed) {
           {"--first-level is 0", "--surface interpolated", "1 or more"});
   refused({"--surface", "smooth"}, {"--surface", "smooth", "texels", "interpolated"});
   EXPECT_EQ(folder_.names(), (testing::Names{"n.png"}));
+  write_text_file(
+      path("maps.toml"),
+      "[[map]]\ninput = \"n.png\"\noutput = \"none.ndf.exr\"\nsurface = \"interpolated\"\nfirst_level = 0\n");
+  expect_refusal(multum({"bake", "--manifest", path("maps.toml")}), testing::kInput,
+                 {"maps.toml:5", "first_level", "1 or more"});
+  std::filesystem::remove(path("maps.toml"));
   // A bake of the texels is not taken for one of the surface.
   bake("map.ndf.exr", {"--first-level", "1"});
   const std::string texels = testing::read_bytes(path("map.ndf.exr"));
   bake("map.ndf.exr", {"--first-level", "1", "--surface", "interpolated"});
   EXPECT_TRUE(testing::read_bytes(path("map.ndf.exr")) != texels);
+  bake("old.ndf.exr", {"--first-level", "1"});
+  expect_refusal(multum({"bake", path("n.png"), "-o", path("new.ndf.exr"), "--bumpformat", "normal", "--surface",
+                         "interpolated", "--onto", path("old.ndf.exr"), "--region", "8,8,16,16"}),
+                 testing::kInput, {"old.ndf.exr", "surface of texels", "expected interpolated"});
+}
+
+// A manifest's bound is measured again, beside the same points; levels that the normal map has are not.
+TEST_F(SurfaceCommandTest, ItsErrorIsThatOfTheSurface) {
+  write_noise(0.3f);
+  write_text_file(path("maps.toml"),
+                  "[[map]]\ninput = \"n.png\"\noutput = \"map.ndf.exr\"\nbumpformat = \"normal\"\nsurface = "
+                  "\"interpolated\"\nerror_max = 0.9\n");
+  for (const bool checks : {false, true}) {
+    std::vector<std::string> words = {"bake", "--manifest", path("maps.toml")};
+    if (checks) words.push_back("--check");
+    const ProgramResult result = multum(words);
+    EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  }
+  const ProgramResult one = multum({"bake", path("n.png"), "-o", path("one.ndf.exr"), "--bumpformat", "normal",
+                                    "--surface", "interpolated", "--report", path("one.json")});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_EQ(one.out.find("as this table does"), std::string::npos) << one.out;
+  for (const nlohmann::json& row : nlohmann::json::parse(testing::read_bytes(path("one.json")))["measured_error"])
+    EXPECT_GE(row["level"].get<int>(), 1) << row;
+}
+
+// Colours are taken where normals are: half the texels are red and lean left, half blue and lean right.
+TEST_F(SurfaceCommandTest, ColoursAreTakenAtTheSamePoints) {
+  std::vector<std::uint16_t> normals, colours;
+  for (int i = 0; i < kSize * kSize; ++i) {
+    const bool leans_left = i / 2 % 2 == 0;
+    const glm::vec3 n = glm::normalize(glm::vec3(leans_left ? -0.3f : 0.3f, 0.0f, 1.0f));
+    for (int c = 0; c < 3; ++c) normals.push_back(static_cast<std::uint16_t>(std::lround((n[c] + 1.0f) * 32767.5f)));
+    for (const bool is_on : {leans_left, false, !leans_left}) colours.push_back(is_on ? 65535 : 0);
+  }
+  write_png16(path("n.png"), kSize, kSize, normals, "Linear");
+  write_png16(path("c.png"), kSize, kSize, colours, "Linear");
+  bake("map.ndf.exr", {"--surface", "interpolated", "--albedo", path("c.png"), "--no-measure"});
+  const MovmfMipmap map = read_movmf_mipmap(path("map.ndf.exr"));
+  const MovmfLevel& level = map.levels[3];
+  double sum = 0.0, mean = 0.0, texels = 0.0;
+  for (std::size_t j = 0; j < level.lobes.size(); ++j)
+    for (std::size_t i = 0; i < level.lobes[j].size(); ++i) {
+      const glm::vec4& lobe = level.lobes[j][i];
+      const glm::vec3& colour = level.colours[j][i];  // times the amplitude
+      if (lobe.w < 1e-3f) continue;
+      sum += static_cast<double>(lobe.x / lobe.w * (colour.z - colour.x));
+      mean += static_cast<double>(colour.x + colour.z), texels += static_cast<double>(lobe.w);
+    }
+  EXPECT_NEAR(mean / texels, 1.0, 0.01) << "red and blue add up to what they were";
+  EXPECT_GT(sum / texels, 0.15) << "what leans right is blue";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
 #include "host/gltf/gltf_job.h"
+#include "host/image/normals/reading_parameters.h"
 #include "host/parameters/gltf_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
@@ -33,6 +34,7 @@ int run_gltf(GltfOptions& o) {
   o.job.is_anisotropic = values.flag("anisotropy");
   o.job.has_lobes = values.flag("lobes");
   o.job.is_fast = values.flag("fast");
+  o.job.surface = map_surface(values).value_or(o.job.surface);
   if (const auto bytes = values.bytes("memory")) o.job.memory_bytes = static_cast<std::uint64_t>(*bytes);
   o.job.report = values.text("report").value_or("");
   Device device = Device::when_needed({values.text("device").value_or("")});

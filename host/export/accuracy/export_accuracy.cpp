@@ -98,7 +98,7 @@ void ExportMeter::add_rows(int level, int first_row, const MaterialRows& rows) {
 CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
                                   const OneLobeSettings& settings) const {
   const double alpha = settings.base_roughness * settings.base_roughness;
-  const CoveredFacets facets = covered_facets(*inputs.normals, inputs.has_roughness ? inputs.material : nullptr,
+  const CoveredFacets facets = covered_facets(inputs.fitted_normals(), inputs.has_roughness ? inputs.material : nullptr,
                                               alpha * alpha, cell.width, cell.height, cell.x, cell.y);
   // The same lights whatever the export, so that exports of a map can be compared; those that a search may see are
   // others than those that all are judged by.

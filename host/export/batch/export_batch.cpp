@@ -32,6 +32,7 @@ std::string output_suffix(const ExportJob& job) {
 
 void apply(const ParameterValues& values, ExportJob& job) {
   apply_reading(values, job.reading);
+  job.surface = map_surface(values).value_or(job.surface);
   job.lobe.base_roughness = values.number("base_roughness").value_or(job.lobe.base_roughness);
   job.lobe.is_anisotropic = values.flag("anisotropy");
   job.lobe.is_fast = values.flag("fast");

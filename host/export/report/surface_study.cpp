@@ -98,7 +98,7 @@ struct Stage {
 
   // The reference, then each model.
   std::vector<FramePixels> draw(const FrameView& view) const {
-    const PlaneStore& normals = source.map.normals;
+    const PlaneStore& normals = source.fitted_normals();
     std::vector<FramePixels> drawn = {draw_reference(normals, material, alpha_squared, view, threads)};
     for (const SurfaceModel& model : models)
       drawn.push_back(draw_model(model, averages, view, normals.width(), normals.height(), threads));
@@ -207,7 +207,8 @@ SurfaceStudy study_surface(const ExportJob& job, const std::string& scratch_fold
   stage.threads = job.threads;
   if (!job.roughness.empty()) stage.material = &stage.source.material->planes;
   stage.alpha_squared = std::pow(job.lobe.base_roughness, 4.0);
-  stage.averages = averaged_levels(stage.source.map.normals, stage.material, stage.alpha_squared, kStudyFirstLevel);
+  stage.averages =
+      averaged_levels(stage.source.fitted_normals(), stage.material, stage.alpha_squared, kStudyFirstLevel);
   for (const EngineRule& rule : engine_rules()) stage.models.push_back(rule_model(rule, stage.averages));
   for (const bool is_anisotropic : {false, true})
     stage.models.push_back(fitted_model(stage.source, job, is_anisotropic, device, progress));

@@ -7,6 +7,7 @@ namespace {
 const Choices<BumpFormat> kBumpFormats = {
     {"auto", BumpFormat::kAuto}, {"height", BumpFormat::kHeight}, {"normal", BumpFormat::kNormal}};
 const Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down", GreenAxis::kDown}};
+const Choices<MapSurface> kSurfaces = {{"texels", MapSurface::kTexels}, {"interpolated", MapSurface::kInterpolated}};
 const Choices<FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
 
 void apply_wrap(const std::optional<std::string>& text, WrapMode& mode, WrapOrigin& origin) {
@@ -18,6 +19,8 @@ void apply_wrap(const std::optional<std::string>& text, WrapMode& mode, WrapOrig
 }
 
 }  // namespace
+
+std::optional<MapSurface> map_surface(const ParameterValues& values) { return values.choice("surface", kSurfaces); }
 
 void apply_reading(const ParameterValues& values, NormalMapSettings& settings) {
   settings.bump_format = values.choice("bumpformat", kBumpFormats).value_or(settings.bump_format);

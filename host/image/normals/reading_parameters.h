@@ -2,10 +2,16 @@
 // Applies the parameters that say how a map is read (kSourceGroup of bake_parameters()).
 #pragma once
 
+#include <optional>
+
 #include "host/image/normals/normal_map.h"
+#include "host/image/surface_points.h"
 #include "host/parameters/parameter_values.h"
 
 namespace multum {
+
+/// The parameter `surface`, where it is given.
+std::optional<MapSurface> map_surface(const ParameterValues& values);
 
 /// What was given replaces what `settings` hold. `values` are of bake_parameters().
 void apply_reading(const ParameterValues& values, NormalMapSettings& settings);
