@@ -245,6 +245,8 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   command->add_option("--commit", accuracy.commit, "named in the document")->default_val(built_commit());
+  command->add_flag("--quick", accuracy.is_quick,
+                    "sweep few settings of every representation: to see how a page looks");
   add_allow_dirty(*command, accuracy.allow_dirty);
   command->add_option("--threads", accuracy.threads)->check(CLI::Range(1, 256))->capture_default_str();
   return command;

@@ -421,6 +421,7 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
            errors_table(result);
   };
   job.bake.reading.green = GreenAxis::kUp;
+  if (options.is_quick) job.length = SweepLength::kQuick;
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
       "Settings that `multum tradeoff` sweeps. One figure a BRDF: the error of pixels, relative L1 in %, with half of "

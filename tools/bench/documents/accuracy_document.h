@@ -14,6 +14,7 @@ struct AccuracyDocumentOptions {
   // Of kSections: these alone are made, and take the place of those of a document that is there; empty: all are.
   std::vector<std::string> sections;
   std::string commit;        // named in the document
+  bool is_quick = false;     // sweep few settings, which shows that the page can be made
   bool allow_dirty = false;  // although `commit` is not that of a committed tree
   int size = 1024;           // side of the four-quarter map
   int threads = 2;
