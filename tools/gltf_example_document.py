@@ -46,7 +46,7 @@ Lobes gain where normals differ within a pixel and the surface between them is s
 there is, and the ways differ by what lies between texels: where maps are rough, as on the tower, fitted textures are
 farther off than the map itself. From afar it depends on the map: here it is bumps of metal that become smaller than a
 pixel, a helmet whose maps are smoother than its shape, the bands and boards of a barrel, stone and wood of a tower full
-of edges, and the cloth of a corset, so rough itself that its bumps hardly tell. [EXPORT](EXPORT.md) and
+of edges, and the cloth of a corset, so rough itself that its bumps hardly matter. [EXPORT](EXPORT.md) and
 [LOBE_TEXTURES](LOBE_TEXTURES.md) have rough maps on smooth surfaces.
 """
 SECTION = """

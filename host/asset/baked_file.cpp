@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "host/asset/averages/moment_verify.h"
 #include "host/asset/averages/sh_verify.h"
@@ -76,6 +77,11 @@ std::string materials_text(const BakedHeader& header) {
 }
 
 BakedHeader read_baked_header(const std::string& path) { return kind_of(path).read_header(path); }
+
+std::string baked_surface(const BakedHeader& header) {
+  const nlohmann::json settings = nlohmann::json::parse(header.provenance.settings, nullptr, false);
+  return settings.is_object() ? settings.value("surface", "texels") : "texels";
+}
 
 std::vector<VerifyFinding> verify_baked(const std::string& path, int threads) {
   return is_pyramid_file(path) ? verify_pyramid(path, threads) : kind_of(path).verify(path, threads);

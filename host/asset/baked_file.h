@@ -92,4 +92,8 @@ std::string materials_text(const BakedHeader& header);
 /// was found and what was expected.
 BakedHeader read_baked_header(const std::string& path);
 
+/// What lies between the texels of the map that a file was baked from: `--surface` of the bake, "texels" or
+/// "interpolated". Files from before the option have texels.
+std::string baked_surface(const BakedHeader& header);
+
 }  // namespace multum

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "host/base/error.h"
@@ -23,12 +22,6 @@ void check_same(const std::string& path, const char* what, const std::string& fo
                 fmt::format("{}: found {} {}, expected {} as this bake makes it", path, what, found, expected));
 }
 
-// What lies between texels; of files from before it could be said, nothing.
-std::string surface_of(const BakedHeader& header) {
-  const nlohmann::json settings = nlohmann::json::parse(header.provenance.settings, nullptr, false);
-  return settings.is_object() ? settings.value("surface", "texels") : "texels";
-}
-
 std::string size_text(const MovmfMipmap& m) { return fmt::format("{} x {}", m.width(), m.height()); }
 
 void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipmap& header) {
@@ -36,7 +29,7 @@ void check_old(const std::string& path, const MovmfMipmap& old, const MovmfMipma
              representation_info(header.header.representation).name);
   check_same(path, "a map of", size_text(old), size_text(header));
   check_same(path, "lobes:", std::to_string(old.lobe_count()), std::to_string(header.lobe_count()));
-  check_same(path, "a surface of", surface_of(old.header), surface_of(header.header));
+  check_same(path, "a surface of", baked_surface(old.header), baked_surface(header.header));
   check_same(path, "encoding", storage_encoding_name(old.header.encoding),
              storage_encoding_name(header.header.encoding));
   check_same(path, "first level", std::to_string(old.header.first_level), std::to_string(header.header.first_level));
@@ -55,6 +48,15 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--region {},{},{},{} is not in the map, expected x,y,width,height inside {} x {}",
                             region.x, region.y, region.width, region.height, header.width(), header.height()));
+  // Points beyond it change with the texels here.
+  const BakedHeader& is = header.header;
+  const bool wraps_x = is.wrap_s == WrapMode::kPeriodic && (region.x == 0 || region.x + region.width == is.width),
+             wraps_y = is.wrap_t == WrapMode::kPeriodic && (region.y == 0 || region.y + region.height == is.height);
+  if (baked_surface(is) == "interpolated" && (wraps_x || wraps_y))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--region {},{},{},{} touches a border behind which the map repeats, with --surface "
+                            "interpolated; expected a part inside, or a bake of the whole map",
+                            region.x, region.y, region.width, region.height));
 }
 
 // Texels of a level along an axis that [first, first + count) of the map's touches, and the halo.

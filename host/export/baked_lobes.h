@@ -8,6 +8,7 @@
 
 #include <glm/vec4.hpp>
 
+#include "host/asset/baked_file.h"
 #include "host/asset/lobes/movmf_reader.h"
 #include "host/base/files/spill_policy.h"
 #include "host/base/progress.h"
@@ -34,6 +35,7 @@ class BakedLobes {
   int width() const { return reader_.header().width(); }
   int height() const { return reader_.header().height(); }
   /// SHA-256 of the map that was baked.
+  std::string surface() const { return baked_surface(reader_.header().header); }
   const std::string& source_hash() const { return reader_.header().header.provenance.source_hash; }
   int count() const { return reader_.header().lobe_count(); }
   /// "4 baked lobes".

@@ -26,10 +26,14 @@ LobeMaterialFiles material_files_of(const ExportJob& job) {
 std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMapRows& map, InputHashes& hashes) {
   if (!job.measure || (job.lobes.empty() && !is_baked_name(job.input))) return nullptr;
   if (job.lobes.empty()) {
+    if (job.surface == MapSurface::kInterpolated) return nullptr;  // its lobes are of the texels
     if (read_baked_header(job.input).representation != Representation::kMovmf) return nullptr;
     return std::make_unique<BakedLobes>(job.input, job.accuracy.levels);
   }
   auto lobes = std::make_unique<BakedLobes>(job.lobes, job.accuracy.levels);
+  if (lobes->surface() != map_surface_name(job.surface))
+    throw Error(ErrorCode::kInput, fmt::format("{}: was baked with --surface {}, expected {} as this export has it",
+                                               job.lobes, lobes->surface(), map_surface_name(job.surface)));
   const int width = map.normals.width(), height = map.normals.height();
   if (lobes->width() != width || lobes->height() != height)
     throw Error(ErrorCode::kInput, fmt::format("{}: was baked from a map of {} x {} texels, expected {} x {} as {} has",
@@ -67,8 +71,10 @@ OneLobeInputs ExportSource::inputs(const ExportJob& job) const {
 ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress) {
   auto hashes = std::make_unique<InputHashes>();
   for (const std::string& file : input_files(job)) hashes->note(file);
+  // Half is the fit's; of normals, surface and material each has as much of the other.
+  const bool has_surface = job.surface == MapSurface::kInterpolated;
   const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
-                             static_cast<std::int64_t>(job.memory_bytes / 4)};
+                             static_cast<std::int64_t>(job.memory_bytes / (has_surface ? 6 : 4))};
   ExportSource source{is_baked_name(job.input)
                           ? read_baked_normals(job.input, spill, progress)
                           : read_normal_map_rows(job.input, job.reading, spill, job.threads, progress),
@@ -78,7 +84,7 @@ ExportSource read_export_source(const ExportJob& job, const std::string& folder,
     source.material = read_lobe_material(material_files_of(job), source.map.normals.width(),
                                          source.map.normals.height(), spill, job.threads);
   for (const std::string& file : input_files(job)) source.hashes->check_unchanged(file);
-  if (job.surface == MapSurface::kInterpolated)
+  if (has_surface)
     source.surface = surface_normals(source.map.normals, {source.map.report.wrap_s, source.map.report.wrap_t}, spill,
                                      job.threads, progress);
   const NormalMapReport& found = source.map.report;

@@ -23,7 +23,7 @@ struct ExportSource {
 
   /// They look at the source, which must outlive them.
   OneLobeInputs inputs(const ExportJob& job) const;
-  /// What levels from 1 on are of.
+  /// Levels from 1 on are fitted to these.
   const PlaneStore& fitted_normals() const { return surface ? *surface : map.normals; }
 };
 

@@ -27,7 +27,8 @@ struct OneLobeSettings {
 
 struct OneLobeInputs {
   const PlaneStore* normals = nullptr;
-  // What levels from 1 on are of, points of the surface between texels (host/image/surface_points.h); null: the same.
+  // Levels from 1 on are fitted to these points of the surface between texels (host/image/surface_points.h); null: to
+  // `normals`.
   const PlaneStore* surface = nullptr;
   // alpha^2, occlusion, metalness: of the same size. Null: alpha is that of base_roughness, and there are no others.
   const PlaneStore* material = nullptr;

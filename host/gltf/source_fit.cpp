@@ -27,7 +27,8 @@ namespace {
 constexpr float kCodeMax = 255.0f;
 
 SpillPolicy spill_of(const SourceFitSettings& settings) {
-  return {settings.folder, static_cast<std::int64_t>(settings.memory_bytes / 4)};
+  return {settings.folder,
+          static_cast<std::int64_t>(settings.memory_bytes / (settings.surface == MapSurface::kInterpolated ? 6 : 4))};
 }
 
 std::string extracted(const GltfAsset& asset, std::size_t image, const std::string& folder) {

@@ -143,8 +143,10 @@ Rows representation_rows() {
 }
 
 Rows storage_rows() {
+  Parameter surface = surface_parameter("; its level 0 is the normal map (--first-level 1)", kJob);
+  surface.hashed_as = "surface";
   Rows rows = {
-      surface_parameter("; its level 0 is the normal map (--first-level 1)", kJob),
+      std::move(surface),
       {.name = "first_level",
        .kind = Kind::kInteger,
        .help = "finest level to store; renderers take finer ones from the normal map",

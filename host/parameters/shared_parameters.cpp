@@ -60,7 +60,6 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
           .default_text = "texels",
           .choices = {"texels", "interpolated"},
           .group = kOneLobeGroup,
-          .hashed_as = "surface",
           .surfaces = surfaces};
 }
 

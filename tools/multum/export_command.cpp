@@ -74,6 +74,8 @@ class ComparedBake {
     BakeJob bake;
     bake.input = job.input;
     bake.reading = job.reading;
+    bake.surface = job.surface;
+    if (job.surface == MapSurface::kInterpolated) bake.fitting.first_level = 1;
     bake.output = file_->temporary_path();
     bake.threads = bake.writing.threads = job.threads;
     bake.measure = false;

@@ -149,15 +149,17 @@ TEST(SurfacePointsTest, StepsHaveAsManyPointsWhereverTheyLie) {
 // Of four with 0.622, 0.167, 0.167 and 0.045 of the weight: (0.464 * 0.622 + 0.045) - 2 * 0.167 is 0.
 TEST(SurfacePointsTest, NormalsThatCancelGiveTheNearestOne) {
   constexpr float kOwn = 0.46410162f;  // (2 g (1 - g) - g^2) / (1 - g)^2, g = 0.2113
-  PlaneStore opposed = filled_store(4, 4, [](int x, int y) {
-    const bool is_own = x == 0 && y == 0, is_diagonal = x == 1 && y == 1;
-    return std::array<float, 3>{is_own ? kOwn : is_diagonal ? 1.0f : -1.0f, 0.0f, 0.0f};
-  });
-  opposed.set_shortened(true);
-  const PlaneRows sums = plane_rows_of(surface_values(opposed, {}, {}, 1, nullptr));
-  ASSERT_NEAR(sums[0][0], 0.0f, 2e-7f);
-  const PlaneRows points = plane_rows_of(surface_normals(opposed, {}, {}, 1, nullptr));
-  EXPECT_NEAR(points[0][0], 0.62201f * kOwn + 0.37799f, 1e-4f) << "as long as the four, where the own one points";
+  for (const float sign : {1.0f, -1.0f}) {
+    PlaneStore opposed = filled_store(4, 4, [sign](int x, int y) {
+      const bool is_own = x == 0 && y == 0, is_diagonal = x == 1 && y == 1;
+      return std::array<float, 3>{sign * (is_own ? kOwn : is_diagonal ? 1.0f : -1.0f), 0.0f, 0.0f};
+    });
+    opposed.set_shortened(true);
+    const PlaneRows sums = plane_rows_of(surface_values(opposed, {}, {}, 1, nullptr));
+    ASSERT_NEAR(sums[0][0], 0.0f, 2e-7f);
+    const PlaneRows points = plane_rows_of(surface_normals(opposed, {}, {}, 1, nullptr));
+    EXPECT_NEAR(points[0][0], sign * (0.62201f * kOwn + 0.37799f), 1e-4f) << "as long as the four, as the own one";
+  }
 }
 
 TEST(SurfacePointsTest, ThreadsAndScratchFilesChangeNothing) {
