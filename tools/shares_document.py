@@ -40,7 +40,7 @@ class Bakes:
     """One map, baked whole and in shares."""
 
     def __init__(self, multum, folder, size, count):
-        self.multum, self.size, self.count = multum, size, count
+        self.multum, self.count = multum, count
         self.map = folder / f"q{size}_normal.png"
         if not self.map.exists():
             succeed([multum, "testmap", "--size", size, folder / f"q{size}"])
@@ -113,7 +113,7 @@ def section(size, rounds, processes, plan):
         asked = [100 * p / predicted for p in plan[key]]
         found = [100 * run["processor_s"] / whole_seconds(one)
                  for one in rounds for count in processes for run in one[str(count)][key]]
-        off = [100 * want / (100 * run["processor_s"] / whole_seconds(one)) - 100 for one in rounds
+        off = [want * whole_seconds(one) / run["processor_s"] - 100 for one in rounds
                for count in processes for run, want in zip(one[str(count)][key], asked)]
         name = "a band" if key == "band" else name
         parts.append(f"| {name} | {span(asked, '{:.1f}')} | {span(found, '{:.1f}')} | {span(off, '{:+.0f}')} |")

@@ -94,7 +94,7 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   // Absent otherwise: files from before it keep their hash.
-  if (job.surface == MapSurface::kInterpolated) json["surface"] = "interpolated";
+  if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : job.hashes->hash(job.albedo);

@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/image/surface_points.h"
 #include "host/movmf/lobe_rows.h"
 #include "host/pyramid/finest_rows.h"
 #include "kernels/shared/vmf_lobe.h"
@@ -51,7 +52,7 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
   const BakedHeader& is = header.header;
   const bool wraps_x = is.wrap_s == WrapMode::kPeriodic && (region.x == 0 || region.x + region.width == is.width),
              wraps_y = is.wrap_t == WrapMode::kPeriodic && (region.y == 0 || region.y + region.height == is.height);
-  if (baked_surface(is) == "interpolated" && (wraps_x || wraps_y))
+  if (baked_surface(is) == map_surface_name(MapSurface::kInterpolated) && (wraps_x || wraps_y))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--region {},{},{},{} touches a border behind which the map repeats, with --surface "
                             "interpolated; expected a part inside, or a bake of the whole map",

@@ -34,8 +34,8 @@ class BakedLobes {
 
   int width() const { return reader_.header().width(); }
   int height() const { return reader_.header().height(); }
-  /// SHA-256 of the map that was baked.
   std::string surface() const { return baked_surface(reader_.header().header); }
+  /// SHA-256 of the map that was baked.
   const std::string& source_hash() const { return reader_.header().header.provenance.source_hash; }
   int count() const { return reader_.header().lobe_count(); }
   /// "4 baked lobes".

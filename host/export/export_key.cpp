@@ -34,7 +34,7 @@ Json fit_key(const ExportJob& job, const std::function<std::string(const std::st
                {job.lobe.is_anisotropic, job.lobe.is_fast,
                 job.roughness.empty() ? Json(job.lobe.base_roughness) : Json(), job.lobe.iteration_count}},
               {"gloss", job.roughness_is_gloss}};
-  if (job.surface == MapSurface::kInterpolated) key["surface"] = "interpolated";
+  if (job.surface == MapSurface::kInterpolated) key["surface"] = map_surface_name(job.surface);
   ExportJob made_of = job;
   made_of.lobes.clear();  // compared with, and no more
   for (const std::string& file : input_files(made_of)) key["inputs"].push_back(hash(file));
