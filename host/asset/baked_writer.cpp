@@ -106,7 +106,7 @@ class BakedWriter::Work {
       for (int l = 0; l < parts_[i].level_count; ++l)
         levels_[static_cast<std::size_t>(parts_[i].first_level + l)].parts.emplace_back(
             new PartLevel{&parts_[i], static_cast<int>(i), {}, {}});
-    stream_ = std::make_unique<ExrOutputStream>(file_.temporary_path(), path);
+    stream_ = std::make_unique<ExrOutputStream>(file_);
     guarded([&] {
       use_exr_threads(options.threads);
       out_ = std::make_unique<Imf::MultiPartOutputFile>(*stream_, headers.data(), static_cast<int>(headers.size()),
@@ -141,12 +141,10 @@ class BakedWriter::Work {
     guarded([&] { out_.reset(); });  // writes the tables of tiles
     stream_->close();
     content_hash_ = hash_all();
-    const std::string& temporary = file_.temporary_path();
-    const int with_error = fill_in_attribute(temporary, file_.path(), kMeasuredErrorAttribute, measured_error);
-    const int with_hash = fill_in_attribute(temporary, file_.path(), kContentHashAttribute, content_hash_);
+    const int with_error = fill_in_attribute(file_, kMeasuredErrorAttribute, measured_error);
+    const int with_hash = fill_in_attribute(file_, kContentHashAttribute, content_hash_);
     // Last: it is of all other attributes, as they lie in the file.
-    const int with_header =
-        fill_in_attribute(temporary, file_.path(), kHeaderHashAttribute, header_hash_text(temporary));
+    const int with_header = fill_in_attribute(file_, kHeaderHashAttribute, header_hash_text(file_.open_path()));
     MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()) && with_header == 1);
     progress_advance(progress, 0);  // the last chance to cancel
     file_.commit();

@@ -70,7 +70,7 @@ FieldRound search(double limit, bool is_error, double lambda, const Code& code) 
 
 void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& path) {
   AtomicFile file(path);
-  OutputFile out(file.temporary_path(), path);
+  OutputFile out(file);
   out.write(bytes.data(), bytes.size());
   out.close();
   file.commit();

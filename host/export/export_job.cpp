@@ -10,7 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/log.h"
 #include "host/base/stopwatch.h"
 #include "host/export/export_key.h"
@@ -85,7 +85,7 @@ std::unique_ptr<FitJournal> open_journal(const ExportJob& job, InputHashes& hash
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
   if (job.resume)
     return FitJournal::open(name, fit_key(job, [&](const std::string& file) { return hashes.hash(file); }).dump());
-  PartialFolder::drop(name);
+  WorkFolder::drop(partial_folder_of(name));
   return nullptr;
 }
 

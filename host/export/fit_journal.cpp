@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstring>
-#include <fstream>
 #include <span>
 
 #include "host/base/error.h"
@@ -43,11 +42,10 @@ bool FitJournal::find(int level, int first_row, int width, int height, std::vect
   const auto found = found_.find({static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(first_row)});
   if (found == found_.end() || size_of(width) != found->second.width || size_of(height) != found->second.height)
     return false;
-  std::ifstream in(journal_->path(), std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(found->second.offset));
   fitted.resize(MULTUM_ONE_LOBE_FITTED * size_of(width) * size_of(height));
-  in.read(reinterpret_cast<char*>(fitted.data()), static_cast<std::streamsize>(fitted.size() * sizeof(float)));
-  if (!in) return false;
+  if (!journal_->read(found->second.offset,
+                      {reinterpret_cast<std::uint8_t*>(fitted.data()), fitted.size() * sizeof(float)}))
+    return false;
   rows_resumed_ += size_of(height);
   return true;
 }

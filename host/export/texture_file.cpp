@@ -45,7 +45,7 @@ class RowCounts {
 class PlainTextureFile : public TextureFile {
  public:
   PlainTextureFile(const std::string& path, const LeveledTexture& texture, TextureHead head)
-      : file_(path), bytes_(file_.temporary_path(), path), texture_(texture), head_(std::move(head)), counts_(texture) {
+      : file_(path), bytes_(file_), texture_(texture), head_(std::move(head)), counts_(texture) {
     bytes_.write(head_.bytes.data(), head_.bytes.size());
   }
 
@@ -138,7 +138,7 @@ class ZstdKtx2File : public TextureFile {
   }
   void finish() override {
     counts_.check_complete();
-    OutputFile bytes(file_.temporary_path(), file_.path());
+    OutputFile bytes(file_);
     Ktx2Settings settings{software_version(), choice_.swizzle, {}, choice_.keys};
     settings.zstd_lengths.assign(size_of(texture_.level_count), 1);
     bytes.seek(ktx2_head(texture_, settings).bytes.size());

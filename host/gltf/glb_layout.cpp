@@ -261,7 +261,7 @@ std::uint64_t write_glb(const GltfAsset& asset, GltfJson json, const ViewContent
     asset.refuse(
         fmt::format("would become a file of {} bytes, expected less than 4 GiB, which is all that GLB holds", total));
   AtomicFile file(output);
-  OutputFile bytes(file.temporary_path(), output);
+  OutputFile bytes(file);
   const auto add = [&](const std::string& part) { bytes.write(part.data(), part.size()); };
   add("glTF" + little_endian_32({2, total, text.size(), 0x4E4F534A}));
   add(text);

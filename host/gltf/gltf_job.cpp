@@ -12,7 +12,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/input_hashes.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/log.h"
 #include "host/base/stopwatch.h"
 #include "host/gltf/gltf_rewrite.h"
@@ -66,7 +66,7 @@ class GltfConversion {
     }
     GltfPlan plan = plan_gltf(asset, job_.is_anisotropic);
 
-    folder_ = PartialFolder::take(job_.output);
+    folder_ = WorkFolder::take(partial_folder_of(job_.output));
     if (folder_ == nullptr) throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
     folder_->clear();
     if (job_.format == GltfTextureFormat::kUastc && !plan.sources.empty()) check_uastc_encoder(uastc());
@@ -188,7 +188,7 @@ class GltfConversion {
   Device& device_;
   Progress* const progress_;
   Stopwatch stopwatch_;
-  std::unique_ptr<PartialFolder> folder_;
+  std::unique_ptr<WorkFolder> folder_;
   GltfReport report_;
 };
 

@@ -14,7 +14,7 @@
 #include "host/base/files/byte_file.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/log.h"
 #include "host/brdf/ggx_lobe.h"
 #include "host/export/export_job.h"
@@ -152,7 +152,7 @@ void write_look_page(const LookJob& job, Device& device, Progress* progress) {
   check_paths_differ(inputs, {job.output});
   check_writable(job.output);
   const std::vector<BakedHeader> headers = checked_headers(job);
-  const std::unique_ptr<PartialFolder> folder = PartialFolder::take(job.output);
+  const std::unique_ptr<WorkFolder> folder = WorkFolder::take(partial_folder_of(job.output));
   if (!folder) throw Error(ErrorCode::kEnvironment, job.output + ": is being written by another process");
   folder->clear();
   nlohmann::ordered_json data = {{"baseRoughness", job.base_roughness},

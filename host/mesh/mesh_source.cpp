@@ -48,7 +48,7 @@ Meshes read_in_child(DecodingRequest kind, const std::string& path, int uv_set) 
   DecodedFile file(mesh_child(), path, "assimp");
   const std::uint64_t bytes = file_bytes(path) + (is_gltf_name(path) ? buffer_bytes(path) : 0);
   file.allow(kMemoryTimes * bytes, std::chrono::seconds(bytes / kBytesASecond));
-  auto meshes = file.ask(open_mesh_request(kind, path, uv_set),
+  auto meshes = file.ask(open_mesh_request(kind, std::filesystem::absolute(path).string(), uv_set),
                          [&](MessageReader& in) { return parse_mesh_answer<Meshes>(file.asked(), in); });
   const std::byte* const memory = file.memory().reserve(array_bytes(meshes));
   file.ask(read_mesh_request(), [](MessageReader&) { return true; });

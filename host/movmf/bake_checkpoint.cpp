@@ -3,11 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -17,42 +12,39 @@
 namespace multum {
 namespace {
 
-namespace fs = std::filesystem;
-
-void append_line(const std::string& path, const std::string& line) {
-  std::ofstream out(path, std::ios::app);
-  out << line << '\n';
-  if (!out.flush()) throw Error(ErrorCode::kEnvironment, path + ": cannot be written: " + std::strerror(errno));
-}
+constexpr std::size_t kLineMax = 256;  // bytes of a line of progress
 
 }  // namespace
 
 std::unique_ptr<BakeCheckpoint> BakeCheckpoint::open(const std::string& output, const std::string& key, bool resume) {
-  std::unique_ptr<PartialFolder> folder = PartialFolder::take(output);
+  std::unique_ptr<WorkFolder> folder = WorkFolder::take(partial_folder_of(output));
   if (folder == nullptr) return nullptr;
+  if (!resume) folder->clear();
   return std::unique_ptr<BakeCheckpoint>(new BakeCheckpoint(std::move(folder), key, resume));
 }
 
-BakeCheckpoint::BakeCheckpoint(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume)
-    : folder_(std::move(folder)) {
-  if (resume) read_progress(key);
+BakeCheckpoint::BakeCheckpoint(std::unique_ptr<WorkFolder> folder, const std::string& key, bool resume)
+    : folder_(std::move(folder)), progress_(*folder_, "progress") {
+  const std::uint64_t bytes = resume ? read_progress(key) : 0;
+  progress_.cut(found_.empty() ? 0 : bytes);
   if (!found_.empty()) return;
-  folder_->clear();
-  append_line(progress_path(), key);
+  folder_->clear("progress");
+  progress_.append_line(key);
 }
 
-void BakeCheckpoint::read_progress(const std::string& key) {
-  std::ifstream in(progress_path());
-  std::string line;
-  if (!std::getline(in, line) || line != key) return;
-  while (std::getline(in, line)) {
-    std::istringstream words(line);
+// A line that a kill or a full disk has torn, and what follows a damaged one, does not count.
+std::uint64_t BakeCheckpoint::read_progress(const std::string& key) {
+  if (progress_.line(0, key.size()) != key) return 0;
+  std::uint64_t good = key.size() + 1;
+  while (const std::optional<std::string> line = progress_.line(good, kLineMax)) {
+    std::istringstream words(*line);
     int level = 0;
     Block block{0, 0, ""};
-    if (!(words >> level >> block.first_row >> block.row_count >> block.checksum) || block.checksum.size() != 16)
-      return;
+    if (!(words >> level >> block.first_row >> block.row_count >> block.checksum) || block.checksum.size() != 16) break;
     found_[level].push_back(block);
+    good += line->size() + 1;
   }
+  return good;
 }
 
 std::string BakeCheckpoint::block_checksum(const Level& level, int first_row, int row_count) {
@@ -71,12 +63,10 @@ std::string BakeCheckpoint::block_checksum(const Level& level, int first_row, in
 BakeCheckpoint::Level& BakeCheckpoint::open_level(int level, int row_count, const RowBytes& row_bytes) {
   const std::string name = "level-" + std::to_string(level);
   Level& opened =
-      levels_
-          .try_emplace(level, Level{RowStore(row_count, row_bytes.lobes, folder_->path(), name + ".lobes"), {}, {}, 0})
+      levels_.try_emplace(level, Level{RowStore(row_count, row_bytes.lobes, *folder_, name + ".lobes"), {}, {}, 0})
           .first->second;
-  if (row_bytes.features > 0)
-    opened.features.emplace(row_count, row_bytes.features, folder_->path(), name + ".features");
-  if (row_bytes.is_refined) opened.refined.emplace(row_count, row_bytes.lobes, folder_->path(), name + ".refined");
+  if (row_bytes.features > 0) opened.features.emplace(row_count, row_bytes.features, *folder_, name + ".features");
+  if (row_bytes.is_refined) opened.refined.emplace(row_count, row_bytes.lobes, *folder_, name + ".refined");
   for (const Block& block : found_[level]) {
     if (block.first_row != opened.rows_done || block.row_count < 1 || block.row_count > row_count - block.first_row)
       break;
@@ -101,7 +91,7 @@ void BakeCheckpoint::add_rows(int level, int row_count, const Rows& rows) {
   add(done.lobes, rows.lobes);
   if (done.features) add(*done.features, rows.features);
   if (done.refined) add(*done.refined, rows.refined);
-  append_line(progress_path(), fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
+  progress_.append_line(fmt::format("{} {} {} {}", level, done.rows_done, row_count, checksum.text()));
   done.rows_done += row_count;
 }
 

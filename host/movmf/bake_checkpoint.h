@@ -17,7 +17,8 @@
 #include <optional>
 #include <string>
 
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/journal_file.h"
+#include "host/base/files/work_folder.h"
 #include "host/pyramid/row_store.h"
 
 namespace multum {
@@ -63,13 +64,13 @@ class BakeCheckpoint {
     int first_row, row_count;
     std::string checksum;
   };
-  BakeCheckpoint(std::unique_ptr<PartialFolder> folder, const std::string& key, bool resume);
-  void read_progress(const std::string& key);
+  BakeCheckpoint(std::unique_ptr<WorkFolder> folder, const std::string& key, bool resume);
+  /// Bytes of the file `progress` that count; 0 when it is of another bake.
+  std::uint64_t read_progress(const std::string& key);
   static std::string block_checksum(const Level& level, int first_row, int row_count);
 
-  std::string progress_path() const { return folder_->path() + "/progress"; }
-
-  std::unique_ptr<PartialFolder> folder_;    // removed at the end, unless left
+  std::unique_ptr<WorkFolder> folder_;  // removed at the end, unless left
+  JournalFile progress_;
   std::map<int, std::vector<Block>> found_;  // by level, in order
   std::map<int, Level> levels_;
   std::uint64_t rows_resumed_ = 0;

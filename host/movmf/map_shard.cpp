@@ -129,7 +129,7 @@ std::string shard_path(const std::string& output, const MapShard& shard) {
 }
 
 ShardWriter::ShardWriter(const std::string& path, const std::string& key, const std::string& note)
-    : file_(path), out_(file_.temporary_path(), path), text_(key + "\n" + note + "\n") {}
+    : file_(path), out_(file_), text_(key + "\n" + note + "\n") {}
 
 void ShardWriter::write(const void* bytes, std::size_t count) {
   if (!out_.write(bytes, count)) out_.close();  // throws

@@ -14,7 +14,7 @@ RowStore::RowStore(int row_count, std::size_t row_bytes, const SpillPolicy& spil
   else file_.emplace(spill.scratch_folder);
 }
 
-RowStore::RowStore(int row_count, std::size_t row_bytes, const std::string& folder, const std::string& name)
+RowStore::RowStore(int row_count, std::size_t row_bytes, const WorkFolder& folder, const std::string& name)
     : row_count_(row_count), row_bytes_(row_bytes), file_(ScratchFile(folder, name)) {}
 
 std::size_t RowStore::range_begin(int first_row, int row_count) const {

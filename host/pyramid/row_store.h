@@ -17,7 +17,7 @@ class RowStore {
  public:
   RowStore(int row_count, std::size_t row_bytes, const SpillPolicy& spill);
   /// In a file of that name in `folder`, where an earlier process may have left rows.
-  RowStore(int row_count, std::size_t row_bytes, const std::string& folder, const std::string& name);
+  RowStore(int row_count, std::size_t row_bytes, const WorkFolder& folder, const std::string& name);
 
   int row_count() const { return row_count_; }
   std::size_t row_bytes() const { return row_bytes_; }

@@ -13,9 +13,9 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
-#include "host/base/files/folder_lock.h"
 #include "host/base/files/output_paths.h"
 #include "host/sandbox/confinement.h"
+#include "host/service/files/data_lock.h"
 #include "host/service/http/http_api.h"
 #include "host/service/ledger/ledger_start.h"
 #include "host/service/run_handlers.h"
@@ -95,8 +95,8 @@ class Service {
   }
 
  private:
-  std::unique_ptr<FolderLock> lock() const {
-    std::unique_ptr<FolderLock> lock = FolderLock::take(settings_.data);
+  std::unique_ptr<DataLock> lock() const {
+    std::unique_ptr<DataLock> lock = DataLock::take(settings_.data);
     if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
     return lock;
   }
@@ -225,7 +225,7 @@ class Service {
 
   const ServiceOptions& options_;
   ServiceSettings settings_;
-  std::unique_ptr<FolderLock> lock_;
+  std::unique_ptr<DataLock> lock_;
   DataFolder data_;
   const JobRoots roots_;
   asio::io_context io_{1};

@@ -17,7 +17,7 @@
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
 #include "host/base/files/byte_file.h"
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/held_warnings.h"
 #include "host/base/processes/viewer_process.h"
 #include "host/base/run_times.h"
@@ -105,8 +105,8 @@ std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
 }
 
 // Has what a killed sweep left removed.
-std::unique_ptr<PartialFolder> take_scratch(const std::string& output) {
-  std::unique_ptr<PartialFolder> folder = PartialFolder::take(output);
+std::unique_ptr<WorkFolder> take_scratch(const std::string& output) {
+  std::unique_ptr<WorkFolder> folder = WorkFolder::take(partial_folder_of(output));
   if (!folder) throw Error(ErrorCode::kEnvironment, output + ": is being written by another process");
   folder->clear();
   return folder;
@@ -314,7 +314,7 @@ class Sweep {
   const TradeoffJob& job_;
   Device& device_;
   Progress* const progress_;
-  const std::unique_ptr<PartialFolder> scratch_;
+  const std::unique_ptr<WorkFolder> scratch_;
   TradeoffResult result_;
   std::vector<double> bake_times_, frame_times_;  // of the default settings
 };

@@ -11,8 +11,8 @@
 
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/processes/machine.h"
 #include "host/base/quiet_log.h"
 #include "host/base/shown_text.h"
@@ -70,23 +70,25 @@ class ComparedBake {
  public:
   ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress) {
     const std::filesystem::path folder = std::filesystem::path(page).parent_path();
-    file_.emplace((folder / "lobes.ndf.exr").string());
+    work_ = WorkFolder::make(folder.string());
+    path_ = work_->path() + "/lobes.ndf.exr";
     BakeJob bake;
     bake.input = job.input;
     bake.reading = job.reading;
     bake.surface = job.surface;
     if (job.surface == MapSurface::kInterpolated) bake.fitting.first_level = 1;
-    bake.output = file_->temporary_path();
+    bake.output = path_;
     bake.threads = bake.writing.threads = job.threads;
     bake.measure = false;
     bake.force = true;
     const QuietLog quiet;  // the export says what there is to say of the map
     bake_file(bake, nullptr, device, progress);
   }
-  const std::string& path() const { return file_->temporary_path(); }
+  const std::string& path() const { return path_; }
 
  private:
-  std::optional<AtomicFile> file_;  // never committed
+  std::unique_ptr<WorkFolder> work_;
+  std::string path_;
 };
 
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {

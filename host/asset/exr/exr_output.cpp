@@ -83,8 +83,7 @@ bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const s
 
 }  // namespace
 
-ExrOutputStream::ExrOutputStream(const std::string& path, const std::string& shown_path)
-    : Imf::OStream(shown_path.c_str()), file_(path, shown_path) {}
+ExrOutputStream::ExrOutputStream(const AtomicFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
 
 // What is thrown here the library may swallow; close() throws it again.
 void ExrOutputStream::write(const char values[], int count) {
@@ -98,7 +97,7 @@ void ExrOutputStream::seekp(std::uint64_t position) {
 void write_exr_file(const std::string& path, const std::function<void(Imf::OStream& stream)>& write) {
   AtomicFile file(path);
   try {
-    ExrOutputStream stream(file.temporary_path(), path);
+    ExrOutputStream stream(file);
     write(stream);
     stream.close();
   } catch (const Error&) {
@@ -109,9 +108,10 @@ void write_exr_file(const std::string& path, const std::function<void(Imf::OStre
   file.commit();
 }
 
-int fill_in_attribute(const std::string& path, const std::string& shown_path, const std::string& name,
-                      const std::string& text) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "r+b"), &std::fclose);
+int fill_in_attribute(const AtomicFile& output, const std::string& name, const std::string& text) {
+  const std::string& shown_path = output.path();
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(output.open_path().c_str(), "r+b"),
+                                                             &std::fclose);
   if (file == nullptr) fail(shown_path, std::strerror(errno));
   HeaderCursor cursor(file.get(), shown_path);
   cursor.skip(4);

@@ -16,7 +16,7 @@ namespace multum {
 class ExrOutputStream : public Imf::OStream {
  public:
   /// As OutputFile.
-  ExrOutputStream(const std::string& path, const std::string& shown_path);
+  explicit ExrOutputStream(const AtomicFile& file);
 
   void write(const char values[], int count) override;
   std::uint64_t tellp() override { return file_.position(); }
@@ -32,8 +32,7 @@ class ExrOutputStream : public Imf::OStream {
 void write_exr_file(const std::string& path, const std::function<void(Imf::OStream& stream)>& write);
 
 /// Writes `text`, padded with spaces, over the string attribute `name` in every header of the file that has it, and
-/// returns how many have. Throws Error(kEnvironment), naming `shown_path`, where the room is less or the disk refuses.
-int fill_in_attribute(const std::string& path, const std::string& shown_path, const std::string& name,
-                      const std::string& text);
+/// returns how many have. Throws Error(kEnvironment) where the room is less or the disk refuses.
+int fill_in_attribute(const AtomicFile& file, const std::string& name, const std::string& text);
 
 }  // namespace multum

@@ -56,7 +56,7 @@ void writing(const std::string& path, const Work& work) {
 
 struct ExrHalfWriter::State {
   State(const std::string& path, int width_in, int height_in)
-      : file(path), stream(file.temporary_path(), path), width(width_in), height(height_in) {}
+      : file(path), stream(file), width(width_in), height(height_in) {}
 
   AtomicFile file;
   ExrOutputStream stream;

@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/checksum.h"
+#include "host/base/files/output_file.h"
 
 namespace multum {
 namespace {
@@ -114,23 +115,15 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
-void put(std::FILE* file, const void* data, std::size_t bytes, const std::string& path) {
-  if (bytes > 0 && std::fwrite(data, 1, bytes, file) != bytes)
-    throw Error(ErrorCode::kEnvironment, path + ": cannot be written: the disk may be full");
-}
-
 }  // namespace
 
 void write_filter_matrix(const FilterMatrix& matrix, const std::string& path) {
   AtomicFile file(path);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.temporary_path().c_str(), "wb"),
-                                                            std::fclose);
-  if (!out) throw Error(ErrorCode::kEnvironment, path + ": cannot be created");
+  OutputFile out(file);
   const std::string head = std::string(kFirstLine) + "\n" + full_header(matrix).dump() + "\n";
-  put(out.get(), head.data(), head.size(), path);
-  for_each_list(matrix, [&](const auto& list) { put(out.get(), list.data(), list.size() * 4, path); });
-  if (std::fflush(out.get()) != 0)
-    throw Error(ErrorCode::kEnvironment, path + ": cannot be written: the disk may be full");
+  out.write(head.data(), head.size());
+  for_each_list(matrix, [&](const auto& list) { out.write(list.data(), list.size() * 4); });
+  out.close();
   file.commit();
 }
 

@@ -2,30 +2,31 @@
 #include "host/base/files/atomic_file.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <chrono>
-#include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
+#include <vector>
 
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/output_file.h"
 
 namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
-
-// ".multum-tmp-PID-COUNTER-PLACE-NAME": hidden, owned by a process of a place, and with the final name's extension.
+// ".multum-tmp-PID-RANDOM-PLACE-NAME": hidden, owned by a process of a place. Earlier versions had a counter in place
+// of the random digits: what their killed runs left is removed too.
 constexpr char kPrefix[] = ".multum-tmp-";
 constexpr std::size_t kPlaceDigits = 8;
-constexpr auto kForeignAge = std::chrono::hours(24);
+constexpr std::time_t kForeignSeconds = 24 * 60 * 60;
 
 // Of the machine, or of the container: numbers of processes say something there alone, and many write to one folder.
 const std::string& place() {
@@ -38,10 +39,9 @@ const std::string& place() {
   return digits;
 }
 
-// Whether a temporary file of `name` was left by a process that is gone. Of other places nobody knows: a day is enough.
-bool is_leftover(const fs::directory_entry& entry, const std::string& name) {
-  const std::string found = entry.path().filename().string();
-  if (!is_temporary_name(found)) return false;
+// Was the temporary file `found` of `name` left by a process that is gone? Of other places nobody knows: a day is
+// enough.
+bool is_leftover(const std::string& found, const std::string& name, const struct stat& state) {
   const std::size_t number = found.find('-', sizeof(kPrefix) - 1);
   const std::size_t rest = number == std::string::npos ? number : found.find('-', number + 1);
   if (rest == std::string::npos) return false;
@@ -50,71 +50,82 @@ bool is_leftover(const fs::directory_entry& entry, const std::string& name) {
     const long pid = std::strtol(found.c_str() + sizeof(kPrefix) - 1, nullptr, 10);
     return pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
   }
-  std::error_code failed;
-  const auto written = entry.last_write_time(failed);
-  return owner.size() == kPlaceDigits + 1 + name.size() && owner.ends_with("-" + name) && !failed &&
-         fs::file_time_type::clock::now() - written > kForeignAge;
+  return owner.size() == kPlaceDigits + 1 + name.size() && owner.ends_with("-" + name) &&
+         std::time(nullptr) - state.st_mtim.tv_sec > kForeignSeconds;
 }
 
-// The sweep costs one directory listing a file written and never touches a living process's file.
-void sweep_leftovers(const fs::path& folder, const std::string& name) {
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (is_leftover(entry, name)) fs::remove(entry.path(), ignored);
-}
-
-void sync_path(const std::string& path, int flags) {
-  const int descriptor = open(path.c_str(), flags);
-  if (descriptor < 0) fail_by_errno(path, "cannot be opened to sync it");
-  const int result = fsync(descriptor);
-  const int saved_errno = errno;
-  close(descriptor);
-  if (result != 0) {
-    errno = saved_errno;
-    fail_by_errno(path, "cannot be synced to disk");
+// Files of this user alone: what others put under such a name is theirs. The sweep costs one directory listing a file
+// written, and never touches a living process's file.
+void sweep_leftovers(const NamedPlace& place, const std::string& path) {
+  std::vector<std::string> names;
+  try {
+    names = names_in(place.folder, path);
+  } catch (const Error&) {  // a folder that may not be listed
   }
+  for (const std::string& found : names) {
+    struct stat state {};
+    if (is_temporary_name(found) &&
+        ::fstatat(place.folder.descriptor(), found.c_str(), &state, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISREG(state.st_mode) && state.st_uid == ::geteuid() && is_leftover(found, place.name, state))
+      ::unlinkat(place.folder.descriptor(), found.c_str(), 0);
+  }
+}
+
+// Something else than a file of this name would be lost, or written to by nobody's wish.
+void check_final_name(const NamedPlace& place, const std::string& path) {
+  const auto refuse = [&](const char* what) {
+    throw Error(ErrorCode::kUsage, path + ": " + what + ", expected the name of a file to write");
+  };
+  if (place.name.empty() || place.name == "." || place.name == "..") refuse("is a folder");
+  check_name_length(path, place.name);
+  struct stat found {};
+  if (::fstatat(place.folder.descriptor(), place.name.c_str(), &found, 0) != 0) return;
+  if (S_ISDIR(found.st_mode)) refuse("is a folder");
+  if (!S_ISREG(found.st_mode)) refuse("is a device, a pipe or a socket");
 }
 
 }  // namespace
 
 bool is_temporary_name(std::string_view name) { return name.starts_with(kPrefix); }
 
-AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
-  const fs::path final_path(path_);
-  const fs::path folder = folder_of(final_path);
-  const std::string name = final_path.filename().string();
-  std::error_code error;
-  if (name.empty() || fs::is_directory(final_path, error))
-    throw Error(ErrorCode::kUsage, path_ + ": is a folder, expected the name of a file to write");
-  if (!fs::is_directory(folder, error))
-    throw Error(ErrorCode::kEnvironment, path_ + ": the folder " + folder.string() + " does not exist");
-  if (access(folder.c_str(), W_OK) != 0) fail_by_errno(path_, "the folder " + folder.string() + " cannot be written");
-  sweep_leftovers(folder, name);
-  static std::atomic<unsigned> counter{0};
-  const std::string owner = std::to_string(getpid()) + "-" + std::to_string(counter++) + "-" + place();
-  temporary_path_ = (folder / (kPrefix + owner + "-" + name)).string();
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), place_(open_place(path_)) {
+  check_final_name(place_, path_);
+  sweep_leftovers(place_, path_);
+  temporary_name_ = fmt::format("{}{}-{}-{}-{}", kPrefix, ::getpid(), random_digits(), place(), place_.name);
+  file_ = OpenFile(::openat(place_.folder.descriptor(), temporary_name_.c_str(),
+                            O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (!file_.is_open()) fail_by_errno(path_, "no file can be created in its folder");
+  open_path_ = fmt::format("/proc/{}/fd/{}", ::getpid(), file_.descriptor());
 }
 
 AtomicFile::~AtomicFile() {
-  if (!committed_) unlink(temporary_path_.c_str());
+  if (!committed_ && is_named(place_.folder, temporary_name_, file_.descriptor()))
+    ::unlinkat(place_.folder.descriptor(), temporary_name_.c_str(), 0);
 }
 
 void AtomicFile::commit() {
   MULTUM_CHECK(!committed_);
-  sync_path(temporary_path_, O_RDONLY);
-  if (std::rename(temporary_path_.c_str(), path_.c_str()) != 0) fail_by_errno(path_, "cannot be given its final name");
+  const int folder = place_.folder.descriptor();
+  if (::fsync(file_.descriptor()) != 0) fail_by_errno(path_, "cannot be synced to disk");
+  if (!is_named(place_.folder, temporary_name_, file_.descriptor()))
+    throw Error(ErrorCode::kEnvironment,
+                path_ +
+                    ": its temporary file was taken away or replaced while it was written; expected a folder where "
+                    "nobody else renames files");
+  if (::renameat(folder, temporary_name_.c_str(), folder, place_.name.c_str()) != 0)
+    fail_by_errno(path_, "cannot be given its final name");
   committed_ = true;
-  sync_path(folder_of(path_).string(), O_RDONLY | O_DIRECTORY);
+  // A folder that may not be listed can be opened by nobody for this.
+  const OpenFile synced(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (synced.is_open() && ::fsync(synced.descriptor()) != 0)
+    fail_by_errno(path_, "its folder cannot be synced to disk");
 }
 
 void write_text_file(const std::string& path, std::string_view text) {
   AtomicFile file(path);
-  // Exclusively: a link that somebody put there is not followed.
-  std::FILE* out = std::fopen(file.temporary_path().c_str(), "wbx");
-  if (out == nullptr) fail_by_errno(path, "cannot be written");
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  const bool closed = std::fclose(out) == 0;
-  if (!written || !closed) fail_by_errno(path, "writing failed");
+  OutputFile out(file);
+  out.write(text.data(), text.size());
+  out.close();
   file.commit();
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/files/output_file.h"
 
+#include <fcntl.h>
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -20,9 +22,14 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 
 }  // namespace
 
-OutputFile::OutputFile(const std::string& path, std::string shown_path)
-    : shown_path_(std::move(shown_path)), file_(std::fopen(path.c_str(), "wb")) {
-  if (file_ == nullptr) fail(shown_path_, errno);
+OutputFile::OutputFile(const AtomicFile& file) : shown_path_(file.path()), file_(nullptr) {
+  const int own = ::fcntl(file.descriptor(), F_DUPFD_CLOEXEC, 0);
+  if (own >= 0) file_ = ::fdopen(own, "wb");
+  if (file_ == nullptr) {
+    const int failure = errno;
+    if (own >= 0) ::close(own);
+    fail(shown_path_, failure);
+  }
   std::setvbuf(file_, nullptr, _IOFBF, kBufferBytes);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes bytes to a file for libraries that write through callbacks: the first thing that goes wrong is kept and thrown
-// when the file is closed, since what is thrown within a callback may not arrive.
+// Writes bytes to an AtomicFile for libraries that write through callbacks: the first thing that goes wrong is kept and
+// thrown when the file is closed, since what is thrown within a callback may not arrive.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,14 @@
 #include <cstdio>
 #include <string>
 
+#include "host/base/files/atomic_file.h"
+
 namespace multum {
 
 class OutputFile {
  public:
-  /// Creates `path`; messages name `shown_path`. Throws Error(kEnvironment).
-  OutputFile(const std::string& path, std::string shown_path);
+  /// From its first byte on; `file` outlives this. Throws Error(kEnvironment).
+  explicit OutputFile(const AtomicFile& file);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/files/output_paths.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
@@ -57,8 +54,6 @@ std::string existing_part(const std::string& path) {
 void check_writable(const std::string& path) {
   // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
   const AtomicFile probe(path);
-  if (!std::ofstream(probe.temporary_path()))
-    throw Error(ErrorCode::kEnvironment, path + ": no file can be created in its folder: " + std::strerror(errno));
 }
 
 }  // namespace multum

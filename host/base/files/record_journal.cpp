@@ -2,10 +2,6 @@
 #include "host/base/files/record_journal.h"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -15,8 +11,6 @@
 
 namespace multum {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::size_t kLengthBytes = 4;
 constexpr std::size_t kChecksumBytes = 16;  // of Checksum::text()
@@ -33,61 +27,42 @@ std::uint64_t length_of(const std::array<std::uint8_t, kLengthBytes>& bytes) {
   return length;
 }
 
-template <typename Bytes>
-void write(std::ofstream& out, const Bytes& bytes) {
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
-template <typename Bytes>
-void read_into(std::ifstream& in, Bytes& bytes) {
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
 }  // namespace
 
 std::unique_ptr<RecordJournal> RecordJournal::open(const std::string& output, const std::string& file,
                                                    const std::string& key, bool resume, const Visit& visit) {
-  std::unique_ptr<PartialFolder> folder = PartialFolder::take(output);
+  std::unique_ptr<WorkFolder> folder = WorkFolder::take(partial_folder_of(output));
   if (folder == nullptr) return nullptr;
+  if (!resume) folder->clear();
   std::unique_ptr<RecordJournal> journal(new RecordJournal(std::move(folder), file));
-  if (const std::uint64_t bytes = resume ? journal->read(key, visit) : 0; bytes > 0) {
-    std::error_code ignored;
-    fs::resize_file(journal->path_, bytes, ignored);
-    return journal;
+  const std::uint64_t bytes = resume ? journal->visit_records(key, visit) : 0;
+  journal->file_.cut(bytes);
+  if (bytes == 0) {
+    journal->folder_->clear(file);
+    journal->file_.append_line(key);
   }
-  journal->folder_->clear();
-  std::ofstream out(journal->path_, std::ios::binary);
-  out << key << '\n';
-  if (!out.flush()) journal->fail();
   return journal;
 }
 
-RecordJournal::RecordJournal(std::unique_ptr<PartialFolder> folder, const std::string& file)
-    : folder_(std::move(folder)), path_(folder_->path() + "/" + file) {}
+RecordJournal::RecordJournal(std::unique_ptr<WorkFolder> folder, const std::string& file)
+    : folder_(std::move(folder)), file_(*folder_, file) {}
 
-void RecordJournal::fail() const {
-  throw Error(ErrorCode::kEnvironment, path_ + ": cannot be written: " + std::strerror(errno));
-}
-
-std::uint64_t RecordJournal::read(const std::string& key, const Visit& visit) const {
-  std::ifstream in(path_, std::ios::binary);
-  std::string line;
-  if (!std::getline(in, line) || line != key) return 0;
-  std::uint64_t good = line.size() + 1;
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(path_, error);
-  while (!error && size - good >= kLengthBytes + kChecksumBytes) {
+std::uint64_t RecordJournal::visit_records(const std::string& key, const Visit& visit) const {
+  if (file_.line(0, key.size()) != key) return 0;
+  std::uint64_t good = key.size() + 1;
+  std::vector<std::uint8_t> bytes;
+  while (file_.size() - good >= kLengthBytes + kChecksumBytes) {
     std::array<std::uint8_t, kLengthBytes> head{};
-    read_into(in, head);
+    if (!file_.read(good, head)) break;
     const std::uint64_t length = length_of(head);
-    if (!in || length > size - good - kLengthBytes - kChecksumBytes) break;
-    std::vector<std::uint8_t> bytes(length);
-    std::string found(kChecksumBytes, ' ');
-    read_into(in, bytes);
-    read_into(in, found);
+    if (length > file_.size() - good - kLengthBytes - kChecksumBytes) break;
+    bytes.resize(length + kChecksumBytes);
+    if (!file_.read(good + kLengthBytes, bytes)) break;
+    const std::span<const std::uint8_t> record = std::span(bytes).first(length);
     Checksum checksum;
-    checksum.update(bytes.data(), bytes.size());
-    if (!in || checksum.text() != found || !visit(bytes, good + kLengthBytes)) break;
+    checksum.update(record.data(), record.size());
+    const std::string found(bytes.begin() + static_cast<std::ptrdiff_t>(length), bytes.end());
+    if (checksum.text() != found || !visit(record, good + kLengthBytes)) break;
     good += kLengthBytes + length + kChecksumBytes;
   }
   return good;
@@ -102,11 +77,12 @@ void RecordJournal::add(std::initializer_list<std::span<const std::uint8_t>> par
   }
   MULTUM_CHECK(length <= std::numeric_limits<std::uint32_t>::max());
   const std::lock_guard lock(mutex_);
-  std::ofstream out(path_, std::ios::binary | std::ios::app);
-  write(out, length_bytes(length));
-  for (const auto& part : parts) write(out, part);
-  write(out, checksum.text());
-  if (!out.flush()) fail();
+  const std::array<std::uint8_t, kLengthBytes> head = length_bytes(length);
+  const std::string text = checksum.text();
+  std::vector<std::span<const std::uint8_t>> record = {std::span(head)};
+  record.insert(record.end(), parts.begin(), parts.end());
+  record.emplace_back(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  file_.append(record);
 }
 
 }  // namespace multum

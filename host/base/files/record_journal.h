@@ -15,7 +15,8 @@
 #include <span>
 #include <string>
 
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/journal_file.h"
+#include "host/base/files/work_folder.h"
 
 namespace multum {
 
@@ -35,18 +36,18 @@ class RecordJournal {
 
   /// A record of these parts, one behind the other; less than 4 GiB. Throws Error(kEnvironment).
   void add(std::initializer_list<std::span<const std::uint8_t>> parts);
-  const std::string& path() const { return path_; }
+  /// Reads bytes of a record that `visit` was shown. False: they are not there any more.
+  bool read(std::uint64_t offset, std::span<std::uint8_t> bytes) const { return file_.read(offset, bytes); }
   /// The folder stays when this is destroyed: the work was stopped and may go on.
   void leave() { folder_->leave(); }
 
  private:
-  RecordJournal(std::unique_ptr<PartialFolder> folder, const std::string& file);
+  RecordJournal(std::unique_ptr<WorkFolder> folder, const std::string& file);
   /// Bytes of the file that count; 0 when it is of another key.
-  std::uint64_t read(const std::string& key, const Visit& visit) const;
-  [[noreturn]] void fail() const;
+  std::uint64_t visit_records(const std::string& key, const Visit& visit) const;
 
-  std::unique_ptr<PartialFolder> folder_;  // removed at the end, unless left
-  std::string path_;
+  std::unique_ptr<WorkFolder> folder_;  // removed at the end, unless left
+  JournalFile file_;
   std::mutex mutex_;  // of the file
 };
 

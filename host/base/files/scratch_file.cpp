@@ -15,16 +15,21 @@ namespace multum {
 
 ScratchFile::ScratchFile(std::string folder) : folder_(folder.empty() ? "." : std::move(folder)) {
   std::string name = folder_ + "/.multum-scratch-XXXXXX";
-  descriptor_ = mkstemp(name.data());
+  descriptor_ = mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0)
     throw Error(ErrorCode::kEnvironment, folder_ + ": no scratch file can be made there: " + std::strerror(errno));
   unlink(name.c_str());
 }
 
+ScratchFile::ScratchFile(const WorkFolder& folder, const std::string& name) : folder_(folder.shown_path()) {
+  descriptor_ = openat(folder.descriptor(), name.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
+  if (descriptor_ < 0) fail_by_errno(folder_ + "/" + name, "cannot be opened");
+}
+
 ScratchFile::ScratchFile(std::string folder, const std::string& name) : folder_(std::move(folder)) {
-  descriptor_ = open((folder_ + "/" + name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor_ < 0)
-    throw Error(ErrorCode::kEnvironment, folder_ + "/" + name + ": cannot be opened: " + std::strerror(errno));
+  const std::string path = folder_ + "/" + name;
+  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
+  if (descriptor_ < 0) fail_by_errno(path, "cannot be opened");
 }
 
 ScratchFile ScratchFile::to_read(const std::string& path) {

@@ -7,13 +7,17 @@
 #include <cstdint>
 #include <string>
 
+#include "host/base/files/work_folder.h"
+
 namespace multum {
 
 class ScratchFile {
  public:
   /// Throws Error(kEnvironment) when the folder does not exist or cannot be written.
   explicit ScratchFile(std::string folder);
-  /// Opens a file of that name: what an earlier process wrote to it is there.
+  /// Opens a file of that name: what an earlier process wrote to it is there. Throws likewise.
+  ScratchFile(const WorkFolder& folder, const std::string& name);
+  /// The same in the folder of a WorkFolder's path().
   ScratchFile(std::string folder, const std::string& name);
   /// Opens a file that is there, to be read alone.
   static ScratchFile to_read(const std::string& path);

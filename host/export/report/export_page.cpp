@@ -12,7 +12,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/byte_file.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/files/partial_folder.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/log.h"
 #include "host/base/size_of.h"
 #include "host/base/version.h"
@@ -95,7 +95,7 @@ std::string study_json(const SurfaceStudy& study) { return study_values(study).d
 void write_export_page(const ExportJob& job, const ExportReport& report, const std::string& path, Device& device,
                        Progress* progress) {
   check_writable(path);
-  const std::unique_ptr<PartialFolder> scratch = PartialFolder::take(path);
+  const std::unique_ptr<WorkFolder> scratch = WorkFolder::take(partial_folder_of(path));
   if (!scratch) throw Error(ErrorCode::kEnvironment, path + ": another process is making it");
   scratch->clear();
   const SurfaceStudy study = study_surface(job, scratch->path(), device, progress);

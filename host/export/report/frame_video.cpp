@@ -5,10 +5,11 @@
 
 #include <chrono>
 #include <fstream>
+#include <memory>
 
 #include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
 #include "host/base/files/byte_file.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/processes/child_process.h"
 #include "host/base/size_of.h"
 
@@ -20,15 +21,15 @@ constexpr std::chrono::milliseconds kTimeMax{300000};
 }  // namespace
 
 std::string encode_webm(const VideoFrames& video, const std::string& folder) {
-  // Neither ever gets its final name: both go with these objects.
-  const AtomicFile raw(folder + "/frames.gray"), webm(folder + "/frames.webm");
-  std::ofstream file(raw.temporary_path(), std::ios::binary);
+  const std::unique_ptr<WorkFolder> work = WorkFolder::make(folder);
+  const std::string raw = work->path() + "/frames.gray", webm = work->path() + "/frames.webm";
+  std::ofstream file(raw, std::ios::binary);
   for (const std::vector<std::uint8_t>& frame : video.frames) {
     MULTUM_CHECK(frame.size() == size_of(video.width) * size_of(video.height));
     file.write(reinterpret_cast<const char*>(frame.data()), static_cast<std::streamsize>(frame.size()));
   }
   file.close();
-  if (!file) throw Error(ErrorCode::kEnvironment, raw.temporary_path() + ": cannot be written");
+  if (!file) throw Error(ErrorCode::kEnvironment, work->shown_path() + "/frames.gray: cannot be written");
   ChildLimits limits;
   limits.time_max = kTimeMax;
   const std::string scale = fmt::format("scale=iw*{0}:ih*{0}:flags=neighbor", video.enlarged);
@@ -48,7 +49,7 @@ std::string encode_webm(const VideoFrames& video, const std::string& folder) {
                         "-r",
                         std::to_string(video.frames_per_second),
                         "-i",
-                        raw.temporary_path(),
+                        raw,
                         "-vf",
                         scale,
                         "-c:v",
@@ -65,7 +66,7 @@ std::string encode_webm(const VideoFrames& video, const std::string& folder) {
                         "5",
                         "-f",
                         "webm",
-                        webm.temporary_path()},
+                        webm},
                        limits);
   } catch (const Error& error) {
     throw Error(ErrorCode::kEnvironment,
@@ -76,7 +77,7 @@ std::string encode_webm(const VideoFrames& video, const std::string& folder) {
   if (result.exit_code != 0)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("ffmpeg failed{}: {}", result.is_over_time ? " (over time)" : "", result.output));
-  return bytes_of_file(webm.temporary_path());
+  return bytes_of_file(webm);
 }
 
 }  // namespace multum

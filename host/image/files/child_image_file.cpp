@@ -6,6 +6,7 @@
 //   memory   memory_base + 2 file sizes + 16 bytes a declared texel; once the file is open, + 4 pictures as they are
 //   time     time_base + 1 s for every 4 MiB of such pictures, for one answer
 #include <chrono>
+#include <filesystem>
 #include <utility>
 
 #include "host/image/files/decoding_messages.h"
@@ -37,7 +38,7 @@ class ChildImageFile : public ImageFile {
     const auto texels = static_cast<std::uint64_t>(container_.width * container_.height);
     const std::uint64_t held = 2 * static_cast<std::uint64_t>(container_.file_size) + 16 * texels;
     file_.allow(held, time_for(4 * texels));
-    description_ = file_.ask(open_request(path_, settings), parse_open_answer);
+    description_ = file_.ask(open_request(std::filesystem::absolute(path_).string(), settings), parse_open_answer);
     check_described(path_, description_, settings.texel_count_max);
     const std::uint64_t bytes = picture_bytes(description_);
     file_.allow(held + 4 * bytes, time_for(bytes));

@@ -49,7 +49,7 @@ struct PngObjects {
 class PngFile {
  public:
   PngFile(const std::string& path, PngFormat format)
-      : file_(path), format_(std::move(format)), bytes_(file_.temporary_path(), path), objects_(this, on_error) {
+      : file_(path), format_(std::move(format)), bytes_(file_), objects_(this, on_error) {
     if (objects_.info == nullptr) fail("libpng has no memory");
     guarded([this] { write_header(); });
   }

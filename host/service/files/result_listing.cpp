@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/service/files/result_listing.h"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -18,6 +17,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/open_file.h"
+#include "host/base/files/own_folder.h"
 #include "host/service/files/path_roots.h"
 
 namespace multum {
@@ -40,21 +40,6 @@ OpenFile open_folder(int above, const std::string& name) {
 }
 
 [[noreturn]] void cannot_list(const std::string& path) { fail_by_errno(path, "cannot be listed"); }
-
-std::vector<std::string> names_in(const OpenFile& folder, const std::string& path) {
-  const int own = ::openat(folder.descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const std::unique_ptr<DIR, int (*)(DIR*)> list(own >= 0 ? ::fdopendir(own) : nullptr, ::closedir);
-  if (!list) cannot_list(path);
-  std::vector<std::string> names;
-  errno = 0;
-  while (const dirent* entry = ::readdir(list.get())) {
-    const std::string name = entry->d_name;
-    if (name != "." && name != "..") names.push_back(name);
-    errno = 0;
-  }
-  if (errno != 0) cannot_list(path);
-  return names;
-}
 
 // A file, or anything else that is no folder, in an open folder. `path`: from the folder that the walk began at.
 struct Found {

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "host/base/error.h"
+#include "host/base/files/own_folder.h"
 #include "host/service/files/result_listing.h"
 
 namespace multum {
@@ -43,6 +44,16 @@ std::string identity_at(int folder, const std::string& name) {
 // A name for what libraries do by names: it leads to this very folder.
 std::string name_of(const OpenFile& folder) { return fmt::format("/proc/self/fd/{}", folder.descriptor()); }
 
+// What somebody else put there under such a name is theirs.
+bool remove_staging(const OpenFile& folder, const std::string& name, const std::string& path) {
+  try {
+    const OpenFile staging = find_own_folder(folder, name, path);
+    return staging.is_open() && remove_own_folder(folder, name, staging);
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 std::string staging_folder(const std::string& output, const std::string& instance, std::int64_t id) {
@@ -51,6 +62,16 @@ std::string staging_folder(const std::string& output, const std::string& instanc
 
 std::string staged_path(const std::string& output, const std::string& instance, std::int64_t id) {
   return (fs::path(staging_folder(output, instance, id)) / fs::path(output).filename()).string();
+}
+
+std::string staged_name(const std::string& output) { return "./" + fs::path(output).filename().string(); }
+
+OpenFile open_staging_folder(const PathRoots& roots, const std::string& path) {
+  const OpenFile above = roots.open_folder_of(path);
+  while (true) {
+    OpenFile staging = open_own_folder(above, fs::path(path).filename().string(), path);
+    if (mark_own_folder(staging, path)) return staging;
+  }
 }
 
 std::string file_identity(const std::string& path) {
@@ -72,9 +93,9 @@ StagedResult::StagedResult(const PathRoots& roots, const std::string& output, co
       id_(id),
       folder_(roots.open_folder_of(output)) {}
 
-OpenFile StagedResult::open_staging() const {
-  return OpenFile(::openat(folder_.descriptor(), staging_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-}
+OpenFile StagedResult::open_staging() const { return find_own_folder(folder_, staging_, staging_path()); }
+
+std::string StagedResult::staging_path() const { return (fs::path(output_).parent_path() / staging_).string(); }
 
 std::string StagedResult::identity() const {
   const OpenFile staging = open_staging();
@@ -145,8 +166,7 @@ std::string StagedResult::put_aside(const OpenFile& staging) const {
 }
 
 void StagedResult::remove() const {
-  std::error_code ignored;
-  fs::remove_all(name_of(folder_) + "/" + staging_, ignored);
+  if (const OpenFile staging = open_staging(); staging.is_open()) remove_own_folder(folder_, staging_, staging);
 }
 
 std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector<std::string>& folders,
@@ -157,16 +177,13 @@ std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector
   for (const std::string& path : folders) {
     try {
       const OpenFile folder = roots.open_folder_of(path + "/any");
-      std::error_code error;
-      for (const fs::directory_entry& entry : fs::directory_iterator(name_of(folder), error)) {
-        const std::string name = entry.path().filename().string();
+      for (const std::string& name : names_in(folder, path)) {
         if (!name.starts_with(prefix)) continue;
         std::int64_t id = 0;
         const char* end = name.data() + name.size();
         const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, id);
         if (failed != std::errc() || stop != end || !is_finished_with(id)) continue;
-        fs::remove_all(entry.path(), error);
-        if (!error) removed.push_back(path + "/" + name);
+        if (remove_staging(folder, name, path + "/" + name)) removed.push_back(path + "/" + name);
       }
     } catch (const Error&) {  // not there any more, or not below a root
     }

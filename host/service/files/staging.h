@@ -15,8 +15,13 @@ namespace multum {
 
 /// DIR/.multum-INSTANCE-ID of DIR/NAME. `instance` tells daemons apart that write into one folder.
 std::string staging_folder(const std::string& output, const std::string& instance, std::int64_t id);
-/// Path of the result within the folder: under its own name.
+/// Path of the result within the folder, under its own name; and as a worker says it, which works within the folder.
 std::string staged_path(const std::string& output, const std::string& instance, std::int64_t id);
+std::string staged_name(const std::string& output);
+
+/// Opens a staging folder, and makes it if it is missing (host/base/files/own_folder.h). Throws as
+/// PathRoots::open_folder_of() does, and Error(kEnvironment) for what somebody else put in its place.
+OpenFile open_staging_folder(const PathRoots& roots, const std::string& path);
 
 /// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it.
 std::string file_identity(const std::string& path);
@@ -31,7 +36,8 @@ class StagedResult {
   /// Throws as PathRoots::open_folder_of() does.
   StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id);
 
-  /// Identity of the staged result; empty: there is none, or a link.
+  /// Identity of the staged result; empty: there is none, or a link. Throws Error(kEnvironment) where somebody else has
+  /// put something in the staging folder's place.
   std::string identity() const;
   /// Throws Error(kUsage) when something lies where the result is to be that it must not take the place of: a folder
   /// that holds anything but a result of multum, as it was published; a file where a folder is to be, or a folder where
@@ -47,6 +53,7 @@ class StagedResult {
 
  private:
   OpenFile open_staging() const;
+  std::string staging_path() const;
   std::string put_aside(const OpenFile& staging) const;
 
   std::string output_, name_, staging_;

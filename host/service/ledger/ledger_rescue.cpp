@@ -11,8 +11,8 @@
 #include <set>
 
 #include "host/base/error.h"
-#include "host/base/files/folder_lock.h"
 #include "host/service/files/data_folder.h"
+#include "host/service/files/data_lock.h"
 #include "host/service/ledger/job_queue.h"
 #include "host/service/ledger/ledger_start.h"
 #include "host/service/workers/dispatcher.h"
@@ -292,7 +292,7 @@ std::string free_name(const std::string& path) {
 RescueReport rescue_ledger(const std::string& data) {
   const std::string path = data + "/jobs.sqlite";
   if (!fs::is_regular_file(path)) throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
-  const std::unique_ptr<FolderLock> lock = FolderLock::take(data);
+  const std::unique_ptr<DataLock> lock = DataLock::take(data);
   if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is at work there; end it first");
   // On a copy: to look at a database is to write to it.
   const std::string copy = path + ".copy", fresh = path + ".rescued";

@@ -320,7 +320,8 @@ WorkOrder Dispatcher::order_of(const Job& job, std::string& made) const {
     order.folder = staging_folder(job.output, instance_, job.id);
     made = staged_path(job.output, instance_, job.id);
   }
-  order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), made);
+  const std::string name = job.output.empty() ? "" : staged_name(job.output);
+  order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), name);
   return order;
 }
 
@@ -343,7 +344,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
     // Nodes do not see what lies in the daemon's data.
     if (!claimed.copy_from.empty() && !(is_for_slurm && roots_.results.is_inside(claimed.copy_from))) {
       order.copy_from = claimed.copy_from;
-      order.copy_to = made;
+      order.copy_to = staged_name(job.output);
       ++counters_.reused;
     }
   } catch (const Error& error) {

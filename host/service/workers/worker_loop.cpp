@@ -19,7 +19,6 @@
 #include <thread>
 
 #include "host/base/error.h"
-#include "host/base/files/output_paths.h"
 #include "host/service/files/path_roots.h"
 #include "host/service/files/result_copy.h"
 #include "host/service/files/staging.h"
@@ -34,6 +33,26 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kBeat = std::chrono::seconds(1);
 constexpr auto kProgressPause = std::chrono::milliseconds(100);  // between two words of how far it is
+
+// A job works in its staging folder, by the folder's descriptor: whatever becomes of the name meanwhile.
+class WorkingFolder {
+ public:
+  /// "": wherever the worker is.
+  WorkingFolder(const PathRoots& roots, const std::string& path) {
+    if (path.empty()) return;
+    before_ = OpenFile(::open(".", O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (!before_.is_open() || ::fchdir(open_staging_folder(roots, path).descriptor()) != 0)
+      fail_by_errno(path, "cannot be worked in");
+  }
+  ~WorkingFolder() {
+    if (before_.is_open() && ::fchdir(before_.descriptor()) != 0) std::_Exit(4);  // the next job would work elsewhere
+  }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+
+ private:
+  OpenFile before_;
+};
 
 // What a job prints goes to its log.
 class LogRedirection {
@@ -153,7 +172,7 @@ class Worker {
       const LogRedirection log(command.at("log").get<std::string>());
       const auto arguments = command.at("arguments").get<std::vector<std::string>>();
       check_place(command);
-      if (const auto folder = command.at("folder").get<std::string>(); !folder.empty()) make_folder(folder);
+      const WorkingFolder working(roots_, command.at("folder").get<std::string>());
       check_inputs(command);
       have_inputs_changed = !has_inputs(command);
       const auto copy_from = command.at("copy_from").get<std::string>();

@@ -30,7 +30,7 @@ struct WorkOrder {
   int attempt = 0;
   std::vector<std::string> arguments;
   std::string output;  // where its result is to be; "": nowhere
-  std::string folder;  // made before, for what is made of it
+  std::string folder;  // the staging folder, where its worker works: names in `arguments` may be relative to it
   std::string log;
   std::string type, parameters, inputs;  // of the job: whether its inputs have changed is looked up
   std::string copy_from, copy_to;        // instead, if they have not: a finished result; "": none

@@ -9,9 +9,9 @@
 #include "host/asset/inferred/matrix_json.h"
 #include "host/asset/inferred/probe_request.h"
 #include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/log.h"
 #include "host/base/processes/viewer_process.h"
 
@@ -117,10 +117,9 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, 
     request.tasks.push_back({field_.job().objects[k].mesh, mapping_at(pose, k), static_cast<float>(anisotropy(k)),
                              settings_.has_mips, path(pose, k), key(pose, k)});
   }
-  // Of a name that no other process has, which may measure the same pose into the same folder; gone at the end, however
-  // that comes.
-  const AtomicFile request_file(fmt::format("{}/{}.probe.json", settings_.folder, at.name));
-  const std::string& file = request_file.temporary_path();
+  // In a folder that no other process has, which may measure the same pose; gone at the end, however that comes.
+  const std::unique_ptr<WorkFolder> work = WorkFolder::make(settings_.folder);
+  const std::string file = work->path() + "/request.probe.json";
   write_probe_request(request, file);
   std::vector<std::string> command = {settings_.viewer, "probe", file, "--context", settings_.context};
   if (settings_.threads > 0) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -34,8 +35,7 @@ TEST(AtomicFileTest, AppearsOnCommitOnly) {
   const TemporaryFolder folder;
   {
     AtomicFile file(folder / "a.ndf.exr");
-    EXPECT_TRUE(file.temporary_path().ends_with(".ndf.exr")) << file.temporary_path();
-    write_bytes(file.temporary_path(), "text");
+    write_bytes(file.open_path(), "text");
     EXPECT_FALSE(std::filesystem::exists(file.path()));
     file.commit();
     EXPECT_EQ(read_bytes(file.path()), "text");
@@ -49,7 +49,7 @@ TEST(AtomicFileTest, WithoutCommitTheOldFileStaysAndNothingIsLeft) {
   write_bytes(folder / "a.txt", "old");
   {
     AtomicFile file(folder / "a.txt");
-    write_bytes(file.temporary_path(), "new");
+    write_bytes(file.open_path(), "new");
   }
   EXPECT_EQ(folder.names(), Names{"a.txt"});
   EXPECT_EQ(read_bytes(folder / "a.txt"), "old");
@@ -58,9 +58,9 @@ TEST(AtomicFileTest, WithoutCommitTheOldFileStaysAndNothingIsLeft) {
 TEST(AtomicFileTest, TwoWritersOfOneNameDoNotMix) {
   const TemporaryFolder folder;
   AtomicFile one(folder / "a.txt"), two(folder / "a.txt");
-  EXPECT_NE(one.temporary_path(), two.temporary_path());
-  write_bytes(one.temporary_path(), "one");
-  write_bytes(two.temporary_path(), "two");
+  EXPECT_EQ(folder.names().size(), 2u);
+  write_bytes(one.open_path(), "one");
+  write_bytes(two.open_path(), "two");
   one.commit();
   EXPECT_EQ(read_bytes(folder / "a.txt"), "one");
   two.commit();
@@ -76,8 +76,15 @@ TEST(AtomicFileTest, SweepsWhatDeadProcessesLeftAndNothingElse) {
   const std::string longer_name = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-b-a.txt";
   for (const std::string& name : {dead, living, other_name, longer_name, no_pid, std::string("a.txt")})
     write_bytes(folder / name, "x");
-  const AtomicFile file(folder / "a.txt");
-  EXPECT_EQ(folder.names(), (Names{living, other_name, longer_name, no_pid, "a.txt"}));
+  // Of this version, which has random digits in the counter's place; and names that are no files of ours.
+  const std::string random = ".multum-tmp-" + std::to_string(dead_pid()) + "-0123456789abcdef-a.txt";
+  const std::string link = ".multum-tmp-" + std::to_string(dead_pid()) + "-1-a.txt";
+  const std::string below = ".multum-tmp-" + std::to_string(dead_pid()) + "-2-a.txt";
+  write_bytes(folder / random, "x");
+  std::filesystem::create_symlink(folder / "a.txt", folder / link);
+  std::filesystem::create_directory(folder / below);
+  write_text_file(folder / "a.txt", "text");
+  EXPECT_EQ(folder.names(), (Names{living, other_name, longer_name, no_pid, link, below, "a.txt"}));
 }
 
 // On a folder that machines share, their processes' numbers say nothing here.
@@ -89,13 +96,17 @@ TEST(AtomicFileTest, LeavesOtherMachinesFilesForADay) {
   for (const std::string& name : {old, old_other})
     std::filesystem::last_write_time(folder / name,
                                      std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
-  const AtomicFile file(folder / "a.txt");
+  {
+    const AtomicFile file(folder / "a.txt");
+    Names names = folder.names();
+    EXPECT_EQ(names.erase(young) + names.erase(old_other), 2u);
+    // Its own name has the place that it is of, after its process and random digits.
+    ASSERT_EQ(names.size(), 1u);
+    EXPECT_TRUE(std::regex_match(
+        *names.begin(), std::regex("\\.multum-tmp-" + std::to_string(getpid()) + "-[0-9a-f]{16}-[0-9a-f]{8}-a\\.txt")))
+        << *names.begin();
+  }
   EXPECT_EQ(folder.names(), (Names{young, old_other}));
-  // Its own name has the place that it is of, after both numbers.
-  const std::string name = std::filesystem::path(file.temporary_path()).filename().string();
-  EXPECT_TRUE(
-      std::regex_match(name, std::regex("\\.multum-tmp-" + std::to_string(getpid()) + "-\\d+-[0-9a-f]{8}-a\\.txt")))
-      << name;
 }
 
 TEST(AtomicFileTest, RefusesFoldersThatCannotTakeIt) {
@@ -123,12 +134,12 @@ TEST(AtomicFileTest, RefusesAnUnwritableFolder) {
             _exit(exit_code(error.code()));
           }
         },
-        ::testing::ExitedWithCode(4), "4 .*/a.txt: the folder .* cannot be written: Permission denied");
+        ::testing::ExitedWithCode(4), "4 .*/a.txt: no file can be created in its folder: Permission denied");
     return;
   }
   const TemporaryFolder folder;
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0555));
-  expect_error(ErrorCode::kEnvironment, {"cannot be written"}, [&] { AtomicFile file(folder / "a.txt"); });
+  expect_error(ErrorCode::kEnvironment, {"no file can be created"}, [&] { AtomicFile file(folder / "a.txt"); });
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
 }
 
@@ -156,19 +167,59 @@ TEST(AtomicFileTest, AWriteThatFailsIsAnErrorAndLeavesNothing) {
   EXPECT_EQ(folder.names(), Names{});
 }
 
-// Somebody who may write to the folder knows the names that are next.
-TEST(AtomicFileTest, ALinkUnderTheTemporaryNameIsNotFollowed) {
+TEST(AtomicFileTest, WhatIsNoFileIsNotWrittenOver) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0666), 0);
+  for (const std::string& name : {folder / "pipe", std::string("/dev/null")})
+    expect_error(ErrorCode::kUsage, {name, "is a device, a pipe or a socket"}, [&] { AtomicFile file(name); });
+}
+
+TEST(AtomicFileTest, ANameOfAnyLengthIsWrittenOrRefusedAtOnce) {
+  const TemporaryFolder folder;
+  const std::string longest(kOutputNameMax, 'n');
+  write_text_file(folder / longest, "text");
+  EXPECT_EQ(read_bytes(folder / longest), "text");
+  for (const std::size_t more : {1u, 56u, 5000u})
+    expect_error(ErrorCode::kUsage, {"bytes, expected at most 200"},
+                 [&] { AtomicFile file(folder / (longest + std::string(more, 'n'))); });
+  expect_error(ErrorCode::kUsage, {"too long"}, [&] { AtomicFile file(folder / (std::string(300, 'f') + "/a.txt")); });
+}
+
+// A link takes the place of a link, never of the file that it leads to.
+TEST(AtomicFileTest, LinksAtTheFinalNameAreReplaced) {
+  const TemporaryFolder folder;
+  for (const bool is_hard : {false, true}) {
+    write_bytes(folder / "precious", "kept");
+    if (is_hard) std::filesystem::create_hard_link(folder / "precious", folder / "a.txt");
+    else std::filesystem::create_symlink(folder / "precious", folder / "a.txt");
+    write_text_file(folder / "a.txt", "text");
+    EXPECT_EQ(read_bytes(folder / "precious"), "kept");
+    EXPECT_EQ(read_bytes(folder / "a.txt"), "text");
+    std::filesystem::remove(folder / "a.txt");
+  }
+}
+
+// Whatever somebody does with the temporary name while the file is written.
+TEST(AtomicFileTest, ATemporaryFileThatWasReplacedIsNotPublished) {
   const TemporaryFolder folder;
   write_bytes(folder / "precious", "kept");
-  AtomicFile probe(folder / "a.txt");
-  const std::string next = probe.temporary_path();
-  std::smatch parts;
-  ASSERT_TRUE(std::regex_match(next, parts, std::regex("(.*-)(\\d+)(-[0-9a-f]{8}-a\\.txt)"))) << next;
-  std::filesystem::create_symlink(folder / "precious",
-                                  parts[1].str() + std::to_string(std::stoi(parts[2]) + 1) + parts[3].str());
-  expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "File exists"},
-               [&] { write_text_file(folder / "a.txt", "text"); });
-  EXPECT_EQ(read_bytes(folder / "precious"), "kept");
+  for (const char* kind : {"link", "hard link", "pipe", "nothing"}) {
+    {
+      AtomicFile file(folder / "a.txt");
+      const std::string temporary = folder / *folder.names().begin();
+      std::filesystem::remove(temporary);
+      if (kind == std::string("link")) std::filesystem::create_symlink(folder / "precious", temporary);
+      if (kind == std::string("hard link")) std::filesystem::create_hard_link(folder / "precious", temporary);
+      if (kind == std::string("pipe")) {
+        ASSERT_EQ(mkfifo(temporary.c_str(), 0666), 0);
+      }
+      write_bytes(file.open_path(), "text");
+      expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "taken away or replaced"}, [&] { file.commit(); });
+      if (kind != std::string("nothing")) std::filesystem::remove(temporary);
+    }
+    EXPECT_EQ(folder.names(), Names{"precious"}) << kind;
+    EXPECT_EQ(read_bytes(folder / "precious"), "kept") << kind;
+  }
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <map>
 #include <random>
 
-#include "host/base/files/folder_lock.h"
+#include "host/service/files/data_lock.h"
 #include "host/service/ledger/ledger_start.h"
 #include "tests/unit/base/test_folder.h"
 
@@ -146,7 +146,7 @@ TEST(LedgerRescue, RefusesWithoutTouchingAnything) {
   expect_error(ErrorCode::kInput, {folder / "data/jobs.sqlite"}, [&] { rescue_ledger(folder / "data"); });
   EXPECT_EQ(testing::read_bytes(folder / "data/jobs.sqlite"), std::string(9000, 'x'));
   EXPECT_FALSE(fs::exists(folder / "data/jobs.sqlite.rescued"));
-  const auto lock = FolderLock::take(folder / "data");
+  const auto lock = DataLock::take(folder / "data");
   expect_error(ErrorCode::kEnvironment, {folder / "data", "daemon"}, [&] { rescue_ledger(folder / "data"); });
 }
 

@@ -3,6 +3,8 @@
 #include "host/service/files/staging.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <filesystem>
@@ -12,6 +14,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/service/files/data_lock.h"
 #include "host/service/files/result_listing.h"
 #include "tests/unit/base/test_folder.h"
 
@@ -27,12 +30,17 @@ class StagingTest : public ::testing::Test {
   StagedResult staged(std::int64_t id) const { return {roots_, output_, "0123abcd", id}; }
   // A folder of results, made for this job; returns its identity.
   std::string make_folder_of(std::int64_t id, const std::vector<std::string>& names) const {
-    const std::string made = staged_path(output_, "0123abcd", id);
+    const std::string made = make_staging(id);
     for (const std::string& name : names) {
       fs::create_directories(fs::path(made + "/" + name).parent_path());
       write_text_file(made + "/" + name, name + std::to_string(id));
     }
     return staged(id).identity();
+  }
+  /// Path of the result in its staging folder, which is there then.
+  std::string make_staging(std::int64_t id) const {
+    open_staging_folder(roots_, staging_folder(output_, "0123abcd", id));
+    return staged_path(output_, "0123abcd", id);
   }
   std::set<std::string> names(const std::string& folder) const {
     std::set<std::string> found;
@@ -110,8 +118,7 @@ TEST_F(StagingTest, FilesAndFoldersAreNotMixedUp) {
   refused(1, make_folder_of(1, {"a"}), "file");
   fs::remove(output_);
   fs::create_directory(output_);
-  const std::string made = staged_path(output_, "0123abcd", 2);
-  fs::create_directories(fs::path(made).parent_path());
+  const std::string made = make_staging(2);
   write_text_file(made, "a file");
   EXPECT_THROW(staged(2).check_place(false), Error);
   EXPECT_THROW(staged(2).publish(staged(2).identity()), Error);
@@ -213,10 +220,51 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
 }
 
 TEST_F(StagingTest, ALinkIsNoResult) {
-  const std::string made = staged_path(output_, "0123abcd", 1);
-  fs::create_directories(fs::path(made).parent_path());
+  const std::string made = make_staging(1);
   fs::create_symlink("/etc/passwd", made);
   EXPECT_EQ(staged(1).identity(), "");
+}
+
+// Who may write to the folder of results knows the next staging folder's name.
+TEST_F(StagingTest, WhatSomebodyPutInAStagingFoldersPlaceIsLeftAlone) {
+  const std::string mine = root_ + "/mine", staging = staging_folder(output_, "0123abcd", 1);
+  const auto expect_left_alone = [&](const std::string& word) {
+    testing::expect_error(ErrorCode::kEnvironment, {staging, word}, [&] { open_staging_folder(roots_, staging); });
+    EXPECT_THROW(staged(1).remove(), Error);
+    EXPECT_THROW(staged(1).identity(), Error);
+    EXPECT_TRUE(sweep_staging(roots_, {root_}, "0123abcd", [](std::int64_t) { return true; }).empty());
+  };
+  fs::create_directory(mine);
+  write_text_file(mine + "/thesis.txt", "weeks of work");
+  fs::create_directory_symlink(mine, staging);
+  expect_left_alone("is a symbolic link");
+  EXPECT_EQ(testing::read_bytes(mine + "/thesis.txt"), "weeks of work");
+  fs::remove(staging);
+  fs::rename(mine, staging);  // the daemon's own, by a rename
+  expect_left_alone("did not make it");
+  fs::permissions(staging, fs::perms(0777));
+  expect_left_alone("others may write");
+  EXPECT_EQ(testing::read_bytes(staging + "/thesis.txt"), "weeks of work");
+}
+
+TEST_F(StagingTest, DataIsForTheDaemonAlone) {
+  const std::string data = folder_ / "data";
+  ASSERT_NE(DataLock::take(data), nullptr);
+  EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
+  fs::permissions(data, fs::perms(0777));
+  testing::expect_error(ErrorCode::kEnvironment, {data, "0777", "others may write"}, [&] { DataLock::take(data); });
+  fs::permissions(data, fs::perms(0755));
+  fs::create_directory_symlink(data, folder_ / "link");
+  EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "a link of one's own";
+  fs::create_directory_symlink(folder_ / "nowhere", folder_ / "dangling");
+  testing::expect_error(ErrorCode::kEnvironment, {"dangling", "leads nowhere"},
+                        [&] { DataLock::take(folder_ / "dangling"); });
+  if (geteuid() != 0) return;
+  ASSERT_EQ(lchown((folder_ / "link").c_str(), 65534, 65534), 0);
+  testing::expect_error(ErrorCode::kEnvironment, {"link that user 65534 made"},
+                        [&] { DataLock::take(folder_ / "link"); });
+  ASSERT_EQ(chown(data.c_str(), 65534, 65534), 0);
+  testing::expect_error(ErrorCode::kEnvironment, {data, "belongs to user 65534"}, [&] { DataLock::take(data); });
 }
 
 TEST_F(StagingTest, SweepsItsOwnAlone) {
