@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Every command that writes, killed at some moments (kill -9) and on a disk that fills up; and the daemon on such a
+disk. No complete output is lost, nothing half-written has an output's name, the next run ends with the same bytes, and
+nothing hidden stays after it. Full disks are small file systems in memory, which root alone may mount: others skip them
+with a message.
+
+  kills_and_disks_test.py MULTUM [--all] [unittest's arguments]
+
+--all kills each command at eight moments and fills six disks; otherwise at two, and two. `ulimit` is
+limit_sweep_test.cpp's.
+"""
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [os.path.join(HERE, "..", "gltf"), os.path.join(HERE, "..", "..", "service")]
+from model_writing import Model, bumps  # noqa: E402  pylint: disable=wrong-import-position
+from service_harness import Service  # noqa: E402  pylint: disable=wrong-import-position
+from tiny_animation import write_animation  # noqa: E402  pylint: disable=wrong-import-position
+
+MULTUM = ""
+IS_ALL = False
+ENVIRONMENT = 4
+SKIPPED = 77
+
+
+def contents(folder):
+    """SHA-256 of every file by its name below the folder. Reports tell times: their bytes differ, their names count."""
+    found = {}
+    for above, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.join(above, name)
+            with open(path, "rb") as file:
+                data = file.read()
+            is_report = name.endswith((".json", ".html"))
+            found[os.path.relpath(path, folder)] = "report" if is_report else hashlib.sha256(data).hexdigest()
+    return found
+
+
+class SweepTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.top = tempfile.mkdtemp(prefix="multum_sweep_")
+        cls.out = os.path.join(cls.top, "out")
+        cls.write("map.png", bumps(64, 64))
+        cls.write("other.png", bumps(32, 64))
+        model = Model()
+        model.square()
+        model.material(name="bricks", normalTexture={"index": model.texture(model.image(bumps(32, 32)))})
+        cls.write("model.glb", model.glb())
+        os.mkdir(os.path.join(cls.top, "renders"))
+        write_animation(os.path.join(cls.top, "renders"), 0.5, noise=0.2)
+        subprocess.run([MULTUM, "bake", "map.png", "-o", "lobes.ndf.exr", "-q"], cwd=cls.top, check=True)
+        subprocess.run([MULTUM, "infer", "renders/animation.toml", "-o", "inferred", "-q"], cwd=cls.top, check=True)
+
+    @classmethod
+    def write(cls, name, data):
+        with open(os.path.join(cls.top, name), "wb") as file:
+            file.write(data)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.top)
+
+    def setUp(self):
+        os.mkdir(self.out)
+
+    def tearDown(self):
+        shutil.rmtree(self.out)
+
+    def commands(self):
+        """What each writes is in the folder out; run a second time it goes on, or begins again."""
+        return [["bake", "map.png", "-o", "out/a.ndf.exr", "--report", "out/a.json"],
+                ["bake", "map.png", "-o", "out/a.ndf.exr", "--ndf", "sh"],
+                ["bake", "map.png", "other.png", "-o", "out"],
+                ["export", "map.png", "-o", "out/a", "--resume"],
+                ["export", "map.png", "-o", "out/a", "--format", "ktx2", "--zstd", "3"],
+                ["gltf", "model.glb", "-o", "out/a.glb", "--format", "rgba8"],
+                ["mip", "map.png", "-o", "out/a.exr"],
+                ["testmap", "out/a", "--size", "64"],
+                ["look", "lobes.ndf.exr", "-o", "out/a.html"],
+                ["shaders", "-o", "out/a"],
+                ["openjd", "-o", "out/a", "bake", "map.png", "-o", "b.ndf.exr"],
+                ["infer", "renders/animation.toml", "-o", "out/a"],
+                ["pack", "inferred", "-o", "out/a.mpt", "--ratio", "1", "--resume"]]
+
+    def run_multum(self, arguments, wrapped=()):
+        return subprocess.run([*wrapped, MULTUM, *arguments], cwd=self.top, capture_output=True, text=True, check=False,
+                              timeout=300)
+
+    def reset(self):
+        shutil.rmtree(self.out)
+        os.mkdir(self.out)
+
+    def assert_whole(self, expected, where=None):
+        """Files with an output's name are complete."""
+        for name, digest in contents(where or self.out).items():
+            if not any(part.startswith(".") for part in name.split("/")):
+                self.assertEqual(digest, expected.get(name), name)
+
+    def test_kills(self):
+        moments = [i / 9 for i in range(1, 9)] if IS_ALL else [0.5, 0.9]
+        for arguments in self.commands():
+            self.reset()
+            begin = time.monotonic()
+            run = self.run_multum(arguments)
+            seconds = time.monotonic() - begin
+            self.assertEqual(run.returncode, 0, run.stderr)
+            expected = contents(self.out)
+            for moment in moments:
+                with self.subTest(command=arguments, moment=moment):
+                    self.reset()
+                    process = subprocess.Popen([MULTUM, *arguments], cwd=self.top, stdout=subprocess.DEVNULL,
+                                               stderr=subprocess.DEVNULL)
+                    time.sleep(moment * seconds)
+                    process.kill()
+                    process.wait()
+                    self.assert_whole(expected)
+                    again = self.run_multum(arguments)
+                    self.assertEqual(again.returncode, 0, again.stderr)
+                    self.assertEqual(contents(self.out), expected)
+
+    def disk(self, kibibytes):
+        """Words before a command that give it a disk of that size at out; what is left there is copied to left."""
+        script = ('mount -t tmpfs -o size="$1"k,mode=0755 tmpfs out && shift && status=0 && { "$@" || status=$?; } && '
+                  'cp -a out/. left && exit $status')
+        return ["unshare", "-m", "bash", "-c", "mount --make-rprivate / && " + script, "bash", str(kibibytes)]
+
+    def can_mount(self):
+        left = os.path.join(self.top, "left")
+        os.makedirs(left, exist_ok=True)
+        probe = subprocess.run([*self.disk(64), "true"], cwd=self.top, capture_output=True, text=True, check=False)
+        return probe.returncode == 0
+
+    def test_full_disks(self):
+        if not self.can_mount():
+            self.skipTest("no file system can be mounted here: needs root")
+        left = os.path.join(self.top, "left")
+        for arguments in self.commands():
+            self.reset()
+            run = self.run_multum(arguments)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            expected = contents(self.out)
+            size = sum(os.path.getsize(os.path.join(self.out, name)) for name in expected)
+            for share in ([0.05, 0.2, 0.4, 0.6, 0.8, 0.95] if IS_ALL else [0.2, 0.8]):
+                kibibytes = max(4, int(share * size / 1024) // 4 * 4)
+                with self.subTest(command=arguments, kibibytes=kibibytes):
+                    self.reset()
+                    shutil.rmtree(left)
+                    os.mkdir(left)
+                    run = self.run_multum(arguments, self.disk(kibibytes))
+                    self.assertIn(run.returncode, (0, ENVIRONMENT), run.stderr)
+                    if run.returncode != 0:
+                        self.assertIn("No space left on device", run.stderr)
+                    self.assert_whole(expected, left)
+                    hidden = [name for name in contents(left) if os.path.basename(name).startswith(".multum-tmp-")]
+                    self.assertEqual(hidden, [])
+
+    def test_the_daemon_on_a_full_disk(self):
+        if not self.can_mount():
+            self.skipTest("no file system can be mounted here: needs root")
+        service = Service(MULTUM, self.top)
+        os.mkdir(service.data)
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1M,mode=0700", "tmpfs", service.data], check=True)
+        try:
+            service.start()
+            connection = service.connection()
+            connection.request("PUT", "/v1/uploads/large.png", bytes(4 << 20))
+            response = connection.getresponse()
+            self.assertEqual(response.status, 507, response.read())
+            connection.close()
+            small = os.path.join(service.root, "map.png")
+            shutil.copy(os.path.join(self.top, "map.png"), small)
+            for number in range(20):  # logs, the ledger and pictures find the disk full at different moments
+                with open(os.path.join(service.data, "filler"), "ab") as filler:
+                    try:
+                        filler.write(bytes(1 << 20))
+                    except OSError:
+                        pass
+                status, _ = service.ask("POST", "/v1/jobs", {
+                    "type": "bake", "parameters": {"input": small},
+                    "output": os.path.join(service.root, f"{number}.ndf.exr")})
+                self.assertIn(status, (201, 503, 507), status)
+            self.assertEqual(service.ask("GET", "/healthz")[0], 200)
+            os.remove(os.path.join(service.data, "filler"))
+            status, job = service.ask("POST", "/v1/jobs", {
+                "type": "bake", "parameters": {"input": small}, "output": os.path.join(service.root, "last.ndf.exr")})
+            self.assertEqual(status, 201, job)
+            deadline = time.monotonic() + 120
+            while not os.path.exists(os.path.join(service.root, "last.ndf.exr")):
+                self.assertLess(time.monotonic(), deadline, service.log_text()[-2000:])
+                time.sleep(0.1)
+            self.assertEqual(service.stop(), 0)
+        finally:
+            service.end(service.process)
+            subprocess.run(["umount", "-l", service.data], check=False)
+
+
+if __name__ == "__main__":
+    MULTUM = sys.argv.pop(1)
+    if "--all" in sys.argv:
+        IS_ALL = True
+        sys.argv.remove("--all")
+    unittest.main()
