@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -22,7 +21,7 @@ namespace fs = std::filesystem;
 void append_line(const std::string& path, const std::string& line) {
   std::ofstream out(path, std::ios::app);
   out << line << '\n';
-  if (!out.flush()) throw Error(ErrorCode::kEnvironment, path + ": cannot be written: " + std::strerror(errno));
+  if (!out.flush()) fail_by_errno(path, "cannot be written");
 }
 
 }  // namespace
