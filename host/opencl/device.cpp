@@ -8,8 +8,10 @@
 
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/processes/machine.h"
 #include "host/opencl/cl_error.h"
 #include "host/opencl/device_state.h"
+#include "host/opencl/kernel_caches.h"
 #include "host/opencl/pocl_settings.h"
 
 namespace multum {
@@ -69,11 +71,17 @@ DeviceInfo info_of(cl_device_id id, int index, const std::string& platform) {
   info.local_bytes = device_value<cl_ulong>(id, CL_DEVICE_LOCAL_MEM_SIZE);
   info.memory_bytes = device_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
   info.buffer_bytes_max = device_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  if (info.is_cpu) {  // PoCL says what the machine has, whatever a container leaves of it
+    info.memory_bytes = std::min(info.memory_bytes, machine_memory_bytes());
+    info.buffer_bytes_max = std::min(info.buffer_bytes_max, machine_memory_bytes());
+  }
   return info;
 }
 
 std::vector<FoundDevice> find_devices() {
   ask_pocl_for_one_version_of_kernels();
+  ask_pocl_for_usual_threads();
+  prepare_kernel_caches();
   std::vector<FoundDevice> found;
   cl_uint platform_count = 0;
   const cl_int status = clGetPlatformIDs(0, nullptr, &platform_count);
@@ -143,7 +151,8 @@ std::shared_ptr<DeviceState> open_state(const std::string& selector) {
   const std::vector<FoundDevice> devices = find_devices();
   if (devices.empty())
     throw Error(ErrorCode::kEnvironment,
-                "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
+                "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)" +
+                    (pocl_cache_failure().empty() ? "" : "; " + pocl_cache_failure()));
   const std::optional<std::size_t> number = choose_device(infos_of(devices), selector);
   if (!number) {
     std::string known;
