@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -101,9 +102,7 @@ std::vector<FoundDevice> find_devices() {
   return found;
 }
 
-bool matches(const DeviceInfo& info, const std::string& selector) {
-  const bool is_number = std::all_of(selector.begin(), selector.end(), [](char c) { return c >= '0' && c <= '9'; });
-  if (is_number) return std::to_string(info.index) == selector;
+bool has_in_name(const DeviceInfo& info, const std::string& selector) {
   return info.name.find(selector) != std::string::npos || info.platform.find(selector) != std::string::npos;
 }
 
@@ -121,7 +120,9 @@ std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices,
     return std::nullopt;
   }
   for (std::size_t i = 0; i < devices.size(); ++i)
-    if (matches(devices[i], selector)) return i;
+    if (std::to_string(devices[i].index) == selector) return i;
+  for (std::size_t i = 0; i < devices.size(); ++i)  // a number of a name: "4090"
+    if (has_in_name(devices[i], selector)) return i;
   return std::nullopt;
 }
 
@@ -138,7 +139,6 @@ std::vector<DeviceInfo> infos_of(const std::vector<FoundDevice>& devices) {
 std::vector<DeviceInfo> list_devices() { return infos_of(find_devices()); }
 
 DeviceState::~DeviceState() {
-  for (auto& entry : timed) clReleaseEvent(entry.second);
   release_staging(*this);
   for (auto& entry : programs) clReleaseProgram(entry.second);
   if (queue != nullptr) clReleaseCommandQueue(queue);
@@ -267,12 +267,10 @@ void Device::time_launches(bool on) {
   finish();
   release_staging(state());  // mapped by the queue that goes
   cl_int status = CL_SUCCESS;
-  cl_command_queue queue =
-      clCreateCommandQueue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
+  QueueHandle queue(clCreateCommandQueue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status));
   check_cl(status, state().info.name + ": clCreateCommandQueue");
   collect_times(state());
-  clReleaseCommandQueue(state().queue);
-  state().queue = queue;
+  clReleaseCommandQueue(std::exchange(state().queue, queue.release()));
   state().times_launches = on;
 }
 
