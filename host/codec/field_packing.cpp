@@ -11,6 +11,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/write_or_throw.h"
 #include "host/base/processes/machine.h"
 #include "host/base/version.h"
 #include "host/codec/field_coder.h"
@@ -71,7 +72,7 @@ FieldRound search(double limit, bool is_error, double lambda, const Code& code) 
 void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& path) {
   AtomicFile file(path);
   OutputFile out(file.temporary_path(), path);
-  out.write(bytes.data(), bytes.size());
+  write_or_throw(out, bytes.data(), bytes.size());
   out.close();
   file.commit();
 }

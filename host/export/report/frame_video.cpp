@@ -25,10 +25,11 @@ std::string encode_webm(const VideoFrames& video, const std::string& folder) {
   std::ofstream file(raw.temporary_path(), std::ios::binary);
   for (const std::vector<std::uint8_t>& frame : video.frames) {
     MULTUM_CHECK(frame.size() == size_of(video.width) * size_of(video.height));
-    file.write(reinterpret_cast<const char*>(frame.data()), static_cast<std::streamsize>(frame.size()));
+    if (!file.write(reinterpret_cast<const char*>(frame.data()), static_cast<std::streamsize>(frame.size())))
+      fail_by_errno(raw.temporary_path(), "cannot be written");
   }
   file.close();
-  if (!file) throw Error(ErrorCode::kEnvironment, raw.temporary_path() + ": cannot be written");
+  if (!file) fail_by_errno(raw.temporary_path(), "cannot be written");
   ChildLimits limits;
   limits.time_max = kTimeMax;
   const std::string scale = fmt::format("scale=iw*{0}:ih*{0}:flags=neighbor", video.enlarged);
