@@ -4,17 +4,15 @@
 #include <ImfTiledInputPart.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "host/asset/exr/exr_rows.h"
 #include "host/base/files/exr_survey.h"
+#include "host/base/processes/machine.h"
 
 namespace multum {
 namespace {
 
-int thread_count(int threads) {
-  return threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
+int thread_count(int threads) { return threads > 0 ? threads : processor_count(); }
 
 }  // namespace
 

@@ -68,11 +68,24 @@ class DeviceCounts {
 // be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
 constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
 constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
+constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // more than the least, where a machine is small
+
+// A quarter of the machine, of which three maps may take 3/32 (host/bake/bake_source.cpp). In a small container, where
+// that is too little, what a bake needs, up to seven eighths: of the program's own bytes a good part are those of
+// libraries, which the system can drop, and with 400 MB maps of 4096 x 4096 were baked.
+std::uint64_t usual_memory(std::uint64_t least) {
+  const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
+  if (most < least)
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("not enough memory to bake: this process may take {} MiB (the machine's, or the limit of "
+                            "its container or its shell), expected at least {} MiB",
+                            all >> 20, (least / 7 * 8 >> 20) + 1));
+  return std::max(all / 32 * 5, std::min(least + kRoomy, most));
+}
 
 std::uint64_t window_bytes(const BakeJob& job) {
-  // A quarter of the machine, of which three maps may take 3/32 (host/bake/bake_source.cpp).
-  const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : machine_memory_bytes() / 32 * 5;
   constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
+  const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : usual_memory(kTaken + kLeast);
   if (memory < kTaken + kLeast)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--memory is {} MiB, expected at least {} MiB: {} of them are the program's own, with its "

@@ -29,12 +29,14 @@ std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_byt
   constexpr std::uint64_t kDefault = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
   const std::uint64_t more = waiting_bytes > kDefault ? waiting_bytes - kDefault : 0;
   if (run.memory_bytes < more + kLeast) {
-    const std::uint64_t memory = run.job.memory_bytes > 0 ? run.job.memory_bytes : machine_memory_bytes() / 4;
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--memory is {} MiB, expected at least {} MiB for a map {} texels wide: rows of tiles that "
-                            "wait to be written take {} of them",
-                            memory >> 20, ((memory + more + kLeast - run.memory_bytes) >> 20) + 1, run.header.width,
-                            waiting_bytes >> 20));
+    const bool is_given = run.job.memory_bytes > 0;
+    const std::uint64_t memory = is_given ? run.job.memory_bytes : machine_memory_bytes() / 4;
+    throw Error(
+        is_given ? ErrorCode::kUsage : ErrorCode::kEnvironment,
+        fmt::format("{} {} MiB, expected at least {} MiB for a map {} texels wide: rows of tiles that "
+                    "wait to be written take {} of them",
+                    is_given ? "--memory is" : "a bake may take a quarter of this process's memory,", memory >> 20,
+                    ((memory + more + kLeast - run.memory_bytes) >> 20) + 1, run.header.width, waiting_bytes >> 20));
   }
   return run.memory_bytes - more;
 }

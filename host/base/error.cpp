@@ -2,12 +2,12 @@
 #include "host/base/error.h"
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <new>
 
 #include "host/base/shown_text.h"
+#include "host/base/system_failure.h"
 
 namespace multum {
 
@@ -22,17 +22,22 @@ int exit_code(ErrorCode code) {
 }
 
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
+  // A write beyond the limit of file sizes (ulimit -f) fails with EFBIG then, as one onto a full disk with ENOSPC; the
+  // signal would end the program amid its work. Programs that this one starts have it as at any program's start
+  // (spawn_process()): those of this project come here themselves.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
-    return body(argc, argv);
+    try {
+      return body(argc, argv);
+    } catch (...) {
+      throw caught_error("");
+    }
   } catch (const Cancelled&) {
     print_shown(stderr, "%s: cancelled, nothing unfinished was kept\n", program);
     return 130;
   } catch (const Error& error) {
     print_shown(stderr, "%s: %s\n", program, error.what());
     return exit_code(error.code());
-  } catch (const std::bad_alloc&) {
-    print_shown(stderr, "%s: out of memory\n", program);
-    return exit_code(ErrorCode::kEnvironment);
   } catch (const std::exception& error) {
     print_shown(stderr, "%s: unexpected error: %s\n", program, error.what());
     return 1;
@@ -44,7 +49,8 @@ void refuse_file(const std::string& path, const std::string& what) {
 }
 
 void fail_by_errno(const std::string& subject, const std::string& what) {
-  throw Error(ErrorCode::kEnvironment, subject + ": " + what + ": " + std::strerror(errno));
+  const int number = errno;  // what is made of it may change it
+  throw Error(errno_code(number), subject + ": " + what + ": " + errno_text(number));
 }
 
 void check_failed(const char* condition, const char* file, int line) {

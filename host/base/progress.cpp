@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -45,8 +46,10 @@ void Progress::report() {
 
 namespace {
 
-volatile std::sig_atomic_t g_interrupted = 0;
-volatile std::sig_atomic_t g_interrupted_at = 0;  // seconds of a steady clock
+// Written by the handler, read from any thread: only atomics without locks may be.
+std::atomic<int> g_interrupted{0};
+std::atomic<int> g_interrupted_at{0};  // seconds of a steady clock
+static_assert(std::atomic<int>::is_always_lock_free);
 
 int steady_seconds() {
   timespec now{};

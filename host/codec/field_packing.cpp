@@ -71,7 +71,7 @@ FieldRound search(double limit, bool is_error, double lambda, const Code& code) 
 void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& path) {
   AtomicFile file(path);
   OutputFile out(file);
-  out.write(bytes.data(), bytes.size());
+  write_or_throw(out, bytes.data(), bytes.size());
   out.close();
   file.commit();
 }

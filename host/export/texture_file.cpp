@@ -46,15 +46,15 @@ class PlainTextureFile : public TextureFile {
  public:
   PlainTextureFile(const std::string& path, const LeveledTexture& texture, TextureHead head)
       : file_(path), bytes_(file_), texture_(texture), head_(std::move(head)), counts_(texture) {
-    bytes_.write(head_.bytes.data(), head_.bytes.size());
+    write_or_throw(bytes_, head_.bytes.data(), head_.bytes.size());
   }
 
   void write_rows(int level, int row_count, const void* blocks) override {
     const std::uint64_t row_bytes = block_row_bytes(texture_, level);
     const int first = counts_.add(level, row_count);
     // Gaps between levels are zeros: a file is, where it was never written.
-    if (bytes_.seek(head_.level_offsets[size_of(level)] + row_bytes * size_of(first)))
-      bytes_.write(blocks, static_cast<std::size_t>(row_bytes) * size_of(row_count));
+    if (!bytes_.seek(head_.level_offsets[size_of(level)] + row_bytes * size_of(first))) bytes_.close();  // throws
+    write_or_throw(bytes_, blocks, static_cast<std::size_t>(row_bytes) * size_of(row_count));
   }
   void finish() override {
     counts_.check_complete();
@@ -94,7 +94,7 @@ class ZstdFrames {
       for (bool is_done = false; !is_done;) {
         ZSTD_outBuffer out = {out_.data(), out_.size(), 0};
         const std::size_t left = check(ZSTD_compressStream2(context_.get(), &out, &in, directive));
-        to.write(out_.data(), out.pos);
+        write_or_throw(to, out_.data(), out.pos);
         is_done = directive == ZSTD_e_end ? left == 0 : in.pos == in.size;
       }
     }
@@ -141,14 +141,14 @@ class ZstdKtx2File : public TextureFile {
     OutputFile bytes(file_);
     Ktx2Settings settings{software_version(), choice_.swizzle, {}, choice_.keys};
     settings.zstd_lengths.assign(size_of(texture_.level_count), 1);
-    bytes.seek(ktx2_head(texture_, settings).bytes.size());
+    if (!bytes.seek(ktx2_head(texture_, settings).bytes.size())) bytes.close();  // throws
     ZstdFrames frames(choice_.zstd_level);
     for (int level = texture_.level_count - 1; level >= 0; --level)
       settings.zstd_lengths[size_of(level)] =
           frames.write(scratch_, begins_[size_of(level)], level_bytes(texture_, level), bytes);
     const TextureHead head = ktx2_head(texture_, settings);
-    bytes.seek(0);
-    bytes.write(head.bytes.data(), head.bytes.size());
+    if (!bytes.seek(0)) bytes.close();
+    write_or_throw(bytes, head.bytes.data(), head.bytes.size());
     bytes.close();
     file_.commit();
   }

@@ -69,11 +69,11 @@ class GlbLayout {
     std::uint64_t at = 0;
     const auto pad_to = [&](std::uint64_t offset) {
       const std::string zeros(static_cast<std::size_t>(offset - at), '\0');
-      file.write(zeros.data(), zeros.size());
+      write_or_throw(file, zeros.data(), zeros.size());
       at = offset;
     };
     const auto add = [&](const char* bytes, std::uint64_t count) {
-      file.write(bytes, static_cast<std::size_t>(count));
+      write_or_throw(file, bytes, static_cast<std::size_t>(count));
       at += count;
     };
     for (std::size_t b = 0; b < places_.size(); ++b) {
@@ -102,7 +102,7 @@ class GlbLayout {
     std::vector<char> bytes(kCopiedAtOnce);
     std::uint64_t count = 0;
     while (in.read(bytes.data(), static_cast<std::streamsize>(bytes.size())), in.gcount() > 0) {
-      file.write(bytes.data(), static_cast<std::size_t>(in.gcount()));
+      write_or_throw(file, bytes.data(), static_cast<std::size_t>(in.gcount()));
       count += static_cast<std::uint64_t>(in.gcount());
       progress_advance(progress, 0);
     }
@@ -262,7 +262,7 @@ std::uint64_t write_glb(const GltfAsset& asset, GltfJson json, const ViewContent
         fmt::format("would become a file of {} bytes, expected less than 4 GiB, which is all that GLB holds", total));
   AtomicFile file(output);
   OutputFile bytes(file);
-  const auto add = [&](const std::string& part) { bytes.write(part.data(), part.size()); };
+  const auto add = [&](const std::string& part) { write_or_throw(bytes, part.data(), part.size()); };
   add("glTF" + little_endian_32({2, total, text.size(), 0x4E4F534A}));
   add(text);
   if (layout.has_bytes()) {

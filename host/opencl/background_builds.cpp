@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/opencl/background_builds.h"
+#include "host/base/processes/machine.h"
 
 #include <algorithm>
 #include <utility>
@@ -21,7 +22,7 @@ void BackgroundBuilds::add(const std::string& key, Build build) {
   results_[key] = task.get_future();
   const std::lock_guard lock(mutex_);
   waiting_.push_back(std::move(task));
-  if (waiting_.size() > idle_ && threads_.size() < std::max(1u, std::thread::hardware_concurrency()))
+  if (waiting_.size() > idle_ && threads_.size() < static_cast<std::size_t>(processor_count()))
     threads_.emplace_back([this] { work(); });
   changed_.notify_one();
 }

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/processes/machine.h"
 #include "host/opencl/cl_error.h"
 #include "host/opencl/device_state.h"
+#include "host/opencl/kernel_caches.h"
 #include "host/opencl/pocl_settings.h"
 
 namespace multum {
@@ -69,11 +72,17 @@ DeviceInfo info_of(cl_device_id id, int index, const std::string& platform) {
   info.local_bytes = device_value<cl_ulong>(id, CL_DEVICE_LOCAL_MEM_SIZE);
   info.memory_bytes = device_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
   info.buffer_bytes_max = device_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  if (info.is_cpu) {  // PoCL says what the machine has, whatever a container leaves of it
+    info.memory_bytes = std::min(info.memory_bytes, machine_memory_bytes());
+    info.buffer_bytes_max = std::min(info.buffer_bytes_max, machine_memory_bytes());
+  }
   return info;
 }
 
 std::vector<FoundDevice> find_devices() {
   ask_pocl_for_one_version_of_kernels();
+  ask_pocl_for_usual_threads();
+  prepare_kernel_caches();
   std::vector<FoundDevice> found;
   cl_uint platform_count = 0;
   const cl_int status = clGetPlatformIDs(0, nullptr, &platform_count);
@@ -93,9 +102,7 @@ std::vector<FoundDevice> find_devices() {
   return found;
 }
 
-bool matches(const DeviceInfo& info, const std::string& selector) {
-  const bool is_number = std::all_of(selector.begin(), selector.end(), [](char c) { return c >= '0' && c <= '9'; });
-  if (is_number) return std::to_string(info.index) == selector;
+bool has_in_name(const DeviceInfo& info, const std::string& selector) {
   return info.name.find(selector) != std::string::npos || info.platform.find(selector) != std::string::npos;
 }
 
@@ -113,7 +120,9 @@ std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices,
     return std::nullopt;
   }
   for (std::size_t i = 0; i < devices.size(); ++i)
-    if (matches(devices[i], selector)) return i;
+    if (std::to_string(devices[i].index) == selector) return i;
+  for (std::size_t i = 0; i < devices.size(); ++i)  // a number of a name: "4090"
+    if (has_in_name(devices[i], selector)) return i;
   return std::nullopt;
 }
 
@@ -130,7 +139,6 @@ std::vector<DeviceInfo> infos_of(const std::vector<FoundDevice>& devices) {
 std::vector<DeviceInfo> list_devices() { return infos_of(find_devices()); }
 
 DeviceState::~DeviceState() {
-  for (auto& entry : timed) clReleaseEvent(entry.second);
   release_staging(*this);
   for (auto& entry : programs) clReleaseProgram(entry.second);
   if (queue != nullptr) clReleaseCommandQueue(queue);
@@ -143,7 +151,8 @@ std::shared_ptr<DeviceState> open_state(const std::string& selector) {
   const std::vector<FoundDevice> devices = find_devices();
   if (devices.empty())
     throw Error(ErrorCode::kEnvironment,
-                "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
+                "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)" +
+                    (pocl_cache_failure().empty() ? "" : "; " + pocl_cache_failure()));
   const std::optional<std::size_t> number = choose_device(infos_of(devices), selector);
   if (!number) {
     std::string known;
@@ -258,12 +267,10 @@ void Device::time_launches(bool on) {
   finish();
   release_staging(state());  // mapped by the queue that goes
   cl_int status = CL_SUCCESS;
-  cl_command_queue queue =
-      clCreateCommandQueue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
+  QueueHandle queue(clCreateCommandQueue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status));
   check_cl(status, state().info.name + ": clCreateCommandQueue");
   collect_times(state());
-  clReleaseCommandQueue(state().queue);
-  state().queue = queue;
+  clReleaseCommandQueue(std::exchange(state().queue, queue.release()));
   state().times_launches = on;
 }
 

@@ -123,7 +123,8 @@ struct DeviceChoice {
 class Device {
  public:
   /// `selector`: empty = the first GPU, else the first CPU; a number of `multum devices`; or a part of a device's or
-  /// platform's name. Throws Error(kEnvironment) when there is no such device, listing those there are.
+  /// platform's name, which a number is too where no device has it: "4090". Throws Error(kEnvironment) when there is no
+  /// such device, listing those there are.
   static Device open(const std::string& selector);
   static Device open(const DeviceChoice& choice);
   /// Opens the device when something is first asked of it: a driver takes 80 MiB and tens of milliseconds, and whoever

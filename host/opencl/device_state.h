@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,12 +17,22 @@
 
 namespace multum {
 
+struct EventRelease {
+  void operator()(cl_event event) const { clReleaseEvent(event); }
+};
+using EventHandle = std::unique_ptr<std::remove_pointer_t<cl_event>, EventRelease>;
+
+struct QueueRelease {
+  void operator()(cl_command_queue queue) const { clReleaseCommandQueue(queue); }
+};
+using QueueHandle = std::unique_ptr<std::remove_pointer_t<cl_command_queue>, QueueRelease>;
+
 /// Host memory that the device copies from by itself, while the host goes on.
 struct StagingBuffer {
   cl_mem memory = nullptr;
   unsigned char* bytes = nullptr;
   std::size_t size = 0;
-  cl_event copied = nullptr;  // when it may be written again; null: now
+  EventHandle copied;  // when it may be written again; null: now
 };
 
 /// Bytes of buffers, which may outlive the device's state.
@@ -56,7 +67,7 @@ class DeviceState {
   std::vector<SourceEdit> edits;
   std::map<std::string, std::uint64_t> launch_counts;
   bool times_launches = false;
-  std::vector<std::pair<std::string, cl_event>> timed;  // launches whose times are still to be asked for
+  std::vector<std::pair<std::string, EventHandle>> timed;  // launches whose times are still to be asked for
   std::map<std::string, double> launch_seconds;
   TransferCounts transfers;
   std::shared_ptr<BufferBytes> buffer_bytes = std::make_shared<BufferBytes>();
@@ -70,7 +81,7 @@ class DeviceState {
 /// Gives the staging buffers back to the queue that mapped them.
 void release_staging(DeviceState& state);
 
-/// Adds up the times of launches that have ended; waits for those that have not.
+/// Adds up the times of launches that have ended; waits for those that have not. When it throws, no times are left.
 void collect_times(DeviceState& state);
 
 /// Key of kernels/FILE.cl in state.programs, as it is now edited.

@@ -3,8 +3,13 @@
 
 #include <cstdlib>
 
+#include "host/base/processes/machine.h"
+
 namespace multum {
 namespace {
+
+// Of PoCL before 4.0, and since.
+constexpr const char* kThreadVariables[] = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"};
 
 bool processor_has_avx512() {
 #if defined(__x86_64__)
@@ -21,6 +26,16 @@ bool processor_has_avx512() {
 // 1024 x 1024 in the same time).
 void ask_pocl_for_one_version_of_kernels() {
   [[maybe_unused]] static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+}
+
+void set_pocl_threads(int threads) {
+  for (const char* variable : kThreadVariables) setenv(variable, std::to_string(threads).c_str(), 1);
+}
+
+void ask_pocl_for_usual_threads() {
+  for (const char* variable : kThreadVariables)
+    if (std::getenv(variable) != nullptr) return;
+  set_pocl_threads(processor_count());
 }
 
 bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512) {

@@ -10,6 +10,15 @@ namespace multum {
 /// What is right for every version of PoCL; called before the first platform is asked for.
 void ask_pocl_for_one_version_of_kernels();
 
+/// Has PoCL run kernels by so many threads, whatever the environment said. Called before the first platform is asked
+/// for.
+void set_pocl_threads(int threads);
+
+/// The same, with as many threads as this process can run at once (processor_count()), where neither the user nor
+/// set_pocl_threads() has said how many: PoCL itself counts the machine's processors, and not those that a container
+/// leaves.
+void ask_pocl_for_usual_threads();
+
 /// Whether PoCL of this CL_PLATFORM_VERSION may give up while it joins work-items by loops, its usual way: behind LLVM
 /// 18 it ends the program ("Instruction Combining did not reach a fixpoint", pocl issue 1608), which was seen for
 /// processors without AVX-512 and not for those with it.

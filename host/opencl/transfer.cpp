@@ -22,15 +22,14 @@ std::size_t total_of(const std::vector<BufferRange>& ranges) {
   return sum;
 }
 
-void wait_for(cl_event& event) {
-  if (event == nullptr) return;
+void wait_for(EventHandle& handle) {
+  if (handle == nullptr) return;
+  const cl_event event = handle.get();
   check_cl(clWaitForEvents(1, &event), "clWaitForEvents");
-  clReleaseEvent(event);
-  event = nullptr;
+  handle.reset();
 }
 
 void release(DeviceState& state, StagingBuffer& staging) {
-  if (staging.copied != nullptr) clReleaseEvent(staging.copied);
   if (staging.bytes != nullptr)
     clEnqueueUnmapMemObject(state.queue, staging.memory, staging.bytes, 0, nullptr, nullptr);
   if (staging.memory != nullptr) clReleaseMemObject(staging.memory);
@@ -67,13 +66,14 @@ Device::Bytes places_in(unsigned char* bytes, const std::vector<BufferRange>& ra
 cl_mem memory_of(const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); }
 
 // Ranges of CPUs' buffers as the host sees them, until it goes; of one that is empty nothing. They are mapped together,
-// so that the host waits once for the launches before; the launches that follow wait in the queue.
+// so that the host waits once for the launches before; the launches that follow wait in the queue. Whoever has written
+// ends with unmap(): where that fails, the device may not see what was written.
 class MappedRanges {
  public:
   explicit MappedRanges(const DeviceState& state) : queue_(state.queue) {}
   ~MappedRanges() {
     for (const auto& [memory, bytes] : mapped_) clEnqueueUnmapMemObject(queue_, memory, bytes, 0, nullptr, nullptr);
-    clFlush(queue_);
+    if (!mapped_.empty()) clFlush(queue_);
   }
   MappedRanges(const MappedRanges&) = delete;
   MappedRanges& operator=(const MappedRanges&) = delete;
@@ -93,6 +93,14 @@ class MappedRanges {
   const Device::Bytes& bytes() const {
     check_cl(clFinish(queue_), "clFinish");
     return bytes_;
+  }
+  void unmap() {
+    while (!mapped_.empty()) {
+      const auto [memory, bytes] = mapped_.back();
+      mapped_.pop_back();
+      check_cl(clEnqueueUnmapMemObject(queue_, memory, bytes, 0, nullptr, nullptr), "clEnqueueUnmapMemObject");
+    }
+    check_cl(clFlush(queue_), "clFlush");
   }
 
  private:
@@ -144,7 +152,8 @@ void Device::read_ranges(const std::vector<BufferRange>& ranges, const WithBytes
   if (is_mapped(state())) {
     MappedRanges mapped(state());
     for (const BufferRange& range : ranges) mapped.add(memory_of(range.buffer->memory_), range.begin, range.count);
-    return body(mapped.bytes());
+    body(mapped.bytes());
+    return mapped.unmap();
   }
   const Bytes places = places_in(next_staging(state(), total).bytes, ranges);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -168,10 +177,11 @@ void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithByte
   body(places);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     if (ranges[i].count == 0) continue;
-    if (staging.copied != nullptr) clReleaseEvent(std::exchange(staging.copied, nullptr));
+    cl_event copied = nullptr;
     check_cl(clEnqueueWriteBuffer(state().queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
-                                  ranges[i].count, places[i], 0, nullptr, &staging.copied),
+                                  ranges[i].count, places[i], 0, nullptr, &copied),
              "clEnqueueWriteBuffer");
+    staging.copied.reset(copied);
     state().count_upload(ranges[i].count);
   }
   flush();  // the last copy's end is the end of all: the queue keeps its order
@@ -186,7 +196,7 @@ void Device::move_down(const std::vector<BufferMove>& moves) {
     const Bytes& bytes = mapped.bytes();
     for (std::size_t i = 0; i < moves.size(); ++i)
       std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
-    return;
+    return mapped.unmap();
   }
   // In pieces that do not overlap what they are copied to, one after another.
   for (const auto& [from, to] : moves) {
@@ -205,7 +215,7 @@ void Device::fill_zero(DeviceBuffer& buffer) {
     MappedRanges mapped(state());
     mapped.add(memory_of(buffer.memory_), 0, buffer.byte_count_);
     std::memset(mapped.bytes()[0], 0, buffer.byte_count_);
-    return;
+    return mapped.unmap();
   }
   const unsigned char zero = 0;
   check_cl(clEnqueueFillBuffer(state().queue, memory_of(buffer.memory_), &zero, 1, 0, buffer.byte_count_, 0, nullptr,

@@ -19,7 +19,7 @@ std::vector<std::string> compressions() {
 Parameter device_parameter(unsigned surfaces) {
   return {.name = "device",
           .kind = ParameterKind::kText,
-          .help = "OpenCL device: its number in `multum devices`, or part of its name",
+          .help = "OpenCL device: its number in `multum devices`, else part of its name",
           .surfaces = surfaces};
 }
 

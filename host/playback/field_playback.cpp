@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/processes/machine.h"
 
 namespace multum {
 namespace {
@@ -68,7 +69,7 @@ FieldPlayback::FieldPlayback(const std::string& path, const PlaybackSettings& se
       objects_.push_back(object_of_block(description(), description().layers[l], b));
     }
   }
-  const int threads = settings.threads > 0 ? settings.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const int threads = settings.threads > 0 ? settings.threads : processor_count();
   for (int i = 0; i < std::max(threads, 1); ++i) workers_.emplace_back([this] { work(); });
 }
 

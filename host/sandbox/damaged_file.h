@@ -6,6 +6,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "host/base/error.h"
 
@@ -25,6 +26,11 @@ auto with_damage_named(const std::string& path, const Body& body) {
     throw NotEnoughMemory(path);
   } catch (const Error&) {
     throw;
+  } catch (const std::system_error& error) {  // a thread that finds no memory for its stack, too
+    const bool is_memory =
+        error.code() == std::errc::not_enough_memory || error.code() == std::errc::resource_unavailable_try_again;
+    if (is_memory) throw NotEnoughMemory(path);
+    throw Error(ErrorCode::kInput, path + ": damaged: " + error.what());
   } catch (const std::runtime_error& error) {
     throw Error(ErrorCode::kInput, path + ": damaged: " + error.what());
   } catch (const std::logic_error& error) {

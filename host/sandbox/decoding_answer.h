@@ -6,7 +6,8 @@
 //   request   DecodingRequest, what it needs    answer   kDone, what was asked for
 //             kClose                                     kDone
 //             any                                        kRefused, error code, message
-//             any                                        kOutOfMemory
+//             any                                        kOutOfMemory: it needs more than it is allowed
+//             any                                        kNoMemoryHere: it was given less than it is allowed
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,7 @@
 namespace multum {
 
 enum class DecodingRequest : std::uint8_t { kClose, kOpenImage, kReadImage, kOpenMesh, kOpenObjects, kReadMesh };
-enum class DecodingAnswer : std::uint8_t { kDone, kRefused, kOutOfMemory };
+enum class DecodingAnswer : std::uint8_t { kDone, kRefused, kOutOfMemory, kNoMemoryHere };
 
 /// File that an answer is about. `memory_max` is what the child was held to.
 struct AskedFile {
@@ -29,7 +30,8 @@ struct AskedFile {
   std::uint64_t memory_max;
 };
 
-/// Throws Error as the child did, or Error(kInput) that names the file and that it ended in no answer.
+/// Throws Error as the child did; Error(kInput) where the file needs more memory than it is allowed, or its decoding
+/// ended in no answer; Error(kEnvironment) where there was less memory than that here.
 [[noreturn]] void refuse_as_answered(const AskedFile& file, std::string_view answer);
 
 /// Takes an answer apart by `read(MessageReader&)` where the request was done. Throws Error as above where it was not.
@@ -46,7 +48,13 @@ auto parse_answer(const AskedFile& file, std::string_view answer, const Read& re
   refuse_as_answered(file, answer);
 }
 
-/// The child's side: what `work` answers, or its Error as an answer.
+/// Whether the system would give this process all that its limit of RLIMIT_DATA still allows: if so, an allocation that
+/// failed was beyond the limit. Where it would not, another limit was in the way (of address space, of the machine's
+/// memory where the system promises no more than it has), or an administrator's own on RLIMIT_DATA.
+bool has_allowed_memory();
+
+/// The child's side: what `work` answers, or its Error as an answer. Memory that ran out is told apart by
+/// has_allowed_memory().
 std::string answer_or_refusal(const std::function<std::string()>& work);
 
 }  // namespace multum

@@ -67,6 +67,13 @@ std::string DecodedFile::answer(const std::string& request, const std::function<
   try {
     return process_->ask(request, limits_, while_waiting);
   } catch (const HelperEnded& ended) {
+    if (ended.lacked_memory())
+      throw Error(
+          ErrorCode::kEnvironment,
+          fmt::format("{}: the process that decodes it {}; not enough memory is the likely reason: its decoding "
+                      "may take {} bytes, expected a machine, a container and limits (ulimit -v) that leave "
+                      "them",
+                      path_, ended.what(), limits_.memory_max));
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: the process that decodes it {}; expected a file that {} survives, in {} bytes of "
                             "memory and {} s",

@@ -17,10 +17,13 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/processes/machine.h"
 #include "host/base/processes/sanitizers.h"
 #include "host/base/processes/spawn_process.h"
 #include "host/sandbox/helper_service.h"
@@ -31,17 +34,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kTick = std::chrono::milliseconds(50);
+constexpr auto kGapMax = 4 * kTick;
 constexpr std::uint64_t kAnswerMax = std::uint64_t{64} << 20;  // bytes
 constexpr int kFirstFree = 16;  // descriptors from here on cannot be among those that the child is given
 
-[[noreturn]] void fail(const char* what) {
-  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}", what, std::strerror(errno)));
-}
+[[noreturn]] void fail(const char* what) { fail_by_errno("a process that decodes files", what); }
 
 // Where no dup2 of another one overwrites it.
 int moved_away(int descriptor) {
   const int moved = ::fcntl(descriptor, F_DUPFD_CLOEXEC, kFirstFree);
-  const int error = errno;
+  const int error = errno == EINVAL ? EMFILE : errno;  // the limit of open files is below kFirstFree
   ::close(descriptor);
   errno = error;
   if (moved < 0) fail("a file descriptor");
@@ -77,9 +79,9 @@ std::chrono::nanoseconds processor_time(pid_t pid) {
   return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
 
-// Whether its first thread runs or would if it had a processor: 'R' behind "PID (NAME) " (proc(5)).
-bool is_ready_to_run(pid_t pid) {
-  std::FILE* file = std::fopen(fmt::format("/proc/{}/stat", pid).c_str(), "re");
+// 'R' behind "TID (NAME) " (proc(5)): it runs, or would if it had a processor.
+bool is_thread_ready(const std::string& folder) {
+  std::FILE* file = std::fopen((folder + "/stat").c_str(), "re");
   if (file == nullptr) return false;
   std::array<char, 256> text{};
   const std::size_t count = std::fread(text.data(), 1, text.size(), file);
@@ -87,6 +89,26 @@ bool is_ready_to_run(pid_t pid) {
   const std::string_view line(text.data(), count);
   const std::size_t name_end = line.rfind(") ");
   return name_end != std::string_view::npos && line.substr(name_end + 2).starts_with('R');
+}
+
+// Whether any of its threads is: libraries decode by threads of their own, for which the first one waits.
+bool is_ready_to_run(pid_t pid) {
+  std::error_code error;
+  std::filesystem::directory_iterator threads(fmt::format("/proc/{}/task", pid), error), end;
+  for (; !error && threads != end; threads.increment(error))
+    if (is_thread_ready(threads->path().string())) return true;
+  return false;
+}
+
+// Whether limits that a child inherits may leave it less than it is allowed. Its libraries take address space, too: 360
+// MB were measured (OpenImageIO and assimp of Debian 12).
+bool may_lack_memory(std::uint64_t memory_max) {
+  constexpr std::uint64_t kLibraries = std::uint64_t{1} << 29;
+  rlimit space = {}, data = {};
+  ::getrlimit(RLIMIT_AS, &space);
+  ::getrlimit(RLIMIT_DATA, &data);
+  return (space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory_max + kLibraries) ||
+         (data.rlim_max != RLIM_INFINITY && data.rlim_max < memory_max);
 }
 
 std::string text_of(std::chrono::milliseconds time) {
@@ -151,20 +173,49 @@ int HelperProcess::kill_and_wait() {
   return status;
 }
 
-// `why`: it is killed for this; empty: it has ended by itself, and its status says how.
-void HelperProcess::reap(const std::string& why) {
-  const int status = kill_and_wait();
-  if (!why.empty()) throw HelperEnded(why);
-  std::string end;
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) end = "used up its processor time and was ended";
-  else if (WIFSIGNALED(status))
-    end = fmt::format("was ended by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
-  else end = fmt::format("ended with exit code {}", WEXITSTATUS(status));
+// It has closed its end of the socket: as a rule it is ending by itself, and then this says how. One that does not is
+// killed.
+int HelperProcess::wait_for_end() {
+  constexpr int kTries = 200;
+  int status = 0;
+  for (int tries = 0; tries < kTries; ++tries) {
+    const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
+    if (ended == pid_) {
+      ::close(std::exchange(socket_, -1));
+      pid_ = -1;
+      return status;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  kill_and_wait();
+  throw HelperEnded("fell silent and was ended", false);
+}
+
+void HelperProcess::end(const std::string& why) {
+  kill_and_wait();
+  throw HelperEnded(why + " and was ended", false);
+}
+
+void HelperProcess::reap() {
+  // Of a program that cannot be loaded (ld.so), and of one that finds no memory outside of a request (run_guarded()).
+  constexpr int kNotLoaded = 127, kNoMemory = 4;
+  const int status = wait_for_end();
+  std::string how;
+  bool lacked_memory = false;
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    how = "used up its processor time and was ended";
+  } else if (WIFSIGNALED(status)) {
+    how = fmt::format("was ended by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
+    lacked_memory = WTERMSIG(status) == SIGKILL || may_lack_memory(memory_max_);
+  } else {
+    how = fmt::format("ended with exit code {}", WEXITSTATUS(status));
+    lacked_memory = WEXITSTATUS(status) == kNotLoaded || WEXITSTATUS(status) == kNoMemory;
+  }
   std::string said(65536, '\0');
   const ssize_t count = ::pread(last_words_, said.data(), said.size(), 0);
   said.resize(static_cast<std::size_t>(std::max<ssize_t>(0, count)));
   const std::string words = essence(said);
-  throw HelperEnded(words.empty() ? end : end + ": " + words);
+  throw HelperEnded(words.empty() ? how : how + ": " + words, lacked_memory);
 }
 
 // From outside, before the child knows what is asked.
@@ -172,7 +223,7 @@ void HelperProcess::hold_to(const HelperLimits& limits) {
   const auto used = std::chrono::duration_cast<std::chrono::seconds>(processor_time(pid_));
   rlimit processor = {};
   ::prlimit(pid_, RLIMIT_CPU, nullptr, &processor);
-  const auto cores = std::max<rlim_t>(1, std::thread::hardware_concurrency());
+  const auto cores = static_cast<rlim_t>(processor_count());
   const auto seconds = static_cast<rlim_t>(limits.time_max.count()) / 1000 + 1;
   processor.rlim_cur = std::min(processor.rlim_max, static_cast<rlim_t>(used.count()) + 1 + seconds * cores);
   ::prlimit(pid_, RLIMIT_CPU, &processor, nullptr);
@@ -194,16 +245,17 @@ void HelperProcess::send(std::string_view request) {
   for (std::size_t sent = 0; sent < frame.size();) {
     const ssize_t count = ::send(socket_, frame.data() + sent, frame.size() - sent, MSG_NOSIGNAL);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) reap("");
+    if (count <= 0) reap();
     sent += static_cast<std::size_t>(count);
   }
 }
 
-// What has passed since the last look counts; of a child that is ready to run, what it ran.
+// What has passed since the last look counts; of a child that is ready to run, what it ran. A long gap between two
+// looks is this process's, which was stopped or had no processor: of what the child did meanwhile nobody knows.
 void HelperProcess::Stopwatch::look(pid_t pid) {
   const auto now = Clock::now();
   const auto ran = processor_time(pid);
-  const auto passed = std::chrono::nanoseconds(now - looked);
+  const auto passed = std::min<std::chrono::nanoseconds>(now - looked, kGapMax);
   spent += is_ready_to_run(pid) ? std::min(passed, ran - ran_before) : passed;
   looked = now;
   ran_before = ran;
@@ -211,9 +263,9 @@ void HelperProcess::Stopwatch::look(pid_t pid) {
 
 void HelperProcess::check(const HelperLimits& limits, Stopwatch& watch) {
   watch.look(pid_);
-  if (watch.spent > limits.time_max) reap("took more than " + text_of(limits.time_max) + " and was ended");
+  if (watch.spent > limits.time_max) end("took more than " + text_of(limits.time_max));
   if (own_memory_bytes(pid_) > limits.memory_max)
-    reap(fmt::format("took more than {} bytes of memory and was ended", limits.memory_max));
+    end(fmt::format("took more than {} bytes of memory", limits.memory_max));
 }
 
 std::string HelperProcess::receive(const HelperLimits& limits, const std::function<void()>& while_waiting) {
@@ -224,8 +276,8 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     std::uint64_t size = 0;
     if (received_.size() >= sizeof(size)) {
       std::memcpy(&size, received_.data(), sizeof(size));
-      if (size > kAnswerMax) reap(fmt::format("announced an answer of {} bytes and was ended", size));
-      if (received_.size() > sizeof(size) + size) reap("said more than it was asked and was ended");
+      if (size > kAnswerMax) end(fmt::format("announced an answer of {} bytes", size));
+      if (received_.size() > sizeof(size) + size) end("said more than it was asked");
       if (received_.size() == sizeof(size) + size) return received_.substr(sizeof(size));
     }
     pollfd waited = {socket_, POLLIN, 0};
@@ -237,14 +289,14 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     if (ready <= 0) continue;
     const ssize_t count = ::recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (count <= 0) reap("");
+    if (count <= 0) reap();
     received_.append(bytes.data(), static_cast<std::size_t>(count));
   }
 }
 
 std::string HelperProcess::ask(std::string_view request, const HelperLimits& limits,
                                const std::function<void()>& while_waiting) {
-  if (!is_alive()) throw HelperEnded("has ended before");
+  if (!is_alive()) throw HelperEnded("has ended before", false);
   try {
     hold_to(limits);
     send(request);

@@ -33,7 +33,14 @@ struct HelperLimits {
 /// The child is gone; what() says how: "was ended by signal 11 (Segmentation fault)".
 class HelperEnded : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}
+  /// Whether the machine, and not what it was asked for, is the likely reason: it could not be loaded, the system
+  /// killed it, as it does where memory runs out, or it died where a limit of this process (ulimit -v, -d) leaves it
+  /// less memory than HelperLimits allow.
+  bool lacked_memory() const { return lacked_memory_; }
+
+ private:
+  bool lacked_memory_;
 };
 
 class HelperProcess {
@@ -67,7 +74,9 @@ class HelperProcess {
   std::string receive(const HelperLimits& limits, const std::function<void()>& while_waiting);
   void check(const HelperLimits& limits, Stopwatch& watch);
   int kill_and_wait();
-  [[noreturn]] void reap(const std::string& why);
+  int wait_for_end();
+  [[noreturn]] void end(const std::string& why);
+  [[noreturn]] void reap();
 
   std::string program_;
   pid_t pid_ = -1;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/context/egl_context.h"
 
-#include <EGL/egl.h>
-#include <EGL/eglext.h>
-
 #include <array>
 #include <cstring>
 #include <optional>
@@ -11,7 +8,7 @@
 #include <vector>
 
 #include "host/base/error.h"
-#include "runtime_gl/context/shared_library.h"
+#include "runtime_gl/context/egl_functions.h"
 
 namespace multum::gl {
 namespace {
@@ -31,27 +28,6 @@ const char* egl_error_name(EGLint error) {
     default: return "unknown EGL error";
   }
 }
-
-struct EglFunctions {
-  explicit EglFunctions(const SharedLibrary& library)
-      : GetProcAddress(library.symbol<PFNEGLGETPROCADDRESSPROC>("eglGetProcAddress")),
-        GetError(library.symbol<PFNEGLGETERRORPROC>("eglGetError")),
-        QueryString(library.symbol<PFNEGLQUERYSTRINGPROC>("eglQueryString")),
-        Initialize(library.symbol<PFNEGLINITIALIZEPROC>("eglInitialize")),
-        BindAPI(library.symbol<PFNEGLBINDAPIPROC>("eglBindAPI")),
-        CreateContext(library.symbol<PFNEGLCREATECONTEXTPROC>("eglCreateContext")),
-        MakeCurrent(library.symbol<PFNEGLMAKECURRENTPROC>("eglMakeCurrent")),
-        DestroyContext(library.symbol<PFNEGLDESTROYCONTEXTPROC>("eglDestroyContext")) {}
-
-  PFNEGLGETPROCADDRESSPROC GetProcAddress;
-  PFNEGLGETERRORPROC GetError;
-  PFNEGLQUERYSTRINGPROC QueryString;
-  PFNEGLINITIALIZEPROC Initialize;
-  PFNEGLBINDAPIPROC BindAPI;
-  PFNEGLCREATECONTEXTPROC CreateContext;
-  PFNEGLMAKECURRENTPROC MakeCurrent;
-  PFNEGLDESTROYCONTEXTPROC DestroyContext;
-};
 
 /// Whole words only: one extension's name can be another's prefix.
 bool has_word(const char* list, const char* word) {
@@ -101,18 +77,16 @@ std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
 
 class EglContext final : public HeadlessContext {
  public:
-  // On the first display that gives one, or on the display of that number alone.
-  explicit EglContext(std::optional<std::size_t> only = std::nullopt) : library_("libEGL.so.1"), egl_(library_) {
+  // On the first display that gives one that can be used, or on the display of that number alone.
+  EglContext(const EglFunctions& egl, DebugOutput debug, std::optional<std::size_t> only = std::nullopt) : egl_(egl) {
     std::string reasons;
     const std::vector<Candidate> candidates = candidate_displays(egl_);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       const Candidate& candidate = candidates[i];
       if (only && i != *only) continue;
-      const std::string reason = open(candidate.display);
-      if (reason.empty()) {
-        load_or_close();
-        return;
-      }
+      std::string reason = open(candidate.display, debug);
+      if (reason.empty()) reason = load_or_close(debug);
+      if (reason.empty()) return;
       reasons += (reasons.empty() ? "" : "; ") + candidate.name + ": " + reason;
     }
     throw Error(ErrorCode::kEnvironment,
@@ -129,7 +103,7 @@ class EglContext final : public HeadlessContext {
 
  private:
   /// Empty when the context is current, else what went wrong.
-  std::string open(EGLDisplay display) {
+  std::string open(EGLDisplay display, DebugOutput debug) {
     EGLint major = 0;
     EGLint minor = 0;
     if (display == EGL_NO_DISPLAY) return "no display";
@@ -145,7 +119,7 @@ class EglContext final : public HeadlessContext {
                                  EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                  EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                  EGL_CONTEXT_OPENGL_DEBUG,
-                                 EGL_TRUE,
+                                 debug == DebugOutput::kOn ? EGL_TRUE : EGL_FALSE,
                                  EGL_NONE};
     const EGLContext context = egl_.CreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
     if (context == EGL_NO_CONTEXT) return failure("eglCreateContext for OpenGL 4.5 core");
@@ -157,9 +131,14 @@ class EglContext final : public HeadlessContext {
     return reason;
   }
   std::string failure(const char* call) { return std::string(call) + ": " + egl_error_name(egl_.GetError()); }
-  void load_or_close() {
+  /// Empty when its functions are there, else why not: then it is closed, and another display may have them.
+  std::string load_or_close(DebugOutput debug) {
     try {
-      load(reinterpret_cast<GetProcAddress>(egl_.GetProcAddress));
+      load(reinterpret_cast<GetProcAddress>(egl_.GetProcAddress), debug);
+      return "";
+    } catch (const Error& error) {
+      close();
+      return error.what();
     } catch (...) {
       close();
       throw;
@@ -174,24 +153,31 @@ class EglContext final : public HeadlessContext {
     context_ = EGL_NO_CONTEXT;
   }
 
-  SharedLibrary library_;
-  EglFunctions egl_;
+  const EglFunctions egl_;
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 
 }  // namespace
 
-std::unique_ptr<HeadlessContext> make_egl_context() { return std::make_unique<EglContext>(); }
+EglFunctions load_egl_functions() { return EglFunctions(SharedLibrary("libEGL.so.1")); }
+
+std::unique_ptr<HeadlessContext> make_egl_context(const EglFunctions& egl, DebugOutput debug) {
+  return std::make_unique<EglContext>(egl, debug);
+}
+
+std::unique_ptr<HeadlessContext> make_egl_context(DebugOutput debug) {
+  return make_egl_context(load_egl_functions(), debug);
+}
 
 std::vector<EglOffer> list_egl_offers() {
-  const SharedLibrary library("libEGL.so.1");
-  const std::vector<Candidate> candidates = candidate_displays(EglFunctions(library));
+  const EglFunctions egl = load_egl_functions();
+  const std::vector<Candidate> candidates = candidate_displays(egl);
   std::vector<EglOffer> offers;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     EglOffer offer{candidates[i].name, candidates[i].is_software, "", ""};
     try {
-      offer.description = EglContext(i).description();
+      offer.description = EglContext(egl, DebugOutput::kOff, i).description();
     } catch (const Error& error) {
       offer.reason = error.what();
     }

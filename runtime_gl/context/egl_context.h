@@ -11,8 +11,9 @@
 
 namespace multum::gl {
 
-/// Throws Error(kEnvironment) that says what every display that was tried lacked.
-std::unique_ptr<HeadlessContext> make_egl_context();
+/// A context of the first display that gives one of OpenGL 4.5 with all functions. Throws Error(kEnvironment) that says
+/// what every display that was tried lacked.
+std::unique_ptr<HeadlessContext> make_egl_context(DebugOutput debug);
 
 /// A display that EGL offers, in the order in which make_egl_context() tries them.
 struct EglOffer {

@@ -32,28 +32,29 @@ std::optional<ContextBackend> parse_context_backend(std::string_view name) {
   return std::nullopt;
 }
 
-void HeadlessContext::load(GetProcAddress get_proc_address) {
+void HeadlessContext::load(GetProcAddress get_proc_address, DebugOutput debug) {
   functions_ = load_gl_functions(get_proc_address);
   description_ = std::string(context_backend_name(backend())) + ": " + gl_string(functions_, GL_RENDERER) + ", " +
                  gl_string(functions_, GL_VERSION);
+  if (debug == DebugOutput::kOff) return;
   // Core since 4.3. Synchronous, so that a message appears before the exception that its step throws.
   functions_.Enable(GL_DEBUG_OUTPUT);
   functions_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   functions_.DebugMessageCallback(on_debug_message, nullptr);
 }
 
-std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend) {
+std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend, DebugOutput debug) {
   std::string reasons;
   if (backend != ContextBackend::kOsmesa) {
     try {
-      return make_egl_context();
+      return make_egl_context(debug);
     } catch (const Error& error) {
       if (backend == ContextBackend::kEgl) throw;
       reasons = error.what();
     }
   }
   try {
-    return make_osmesa_context();
+    return make_osmesa_context(debug);
   } catch (const Error& error) {
     if (reasons.empty()) throw;
     throw Error(ErrorCode::kEnvironment, "no OpenGL 4.5 context: " + reasons + "; " + error.what());

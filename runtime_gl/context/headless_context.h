@@ -21,6 +21,16 @@ enum class ContextBackend { kAuto, kOsmesa, kEgl };
 const char* context_backend_name(ContextBackend backend);
 std::optional<ContextBackend> parse_context_backend(std::string_view name);
 
+/// Whether the driver says at once, as a warning, what it thinks of each call. It then waits for each, so that nothing
+/// that is timed may have it.
+enum class DebugOutput { kOff, kOn };
+
+#ifdef MULTUM_DEBUG_CHECKS
+inline constexpr DebugOutput kUsualDebugOutput = DebugOutput::kOn;
+#else
+inline constexpr DebugOutput kUsualDebugOutput = DebugOutput::kOff;
+#endif
+
 class HeadlessContext {
  public:
   virtual ~HeadlessContext() = default;
@@ -38,8 +48,8 @@ class HeadlessContext {
  protected:
   HeadlessContext() = default;
   /// Called by a back-end once its context is current: fills the function table, checks the version, turns KHR_debug on
-  /// (in the core since 4.3).
-  void load(GetProcAddress get_proc_address);
+  /// where it is wanted (in the core since 4.3).
+  void load(GetProcAddress get_proc_address, DebugOutput debug);
 
   GlFunctions functions_;
   std::string description_;
@@ -47,6 +57,6 @@ class HeadlessContext {
 
 /// kAuto: EGL first, since only it reaches a GPU, then OSMesa. Throws Error(kEnvironment) that says what each back-end
 /// that was tried lacked.
-std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend);
+std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend, DebugOutput debug = kUsualDebugOutput);
 
 }  // namespace multum::gl

@@ -25,7 +25,7 @@ constexpr int kDummySize = 4;
 
 class OsmesaContext final : public HeadlessContext {
  public:
-  OsmesaContext() : library_("libOSMesa.so.8") {
+  explicit OsmesaContext(DebugOutput debug) : library_("libOSMesa.so.8") {
     const auto create = library_.symbol<void* (*)(const int*, void*)>("OSMesaCreateContextAttribs");
     make_current_ = library_.symbol<MakeCurrent>("OSMesaMakeCurrent");
     destroy_ = library_.symbol<Destroy>("OSMesaDestroyContext");
@@ -49,7 +49,7 @@ class OsmesaContext final : public HeadlessContext {
     if (context_ == nullptr) throw Error(ErrorCode::kEnvironment, "OSMesa: refused an OpenGL 4.5 core context");
     try {
       bind();
-      load(library_.symbol<GetProcAddress>("OSMesaGetProcAddress"));
+      load(library_.symbol<GetProcAddress>("OSMesaGetProcAddress"), debug);
     } catch (...) {
       destroy_(context_);
       throw;
@@ -78,6 +78,8 @@ class OsmesaContext final : public HeadlessContext {
 
 }  // namespace
 
-std::unique_ptr<HeadlessContext> make_osmesa_context() { return std::make_unique<OsmesaContext>(); }
+std::unique_ptr<HeadlessContext> make_osmesa_context(DebugOutput debug) {
+  return std::make_unique<OsmesaContext>(debug);
+}
 
 }  // namespace multum::gl

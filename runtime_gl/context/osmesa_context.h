@@ -9,6 +9,6 @@
 namespace multum::gl {
 
 /// Throws Error(kEnvironment): library missing, context refused.
-std::unique_ptr<HeadlessContext> make_osmesa_context();
+std::unique_ptr<HeadlessContext> make_osmesa_context(DebugOutput debug);
 
 }  // namespace multum::gl

@@ -36,48 +36,50 @@ std::string program_log(const GlFunctions& gl, GLuint program) {
   return log;
 }
 
-GLuint compile(const GlFunctions& gl, GLenum stage, const ShaderSources& sources) {
+class Shader {
+ public:
+  Shader(const GlFunctions& gl, GLenum stage) : gl_(gl), id_(gl.CreateShader(stage)) {}
+  ~Shader() { gl_.DeleteShader(id_); }
+  Shader(const Shader&) = delete;
+  Shader& operator=(const Shader&) = delete;
+  GLuint id() const { return id_; }
+
+ private:
+  const GlFunctions& gl_;
+  const GLuint id_;
+};
+
+void compile(const GlFunctions& gl, GLenum stage, const ShaderSources& sources, GLuint shader) {
   const bool is_vertex = stage == GL_VERTEX_SHADER;
   const std::string head = preamble(sources);
   std::vector<const GLchar*> texts = {head.c_str()};
   for (const std::string& text : is_vertex ? sources.vertex : sources.fragment) texts.push_back(text.c_str());
-  const GLuint shader = gl.CreateShader(stage);
   gl.ShaderSource(shader, static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
   gl.CompileShader(shader);
   GLint ok = GL_FALSE;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-  if (ok == GL_TRUE) return shader;
-  const std::string log = shader_log(gl, shader);
-  gl.DeleteShader(shader);
+  if (ok == GL_TRUE) return;
   throw Error(ErrorCode::kEnvironment, variant_name(sources) + ": the driver refuses the " +
                                            (is_vertex ? "vertex" : "fragment") +
-                                           " stage (text 0 is the version and the flags):\n" + log);
+                                           " stage (text 0 is the version and the flags):\n" + shader_log(gl, shader));
 }
 
 }  // namespace
 
-ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources) : gl_(&gl) {
-  const GLuint vertex = compile(gl, GL_VERTEX_SHADER, sources);
-  GLuint fragment = 0;
-  try {
-    fragment = compile(gl, GL_FRAGMENT_SHADER, sources);
-  } catch (...) {
-    gl.DeleteShader(vertex);
-    throw;
-  }
-  id_ = gl.CreateProgram();
-  gl.AttachShader(id_, vertex);
-  gl.AttachShader(id_, fragment);
+ShaderProgram::ShaderProgram(const GlFunctions& gl) : gl_(&gl), id_(gl.CreateProgram()) {}
+
+// The other constructor is done by now: whatever throws here, the destructor deletes the program.
+ShaderProgram::ShaderProgram(const GlFunctions& gl, const ShaderSources& sources) : ShaderProgram(gl) {
+  const Shader vertex(gl, GL_VERTEX_SHADER), fragment(gl, GL_FRAGMENT_SHADER);
+  compile(gl, GL_VERTEX_SHADER, sources, vertex.id());
+  compile(gl, GL_FRAGMENT_SHADER, sources, fragment.id());
+  gl.AttachShader(id_, vertex.id());
+  gl.AttachShader(id_, fragment.id());
   gl.LinkProgram(id_);
-  gl.DeleteShader(vertex);
-  gl.DeleteShader(fragment);
   GLint ok = GL_FALSE;
   gl.GetProgramiv(id_, GL_LINK_STATUS, &ok);
-  if (ok != GL_TRUE) {
-    const std::string log = program_log(gl, id_);
-    gl.DeleteProgram(id_);
-    throw Error(ErrorCode::kEnvironment, variant_name(sources) + " does not link:\n" + log);
-  }
+  if (ok != GL_TRUE)
+    throw Error(ErrorCode::kEnvironment, variant_name(sources) + " does not link:\n" + program_log(gl, id_));
   check_gl(gl, "building " + variant_name(sources));
 }
 

@@ -40,6 +40,7 @@ class ShaderProgram {
   void set_units(const char* uniform, int first_unit, int count) const;
 
  private:
+  explicit ShaderProgram(const GlFunctions& gl);
   GLint location(const char* uniform) const { return gl_->GetUniformLocation(id_, uniform); }
 
   const GlFunctions* gl_;

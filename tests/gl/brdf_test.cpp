@@ -25,7 +25,7 @@ constexpr char kOneMinusCosine[] = "multum_one_minus_cosine(multum_movmf_mean_di
 
 class BrdfTest : public testing::Test {
  protected:
-  void SetUp() override { context_ = make_headless_context(test_backend()); }
+  void SetUp() override { context_ = make_test_context(test_backend()); }
   std::vector<double> evaluate(const ShaderHarnessInput& input) {
     std::vector<double> values;
     for (const glm::vec4& value : evaluate_shader(context_->functions(), input))

@@ -24,7 +24,7 @@ RenderScene one_normal_scene() {
 class DrawnLobeTest : public testing::Test {
  protected:
   void SetUp() override {
-    context_ = make_headless_context(test_backend());
+    context_ = make_test_context(test_backend());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
     renderer_ = std::make_unique<Renderer>(context_->functions(), 80, 60);
   }

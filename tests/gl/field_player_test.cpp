@@ -50,7 +50,7 @@ class FieldPlayerTest : public ::testing::TestWithParam<ContextBackend> {
 
   testing::TemporaryFolder folder_;
   FieldDescription description_;
-  std::unique_ptr<HeadlessContext> context_ = make_headless_context(GetParam());
+  std::unique_ptr<HeadlessContext> context_ = make_test_context(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(Contexts, FieldPlayerTest, ::testing::ValuesIn(test_backends()),
                          [](const auto& test) { return context_backend_name(test.param); });

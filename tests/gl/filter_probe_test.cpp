@@ -25,7 +25,7 @@ struct Sampling {
 class Waves {
  public:
   explicit Waves(float repeats)
-      : context_(make_headless_context(test_backend())),
+      : context_(make_test_context(test_backend())),
         waves_(context_->functions(), wave_mesh(repeats)),
         board_(context_->functions(), board_mesh()) {}
 

@@ -157,7 +157,7 @@ TEST(FormatPage, ItsShaderShadesAsTheIntegralDoes) {
   for (const ContextBackend backend : test_backends())
     for (const bool is_es : {false, true}) {
       SCOPED_TRACE(std::string(context_backend_name(backend)) + (is_es ? ", ES" : ""));
-      const std::unique_ptr<HeadlessContext> context = make_headless_context(backend);
+      const std::unique_ptr<HeadlessContext> context = make_test_context(backend);
       const GlFunctions& gl = context->functions();
       const GLuint program = linked(gl, is_es);
       if (HasFailure()) return;

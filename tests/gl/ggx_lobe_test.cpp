@@ -29,7 +29,7 @@ constexpr double kKappas[] = {0.03, 0.3, 1.0, 2.5, 6.0, 15.0, 40.0, 150.0, 700.0
 class GgxLobeTest : public testing::Test {
  protected:
   void SetUp() override {
-    context_ = make_headless_context(test_backend());
+    context_ = make_test_context(test_backend());
     table_.emplace(make_ggx_lobe_texture(context_->functions()));
   }
 

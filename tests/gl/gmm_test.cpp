@@ -21,7 +21,7 @@ constexpr int kGmmWidth = 96, kGmmHeight = 72;
 class GmmTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
-    context_ = make_headless_context(GetParam());
+    context_ = make_test_context(GetParam());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
     renderer_ = std::make_unique<Renderer>(context_->functions(), kGmmWidth, kGmmHeight);
   }

@@ -18,7 +18,7 @@ namespace {
 class LayerSumTest : public ::testing::TestWithParam<ContextBackend> {
  protected:
   const GlFunctions& gl() const { return context_->functions(); }
-  std::unique_ptr<HeadlessContext> context_ = make_headless_context(GetParam());
+  std::unique_ptr<HeadlessContext> context_ = make_test_context(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(Contexts, LayerSumTest, ::testing::ValuesIn(test_backends()),
                          [](const auto& test) { return context_backend_name(test.param); });

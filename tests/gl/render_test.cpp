@@ -30,7 +30,7 @@ constexpr int kRenderHeight = 60;
 class RenderTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
-    context_ = make_headless_context(GetParam());
+    context_ = make_test_context(GetParam());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
     renderer_ = std::make_unique<Renderer>(context_->functions(), kRenderWidth, kRenderHeight);
   }
@@ -461,7 +461,7 @@ TEST(Render, OsmesaEqualsEgl) {
   std::vector<FloatImage> pictures;
   std::string software;
   for (const ContextBackend backend : {ContextBackend::kOsmesa, ContextBackend::kEgl}) {
-    const auto context = make_headless_context(backend);
+    const auto context = make_test_context(backend);
     const Mesh mesh(context->functions(), make_quad(60.0f));
     Renderer renderer(context->functions(), kRenderWidth, kRenderHeight);
     const MovmfMaterial material(context->functions(), map.mipmap, 1.0f);
@@ -542,7 +542,7 @@ TEST(Camera, WhatWasSeenIsSeenFromFartherAway) {
 }
 
 TEST(Material, RefusesLevelsThatDoNotFit) {
-  const auto context = make_headless_context(test_backend());
+  const auto context = make_test_context(test_backend());
   MovmfMipmap broken = make_flat_map(8).mipmap;
   broken.levels[1].lobes[0].pop_back();
   try {
@@ -556,7 +556,7 @@ TEST(Material, RefusesLevelsThatDoNotFit) {
 }
 
 TEST(Material, RefusesFinestLevelsWithoutTheirNormalMap) {
-  const auto context = make_headless_context(test_backend());
+  const auto context = make_test_context(test_backend());
   TestMap map = make_flat_map(8);
   drop_finer_levels(map.mipmap, 1);
   const NormalImage other = make_flat_map(4).image;

@@ -38,7 +38,7 @@ RenderScene scene_of(float exponent, float uv_scale = 60.0f) {
 class ShRenderTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
-    context_ = make_headless_context(GetParam());
+    context_ = make_test_context(GetParam());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
     renderer_ = std::make_unique<Renderer>(context_->functions(), kShWidth, kShHeight);
   }

@@ -33,7 +33,7 @@ void append(const Case& c, ShaderHarnessInput& input) {
 
 class ShadingTest : public testing::Test {
  protected:
-  void SetUp() override { context_ = make_headless_context(test_backend()); }
+  void SetUp() override { context_ = make_test_context(test_backend()); }
   std::vector<double> evaluate(const std::string& expression, const std::vector<Case>& cases) {
     ShaderHarnessInput input{"vec4(" + expression + ")", {}, {}, nullptr};
     for (const Case& c : cases) append(c, input);

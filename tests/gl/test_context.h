@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ inline std::vector<ContextBackend> test_backends() {
 /// GPUs round them to 8 bits or so.
 inline double filter_tolerance(const HeadlessContext& context, double of_software, double of_gpus) {
   return context.description().find("llvmpipe") != std::string::npos ? of_software : of_gpus;
+}
+
+/// A context whose driver says what it thinks of each call: its words are beside a test's failure.
+inline std::unique_ptr<HeadlessContext> make_test_context(ContextBackend backend) {
+  return make_headless_context(backend, DebugOutput::kOn);
 }
 
 /// For tests that one context is enough for.

@@ -27,7 +27,7 @@ constexpr TextureFilter kDriver{1, 0.0f, false, true};
 class TextureFilterTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
-    context_ = make_headless_context(GetParam());
+    context_ = make_test_context(GetParam());
     mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
     renderer_ = std::make_unique<Renderer>(context_->functions(), 80, 60);
   }

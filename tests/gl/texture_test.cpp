@@ -101,7 +101,7 @@ double trilinear(const Pyramid& pyramid, WrapMode wrap, const glm::vec4& at, int
 
 class TextureTest : public testing::TestWithParam<TexelFormat> {
  protected:
-  void SetUp() override { context_ = make_headless_context(test_backend()); }
+  void SetUp() override { context_ = make_test_context(test_backend()); }
   const GlFunctions& gl() const { return context_->functions(); }
   std::unique_ptr<HeadlessContext> context_;
 };

@@ -268,7 +268,7 @@ class MapStudy {
 }  // namespace
 
 Json run_filter_benchmark(const FilterBenchmarkOptions& options, Progress* progress) {
-  const auto context = gl::make_headless_context(options.context);
+  const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   const ScratchFolder folder(options.folder);
   const gl::Mesh mesh(context->functions(), horizon_plane(kPlaneSide));
   gl::Renderer large(context->functions(), options.width, options.height);

@@ -138,7 +138,7 @@ void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmar
 }  // namespace
 
 Json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progress) {
-  const auto context = gl::make_headless_context(options.context);
+  const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   const ScratchFolder folder(options.folder);
   const std::vector<Baked> files = all_files(folder);
   bake_all(files, make_map_file(folder.path(), options.size, progress), options, progress);

@@ -91,7 +91,7 @@ std::uint64_t texture_bytes(const MovmfMipmap& mipmap) {
 
 Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress) {
   const int threads = options.threads > 0 ? options.threads : core_count();
-  const auto context = gl::make_headless_context(options.context);
+  const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   const ScratchFolder folder(options.folder);
   const MovmfMipmap baked = bake_as_floats(options, folder, progress);
   const Workplace at{*context, folder / "rounded.ndf.exr", threads};

@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/opencl/pocl_settings.h"
 #include "tools/bench/bake_benchmark.h"
 #include "tools/bench/build_info.h"
 #include "tools/bench/documents/accuracy_document.h"
@@ -41,9 +42,6 @@ const Choices<gl::ContextBackend> kContexts = {
     {"osmesa", gl::ContextBackend::kOsmesa}, {"egl", gl::ContextBackend::kEgl}, {"auto", gl::ContextBackend::kAuto}};
 
 const Choices<Instructions> kInstructions = {{"avx2", Instructions::kAvx2}, {"avx512", Instructions::kAvx512}};
-
-// PoCL takes its thread count from the environment when the first platform is looked for.
-void set_device_threads(int threads) { setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1); }
 
 // The line that was typed, without the file that the result went to: that says nothing of how it was measured.
 std::string command_line(int argc, char** argv) {
@@ -102,7 +100,7 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
              "vector instructions of the yardstick, and of kernels on PoCL (default: the widest that there are)");
   command->add_flag("!--no-yardstick", em.yardstick, "time the kernels alone");
   return {command, "", [&em](Progress* progress) {
-            if (em.threads > 0) set_device_threads(em.threads);
+            if (em.threads > 0) set_pocl_threads(em.threads);
             return run_em_benchmark(em, progress);
           }};
 }
@@ -120,7 +118,7 @@ Benchmark add_infer(CLI::App& app, InferenceBenchmarkOptions& infer) {
   command->add_option("--threads", infer.threads)->check(CLI::Range(1, 256))->capture_default_str();
   command->add_option("--device", infer.device, kDeviceHelp);
   return {command, "", [&infer](Progress* progress) {
-            set_device_threads(infer.threads);
+            set_pocl_threads(infer.threads);
             return run_inference_benchmark(infer, progress);
           }};
 }
@@ -327,11 +325,11 @@ int run(int argc, char** argv) {
     return 0;
   }
   if (coverage_command->parsed()) {
-    set_device_threads(coverage.threads);
+    set_pocl_threads(coverage.threads);
     return write_coverage_document(coverage);
   }
   MULTUM_CHECK(accuracy_command->parsed());
-  set_device_threads(accuracy.threads);
+  set_pocl_threads(accuracy.threads);
   return write_accuracy_document(accuracy);
 }
 

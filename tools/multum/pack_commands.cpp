@@ -126,7 +126,7 @@ void add_pack(CLI::App& app, int* exit_code) {
   pack->add_option("--player", o.player.folder, "folder to write a player for browsers to, for any static server");
   pack->add_option("--page", o.player.page, "page to write, *.html: player, field and geometry in one file");
   add_parameter_options(*pack, o.values);
-  pack->add_option("--device", o.device, "OpenCL device: its number in `multum devices`, or part of its name");
+  pack->add_option("--device", o.device, "OpenCL device: its number in `multum devices`, else part of its name");
   add_common_options(*pack, o.common);
   pack->callback([options, exit_code] { *exit_code = run_pack(*options); });
 }

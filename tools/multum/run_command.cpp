@@ -4,12 +4,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
-#include "host/opencl/program_cache.h"
+#include "host/base/processes/machine.h"
+#include "host/opencl/kernel_caches.h"
+#include "host/opencl/pocl_settings.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/openjd_lines.h"
@@ -17,14 +18,23 @@
 namespace multum {
 namespace {
 
-// $MULTUM_CACHE_DIR, else $XDG_CACHE_HOME/multum, else ~/.cache/multum; empty MULTUM_CACHE_DIR turns the cache off.
-std::string program_cache_folder() {
-  if (const char* folder = std::getenv("MULTUM_CACHE_DIR")) return folder;
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0')
-    return std::string(xdg) + "/multum";
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
-    return std::string(home) + "/.cache/multum";
+// $XDG_CACHE_HOME, else ~/.cache; empty: nobody says.
+std::string user_cache_folder() {
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') return xdg;
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return std::string(home) + "/.cache";
   return "";
+}
+
+// $MULTUM_CACHE_DIR, whose empty value turns the cache off, else the folder "multum" of the user's. PoCL looks for its
+// own in the same way.
+KernelCacheFolders kernel_cache_folders() {
+  const char* programs = std::getenv("MULTUM_CACHE_DIR");
+  const char* pocl = std::getenv("POCL_CACHE_DIR");
+  const std::string cache = user_cache_folder();
+  return {programs != nullptr ? programs
+          : cache.empty()     ? ""
+                              : cache + "/multum",
+          pocl != nullptr ? pocl : (cache.empty() ? "/tmp" : cache) + "/pocl/kcache"};
 }
 
 // Of the command that a worker runs; one at a time.
@@ -100,7 +110,7 @@ int run_command(int argc, char** argv) {
   app.failure_message(usage_error);
   int exit_code = 0;
   add_commands(app, &exit_code);
-  set_program_cache_folder(program_cache_folder());
+  set_kernel_caches(kernel_cache_folders());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -135,10 +145,8 @@ std::unique_ptr<Progress> make_progress(const CommonOptions& options) {
 int apply(const CommonOptions& options) {
   set_log_level(options.quiet ? LogLevel::kQuiet : options.verbose ? LogLevel::kVerbose : LogLevel::kNormal);
   if (options.openjd) begin_openjd_lines();
-  const unsigned cores = std::thread::hardware_concurrency();
-  const int threads = options.threads > 0 ? options.threads : static_cast<int>(cores > 0 ? cores : 1);
-  // PoCL takes its thread count from the environment when the first platform is looked for.
-  setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1);
+  const int threads = options.threads > 0 ? options.threads : processor_count();
+  set_pocl_threads(threads);
   return threads;
 }
 

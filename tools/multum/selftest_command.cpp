@@ -76,7 +76,7 @@ void add_selftest_command(CLI::App& app, int* exit_code) {
   CLI::App* selftest = app.add_subcommand(
       "selftest", "run the numerical hard cases on your device, to check that its driver keeps the guards");
   selftest->add_option("--device", options->device,
-                       "OpenCL device: its number in `multum devices`, or part of its name");
+                       "OpenCL device: its number in `multum devices`, else part of its name");
   selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
   selftest->add_flag("--without-guards", options->selftest.without_guards,
                      "run each case without its guard, too, to show what the guard is for");

@@ -14,6 +14,7 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/machine.h"
+#include "host/opencl/kernel_caches.h"
 #include "host/sandbox/confinement.h"
 #include "host/service/files/input_list.h"
 #include "host/service/ledger/ledger_rescue.h"
@@ -52,7 +53,8 @@ ServiceSettings settings_of(const ServeOptions& o) {
 
 int run_serve(const ServeOptions& o) {
   const ServiceSettings settings = settings_of(o);
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  prepare_kernel_caches();  // workers may write nowhere else, and each would say the same
+  const int cores = processor_count();
   const int threads = settings.threads_a_worker > 0 ? settings.threads_a_worker : std::max(1, cores / settings.workers);
   std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
                                      "--data=" + settings.data};

@@ -9,13 +9,13 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/system_failure.h"
 
 namespace multum {
 namespace {
@@ -51,7 +51,7 @@ class HeaderCursor {
     // The standard wants a seek between reading and writing, either way.
     if (fseeko(file_, 0, SEEK_CUR) != 0 || std::fwrite(value.data(), 1, value.size(), file_) != value.size() ||
         fseeko(file_, 0, SEEK_CUR) != 0)
-      fail(shown_path_, std::strerror(errno));
+      fail(shown_path_, errno_text(errno));
   }
 
  private:
@@ -112,14 +112,14 @@ int fill_in_attribute(const AtomicFile& output, const std::string& name, const s
   const std::string& shown_path = output.path();
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(output.open_path().c_str(), "r+b"),
                                                              &std::fclose);
-  if (file == nullptr) fail(shown_path, std::strerror(errno));
+  if (file == nullptr) fail(shown_path, errno_text(errno));
   HeaderCursor cursor(file.get(), shown_path);
   cursor.skip(4);
   const bool multi_part = (cursor.number() & kMultiPartFlag) != 0;
   int found = 0;
   while (fill_in_header(cursor, shown_path, name, text, found) && multi_part) {
   }
-  if (std::fflush(file.get()) != 0) fail(shown_path, std::strerror(errno));
+  if (std::fflush(file.get()) != 0) fail(shown_path, errno_text(errno));
   return found;
 }
 

@@ -121,8 +121,8 @@ void write_filter_matrix(const FilterMatrix& matrix, const std::string& path) {
   AtomicFile file(path);
   OutputFile out(file);
   const std::string head = std::string(kFirstLine) + "\n" + full_header(matrix).dump() + "\n";
-  out.write(head.data(), head.size());
-  for_each_list(matrix, [&](const auto& list) { out.write(list.data(), list.size() * 4); });
+  write_or_throw(out, head.data(), head.size());
+  for_each_list(matrix, [&](const auto& list) { write_or_throw(out, list.data(), list.size() * 4); });
   out.close();
   file.commit();
 }

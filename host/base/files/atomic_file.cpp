@@ -124,7 +124,7 @@ void AtomicFile::commit() {
 void write_text_file(const std::string& path, std::string_view text) {
   AtomicFile file(path);
   OutputFile out(file);
-  out.write(text.data(), text.size());
+  write_or_throw(out, text.data(), text.size());
   out.close();
   file.commit();
 }

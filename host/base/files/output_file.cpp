@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/system_failure.h"
 
 namespace multum {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 
 [[noreturn]] void fail(const std::string& shown_path, int failure) {
-  throw Error(ErrorCode::kEnvironment, shown_path + ": writing failed: " + std::strerror(failure));
+  throw Error(ErrorCode::kEnvironment, shown_path + ": writing failed: " + errno_text(failure));
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ bool OutputFile::seek(std::uint64_t position) {
   return true;
 }
 
-std::string OutputFile::failure() const { return failure_ == 0 ? "" : std::strerror(failure_); }
+std::string OutputFile::failure() const { return failure_ == 0 ? "" : errno_text(failure_); }
 
 void OutputFile::close() {
   keep(std::fclose(std::exchange(file_, nullptr)) == 0);

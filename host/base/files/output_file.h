@@ -37,4 +37,10 @@ class OutputFile {
   int failure_ = 0;  // the first errno
 };
 
+/// Writes where nothing stands between the writer and whoever may hear of a failure: ends the work at once when the
+/// system refuses. Throws Error(kEnvironment).
+inline void write_or_throw(OutputFile& file, const void* bytes, std::size_t count) {
+  if (!file.write(bytes, count)) file.close();  // throws what has failed
+}
+
 }  // namespace multum

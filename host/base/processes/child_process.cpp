@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 
 #include "host/base/error.h"
 #include "host/base/processes/sanitizers.h"
@@ -63,8 +62,7 @@ ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* li
   MULTUM_CHECK(!arguments.empty());
   int pipe_ends[2];
   // No other child that another thread starts meanwhile may hold it open.
-  if (pipe2(pipe_ends, O_CLOEXEC) != 0)
-    throw Error(ErrorCode::kEnvironment, std::string("pipe: ") + std::strerror(errno));
+  if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail_by_errno(arguments[0], "no pipe for what it says");
   const Stopwatch stopwatch;
   pid_t pid = 0;
   try {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Threads take bands from a counter: a slow band delays nobody else, and which thread does which band cannot be seen.
 #include "host/base/processes/parallel.h"
+#include "host/base/processes/machine.h"
 
 #include <algorithm>
 #include <atomic>
@@ -14,7 +15,7 @@ namespace multum {
 void for_each_row_band(int row_count, int rows_per_band, int threads,
                        const std::function<void(int band, int row_begin, int row_end)>& body) {
   const int band_count = row_band_count(row_count, rows_per_band);
-  if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (threads <= 0) threads = processor_count();
   threads = std::min(threads, band_count);
   std::atomic<int> next_band{0};
   std::mutex failure_mutex;

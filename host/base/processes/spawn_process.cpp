@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstring>
 
 #include "host/base/error.h"
+#include "host/base/system_failure.h"
 
 namespace multum {
 namespace {
@@ -39,16 +39,21 @@ class SpawnAttributes {
  public:
   explicit SpawnAttributes(const SpawnSettings& settings) {
     posix_spawnattr_init(&attributes_);
-    int flags = settings.has_own_group ? POSIX_SPAWN_SETPGROUP : 0;
+    int flags = (settings.has_own_group ? POSIX_SPAWN_SETPGROUP : 0) | POSIX_SPAWN_SETSIGDEF;
+    // This process ignores the signal of files that grow too large, and a program inherits that: another's may not
+    // look at what its writes return.
+    sigset_t as_at_start;
+    sigemptyset(&as_at_start);
+    sigaddset(&as_at_start, SIGXFSZ);
     if (settings.blocked_signals) {
-      flags |= POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF;
-      sigset_t blocked, all;
+      flags |= POSIX_SPAWN_SETSIGMASK;
+      sigset_t blocked;
       sigemptyset(&blocked);
       for (const int signal : *settings.blocked_signals) sigaddset(&blocked, signal);
-      sigfillset(&all);
       posix_spawnattr_setsigmask(&attributes_, &blocked);
-      posix_spawnattr_setsigdefault(&attributes_, &all);
+      sigfillset(&as_at_start);
     }
+    posix_spawnattr_setsigdefault(&attributes_, &as_at_start);
     posix_spawnattr_setflags(&attributes_, static_cast<short>(flags));
   }
   ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
@@ -72,7 +77,7 @@ pid_t spawn_process(const std::vector<std::string>& arguments, const SpawnSettin
   pid_t pid = -1;
   const auto start = settings.is_in_path ? &posix_spawnp : &posix_spawn;
   const int error = start(&pid, argv[0], actions.get(), attributes.get(), argv.data(), environ);
-  if (error != 0) throw Error(ErrorCode::kEnvironment, arguments[0] + ": cannot be started: " + std::strerror(error));
+  if (error != 0) throw Error(ErrorCode::kEnvironment, arguments[0] + ": cannot be started: " + errno_text(error));
   return pid;
 }
 

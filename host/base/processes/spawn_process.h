@@ -19,7 +19,7 @@ struct SpawnSettings {
   bool has_own_group = false;    // signals of a terminal do not reach it, and a signal to -pid all that it has started
   bool is_in_path = false;       // the program is looked up in PATH
   /// Signals that it has blocked; all others are open to it, and each acts as at a program's start. nullopt: all are as
-  /// they are here.
+  /// they are here, but SIGXFSZ, which this process ignores (run_guarded()), acts as at a program's start.
   std::optional<std::vector<int>> blocked_signals = {};
 };
 

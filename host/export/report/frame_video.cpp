@@ -26,10 +26,11 @@ std::string encode_webm(const VideoFrames& video, const std::string& folder) {
   std::ofstream file(raw, std::ios::binary);
   for (const std::vector<std::uint8_t>& frame : video.frames) {
     MULTUM_CHECK(frame.size() == size_of(video.width) * size_of(video.height));
-    file.write(reinterpret_cast<const char*>(frame.data()), static_cast<std::streamsize>(frame.size()));
+    if (!file.write(reinterpret_cast<const char*>(frame.data()), static_cast<std::streamsize>(frame.size())))
+      fail_by_errno(work->shown_path() + "/frames.gray", "cannot be written");
   }
   file.close();
-  if (!file) throw Error(ErrorCode::kEnvironment, work->shown_path() + "/frames.gray: cannot be written");
+  if (!file) fail_by_errno(work->shown_path() + "/frames.gray", "cannot be written");
   ChildLimits limits;
   limits.time_max = kTimeMax;
   const std::string scale = fmt::format("scale=iw*{0}:ih*{0}:flags=neighbor", video.enlarged);

@@ -41,7 +41,7 @@ NumericalVerdict verdict_of(const GlslCase& c, const GlFunctions& gl) {
 }
 
 TEST(GlslCases, HoldWithTheirGuardsAndBreakWithout) {
-  const auto context = make_headless_context(test_backend());
+  const auto context = make_test_context(test_backend());
   NumericalRun run{"GL", context->description(), "Mesa", "OSMesa", std::string("multum ") + MULTUM_VERSION, {}};
   for (const GlslCase& c : glsl_cases()) {
     run.verdicts.push_back(verdict_of(c, context->functions()));
@@ -147,7 +147,7 @@ SourceEdit broken(const Formula& f) {
 }
 
 TEST(GlslCases, ABrokenFormulaBreaksThoseThatNameIt) {
-  const auto context = make_headless_context(test_backend());
+  const auto context = make_test_context(test_backend());
   for (const Formula& f : all_formulas())
     for (const GlslCase& c : glsl_cases()) {
       if (!is_of(c, f)) continue;

@@ -92,7 +92,7 @@ gl::MeshData ball(int steps) {
 class PyramidViewTest : public ::testing::Test {
  protected:
   const gl::GlFunctions& gl() const { return context_->functions(); }
-  std::unique_ptr<gl::HeadlessContext> context_ = gl::make_headless_context(gl::test_backend());
+  std::unique_ptr<gl::HeadlessContext> context_ = gl::make_test_context(gl::test_backend());
 };
 
 // The plane's derivatives in closed form: where the ray through a pixel's middle meets it, and through its neighbours'.

@@ -33,6 +33,15 @@ TEST(ChildProcessTest, ASignalIsNotAnExitCode) {
   EXPECT_EQ(result.signal, SIGSEGV);
 }
 
+// This program ignores it, and looks at what its writes return; others may not.
+TEST(ChildProcessTest, AChildHasTheSignalOfFileSizesAsAtAProgramsStart) {
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  const std::string line = run_child({"grep", "SigIgn", "/proc/self/status"}).output;
+  std::signal(SIGXFSZ, before);
+  const std::uint64_t ignored = std::stoull(line.substr(line.find(':') + 1), nullptr, 16);
+  EXPECT_EQ(ignored >> (SIGXFSZ - 1) & 1, 0u) << line;
+}
+
 TEST(ChildProcessTest, UsageIsTheChildsOwn) {
   // dd holds one block of 200 MiB, and fills it.
   const ChildResult busy = run_child({"dd", "if=/dev/zero", "of=/dev/null", "bs=200M", "count=1"});

@@ -13,8 +13,11 @@
 #include <cstring>
 #include <ctime>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "host/sandbox/damaged_file.h"
+#include "host/sandbox/decoding_answer.h"
 #include "host/sandbox/helper_service.h"
 
 namespace multum {
@@ -28,11 +31,25 @@ std::string fail_as_told(std::string_view told) {
   }
   if (is("segfault")) std::raise(SIGSEGV);
   if (is("exit")) std::_Exit(7);
+  if (is("unloaded")) std::_Exit(127);  // as ld.so
+  if (is("kill")) std::raise(SIGKILL);  // as the system does when memory runs out
+  if (is("hungry")) return answer_or_refusal([]() -> std::string { throw NotEnoughMemory("a.png"); });
+  if (is("words"))
+    return answer_or_refusal(
+        []() -> std::string { throw Error(ErrorCode::kInput, "a.tif: damaged: Insufficient memory (case 4)"); });
   if (is("hang"))
     for (;;) ::pause();
   if (is("spin"))
     for (std::atomic<unsigned> i = 0;; ++i) {
     }
+  if (is("nap")) {
+    ::usleep(100000);
+    return "done";
+  }
+  if (is("thread")) {
+    std::thread([] { fail_as_told("work"); }).join();
+    return "done";
+  }
   if (is("work")) {  // a tenth of a second of a processor
     for (timespec used = {}; used.tv_sec == 0 && used.tv_nsec < 100000000;)
       ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);

@@ -4,6 +4,7 @@
 #include "host/base/processes/sanitizers.h"
 
 #include <sched.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,8 +13,10 @@
 #include <csignal>
 #include <filesystem>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "host/sandbox/decoding_answer.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum::testing {
@@ -26,6 +29,44 @@ int open_files() {
   int count = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) ++count;
   return count;
+}
+
+/// Limits of this process, which children inherit, as they were when this goes.
+class KeptLimit {
+ public:
+  explicit KeptLimit(__rlimit_resource which) : which_(which) { ::getrlimit(which, &before_); }
+  ~KeptLimit() { ::setrlimit(which_, &before_); }
+  KeptLimit(const KeptLimit&) = delete;
+  KeptLimit& operator=(const KeptLimit&) = delete;
+  void set(rlim_t soft) const {
+    const rlimit limit = {soft, before_.rlim_max};
+    ASSERT_EQ(::setrlimit(which_, &limit), 0);
+  }
+
+ private:
+  const __rlimit_resource which_;
+  rlimit before_ = {};
+};
+
+bool lacked_memory(const std::string& request, const HelperLimits& limits = kLimits) {
+  HelperProcess helper(kFailingHelper);
+  try {
+    helper.ask(request, limits, {});
+  } catch (const HelperEnded& ended) {
+    return ended.lacked_memory();
+  }
+  ADD_FAILURE() << request << " was answered";
+  return false;
+}
+
+/// Code of the error that an answer of a decoder becomes.
+ErrorCode code_of_answer(HelperProcess& helper, const std::string& request) {
+  const std::string answer = helper.ask(request, kLimits, {});
+  try {
+    refuse_as_answered({"a.png", "OpenImageIO", kLimits.memory_max}, answer);
+  } catch (const Error& error) {
+    return error.code();
+  }
 }
 
 /// What a child's end is called, after one request.
@@ -55,6 +96,53 @@ TEST(HelperProcessTest, EndsAreToldApart) {
 #endif
 }
 
+TEST(HelperProcessTest, TheSystemsKillAndAProgramThatIsNotLoadedAreWantOfMemory) {
+  EXPECT_TRUE(lacked_memory("kill"));
+  EXPECT_TRUE(lacked_memory("unloaded"));
+  HelperLimits limits = kLimits;
+  limits.time_max = std::chrono::milliseconds(100);
+  EXPECT_FALSE(lacked_memory("exit"));
+  EXPECT_FALSE(lacked_memory("hang", limits)) << "killed by its asker";
+  EXPECT_FALSE(lacked_memory("chatter"));
+#ifndef MULTUM_SHADOW_MEMORY
+  EXPECT_FALSE(lacked_memory("segfault"));
+  const KeptLimit space(RLIMIT_AS);
+  limits.memory_max = std::uint64_t{1} << 40;
+  space.set(limits.memory_max);
+  EXPECT_TRUE(lacked_memory("segfault", limits)) << "libraries do not all look at what malloc() returns";
+#endif
+}
+
+#ifndef MULTUM_SHADOW_MEMORY
+TEST(HelperProcessTest, WantOfMemoryIsTheFilesOnlyWhereAllThatIsAllowedIsThere) {
+  for (const char* request : {"hungry", "words"}) {
+    SCOPED_TRACE(request);
+    HelperProcess helper(kFailingHelper);
+    EXPECT_EQ(code_of_answer(helper, request), ErrorCode::kInput);
+    const rlimit space = {std::uint64_t{128} << 20, RLIM_INFINITY};
+    ASSERT_EQ(::prlimit(helper.pid(), RLIMIT_AS, &space, nullptr), 0);
+    EXPECT_EQ(code_of_answer(helper, request), ErrorCode::kEnvironment) << "ulimit -v";
+    HelperProcess other(kFailingHelper);
+    const rlimit data = {kLimits.memory_max / 2, kLimits.memory_max / 2};
+    ASSERT_EQ(::prlimit(other.pid(), RLIMIT_DATA, &data, nullptr), 0);
+    EXPECT_EQ(code_of_answer(other, request), ErrorCode::kEnvironment) << "ulimit -d";
+  }
+}
+#endif
+
+// This process had no processor, or was stopped, for longer than the child may take.
+TEST(HelperProcessTest, AGapBetweenTwoLooksIsNotTheChilds) {
+  HelperProcess helper(kFailingHelper);
+  HelperLimits limits = kLimits;
+  limits.time_max = std::chrono::milliseconds(500);
+  bool has_slept = false;
+  const auto sleep_once = [&] {
+    if (!std::exchange(has_slept, true)) std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  };
+  EXPECT_EQ(helper.ask("nap", limits, sleep_once), "done");
+  EXPECT_TRUE(has_slept);
+}
+
 TEST(HelperProcessTest, TimeIsLimited) {
   HelperLimits limits = kLimits;
   limits.time_max = std::chrono::milliseconds(150);
@@ -64,11 +152,13 @@ TEST(HelperProcessTest, TimeIsLimited) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
-// A child of the lowest class, and twice as many threads as there are processors.
+// Children of the lowest class, of which one works by a second thread, and twice as many threads as there are
+// processors.
 TEST(HelperProcessTest, TimeThatOthersHaveTheProcessorsDoesNotCount) {
-  HelperProcess helper(kFailingHelper);
+  HelperProcess helper(kFailingHelper), threaded(kFailingHelper);
   const sched_param lowest = {};
-  ASSERT_EQ(::sched_setscheduler(helper.pid(), SCHED_IDLE, &lowest), 0);
+  for (const HelperProcess* one : {&helper, &threaded})
+    ASSERT_EQ(::sched_setscheduler(one->pid(), SCHED_IDLE, &lowest), 0);
   HelperLimits limits = kLimits;
   limits.time_max = std::chrono::milliseconds(600);
   const auto start = std::chrono::steady_clock::now();
@@ -78,7 +168,17 @@ TEST(HelperProcessTest, TimeThatOthersHaveTheProcessorsDoesNotCount) {
       while (std::chrono::steady_clock::now() - start < std::chrono::seconds(2)) {
       }
     });
+  std::string answer = "none";
+  std::jthread waiting([&] {
+    try {
+      answer = threaded.ask("thread", limits, {});
+    } catch (const HelperEnded& ended) {
+      answer = ended.what();
+    }
+  });
   EXPECT_EQ(helper.ask("work", limits, {}), "done");
+  waiting.join();
+  EXPECT_EQ(answer, "done");
   EXPECT_GT(std::chrono::steady_clock::now() - start, limits.time_max) << "nobody was in its way";
 }
 

@@ -148,11 +148,12 @@ TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   EXPECT_GT(refused, 10);
 }
 
-TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsARefusal) {
+// The system kills where memory runs out: the same file is worth another try, elsewhere.
+TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});
   bool is_killed = false;
-  expect_error(ErrorCode::kInput, {"long.tif: ", "decodes", "signal 9", "Killed", "expected"}, [&] {
+  expect_error(ErrorCode::kEnvironment, {"long.tif: ", "decodes", "signal 9", "Killed", "memory", "expected"}, [&] {
     reader.read(
         [&](const RawBand&) {
           if (!is_killed) ::kill(decoder_pid(), SIGKILL);

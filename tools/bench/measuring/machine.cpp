@@ -6,7 +6,8 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <thread>
+
+#include "host/base/processes/machine.h"
 
 namespace multum::bench {
 namespace {
@@ -28,7 +29,7 @@ std::string value_of(const char* path, const std::string& key, char separator) {
 std::string processor_name() { return value_of("/proc/cpuinfo", "model name", ':'); }
 std::string system_name() { return value_of("/etc/os-release", "PRETTY_NAME", '='); }
 
-int core_count() { return static_cast<int>(std::thread::hardware_concurrency()); }
+int core_count() { return processor_count(); }
 
 std::uint64_t memory_bytes() {
   return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));

@@ -272,7 +272,7 @@ int play_field(const PlayOptions& options) {
   const std::vector<std::vector<double>> points = path_points(options, field.parameters);
   check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string(), points.size());
   keep_freed_memory();  // of each image that is decoded
-  const auto context = gl::make_headless_context(options.context);
+  const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   log_info(context->description());
   PathPlayer player(context->functions(), options, settings);
   for (std::size_t frame = 0; frame < points.size(); ++frame)
