@@ -66,6 +66,12 @@ ChannelFile roughness_file(const BakeJob& job);
 /// the surface.
 int first_measured_level(const BakeJob& job);
 
+/// BakeJob::memory_bytes where a command's own --memory is for maps and buffers alone: with the program and the OpenCL
+/// driver, some 300 MiB, and rows that wait to be written.
+constexpr std::uint64_t resident_memory_of(std::uint64_t maps_and_buffers) {
+  return maps_and_buffers + (std::uint64_t{512} << 20);
+}
+
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);
 
