@@ -19,6 +19,8 @@
 
 namespace multum {
 
+class StartMemory;
+
 struct BakeJob {
   std::string input;                // a normal map or height field
   std::string albedo;               // empty: no colours
@@ -52,6 +54,9 @@ struct BakeJob {
   std::string onto;
   std::optional<MapRegion> region;
   int threads = 2;  // of the host's own loops
+  // Of bakes of one map by one device, one after the other: a start that was searched is not searched again, and the
+  // report says what that would have taken (FitReport::start_remembered). Null: each bake searches its own.
+  std::shared_ptr<StartMemory> starts;
   // Of the files that are read. Copies of a job share it: each file is hashed once.
   std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
 };
