@@ -16,6 +16,7 @@
 #include "host/base/log.h"
 #include "host/base/processes/machine.h"
 #include "host/base/version.h"
+#include "host/opencl/device_counts.h"
 
 namespace multum {
 namespace {
@@ -27,42 +28,14 @@ void check_output_name(const std::string& path) {
                 path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
 }
 
-// What has been counted since `before`, by kernel.
-template <typename Count>
-std::map<std::string, Count> counted_since(const std::map<std::string, Count>& before,
-                                           const std::map<std::string, Count>& now) {
-  std::map<std::string, Count> counts;
-  for (const auto& [kernel, count] : now) {
-    const auto earlier = before.find(kernel);
-    const Count more = count - (earlier == before.end() ? 0 : earlier->second);
-    if (more > 0) counts[kernel] = more;
-  }
-  return counts;
+// What the device did for a bake.
+void report_counts(const DeviceCounts& counts, Device& device, BakeReport& report) {
+  report.launches = counts.launches();
+  report.builds = counts.builds();
+  report.launch_seconds = counts.launch_seconds();
+  report.transfers = counts.transfers();
+  report.device_bytes_peak = device.buffer_bytes_peak();
 }
-
-// What a device has done before a bake.
-class DeviceCounts {
- public:
-  explicit DeviceCounts(Device& device)
-      : launches_(device.launch_counts()),
-        builds_(device.build_counts()),
-        seconds_(device.launch_seconds()),
-        transfers_(device.transfers()) {}
-
-  void report_since(Device& device, BakeReport& report) const {
-    report.launches = counted_since(launches_, device.launch_counts());
-    report.builds = counted_since(builds_, device.build_counts());
-    report.launch_seconds = counted_since(seconds_, device.launch_seconds());
-    report.transfers = device.transfers() - transfers_;
-    report.device_bytes_peak = device.buffer_bytes_peak();
-  }
-
- private:
-  const std::map<std::string, std::uint64_t> launches_;
-  const std::map<std::string, int> builds_;
-  const std::map<std::string, double> seconds_;
-  const TransferCounts transfers_;
-};
 
 // What the process takes whatever the map: the program, the OpenCL driver with its compiler, and the rows that wait to
 // be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
@@ -208,7 +181,8 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   const BakeSource& source = read ? *read : *given;
   const BakeJob job = with_region(asked, source);
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
-  const DeviceCounts before(device);
+  const DeviceCounts counts(device);
+  device.restart_buffer_peak();
   BakedHeader header = baked_header_of(job, source);
   header.provenance =
       make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job));
@@ -217,7 +191,7 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   report.device = device.info().name;
   const MovmfSettings fitting = fitting_settings(job, header.wrap_s, header.wrap_t);
   ndf_bake(job.representation).bake({job, device, source, header, fitting, memory_bytes, clock}, report, progress);
-  before.report_since(device, report);
+  report_counts(counts, device, report);
   warn_of_diffuse_error(job, report);
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);

@@ -19,6 +19,8 @@
 
 namespace multum {
 
+class StartMemory;
+
 struct BakeJob {
   std::string input;                // a normal map or height field
   std::string albedo;               // empty: no colours
@@ -52,6 +54,9 @@ struct BakeJob {
   std::string onto;
   std::optional<MapRegion> region;
   int threads = 2;  // of the host's own loops
+  // Of bakes of one map by one device, one after the other: a start that was searched is not searched again, and the
+  // report says what that would have taken (FitReport::start_remembered). Null: each bake searches its own.
+  std::shared_ptr<StartMemory> starts;
   // Of the files that are read. Copies of a job share it: each file is hashed once.
   std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
 };
@@ -65,6 +70,12 @@ ChannelFile roughness_file(const BakeJob& job);
 /// The finest level whose error is measured: finer ones are never seen, or are the normal map's own and no points of
 /// the surface.
 int first_measured_level(const BakeJob& job);
+
+/// BakeJob::memory_bytes where a command's own --memory is for maps and buffers alone: with the program and the OpenCL
+/// driver, some 300 MiB, and rows that wait to be written.
+constexpr std::uint64_t resident_memory_of(std::uint64_t maps_and_buffers) {
+  return maps_and_buffers + (std::uint64_t{512} << 20);
+}
 
 /// The files that a bake reads, the map first.
 std::vector<std::string> input_files(const BakeJob& job);

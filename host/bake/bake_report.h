@@ -51,7 +51,7 @@ struct BakeReport {
   std::map<std::string, std::uint64_t> launches;  // by kernel
   std::map<std::string, double> launch_seconds;   // on the device, by kernel, where launches were timed (--runstats)
   TransferCounts transfers;                       // copies between host and device
-  std::uint64_t device_bytes_peak = 0;            // of buffers on the device, of all that it has done
+  std::uint64_t device_bytes_peak = 0;            // of buffers on the device
   std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
   std::vector<AccuracyRow> accuracy;
   std::vector<FootprintError> error;    // of pixels: one for each BRDF of `accuracy`

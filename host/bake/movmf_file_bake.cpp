@@ -65,6 +65,7 @@ std::uint64_t waiting_bytes(const BakeRun& run) {
 MovmfBakeInputs fit_inputs(const BakeRun& run) {
   MovmfBakeInputs inputs{{&run.source.map.normals, run.source.features(), run.memory_bytes, run.job.threads}};
   inputs.spill.scratch_folder = scratch_folder(run.job);
+  inputs.starts = run.job.starts.get();
   return inputs;
 }
 

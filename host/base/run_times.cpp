@@ -9,15 +9,12 @@
 #include "host/base/stopwatch.h"
 
 namespace multum {
-namespace {
 
 double processor_seconds() {
   timespec used{};
   MULTUM_CHECK(::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used) == 0);
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
-
-}  // namespace
 
 std::vector<RunTime> time_in_turns(const std::vector<std::function<void()>>& runs, int rounds, Progress* progress) {
   MULTUM_CHECK(rounds >= 1);

@@ -16,6 +16,9 @@ struct RunTime {
   double elapsed_seconds = 0.0;
 };
 
+/// Of this process so far, in all its threads.
+double processor_seconds();
+
 constexpr int kTimedRounds = 3;
 
 /// Runs all of `runs` once a round, `rounds` (at least 1) times. What is done at a first run alone, such as compiling

@@ -16,6 +16,7 @@
 #include "host/export/export_key.h"
 #include "host/export/export_source.h"
 #include "host/export/fit_journal.h"
+#include "host/opencl/device_counts.h"
 
 namespace multum {
 namespace {
@@ -177,6 +178,7 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   report.seconds.emplace_back("read", stopwatch.lap());
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
+  const DeviceCounts counts(device);
   report.device = device.info().name;
   const std::unique_ptr<FitJournal> journal = open_journal(job, *source.hashes);
   try {
@@ -185,7 +187,7 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
     if (journal != nullptr) journal->leave();
     throw;
   }
-  report.launches = device.launch_counts();
+  report.launches = counts.launches();
   if (!job.report.empty()) write_text_file(job.report, report.to_json(job));
   progress_finish(progress);
   return report;

@@ -8,6 +8,8 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/shown_text.h"
+#include "host/farm/openjd_limits.h"
 
 namespace multum {
 namespace {
@@ -43,11 +45,12 @@ std::vector<std::string> parameter_names(const FarmCommand& command) {
   return names;
 }
 
-// In strings of a template {{ begins a reference, and nothing escapes it.
+// In strings of a template {{ begins a reference and }} ends it, and nothing escapes them.
 void check_word(const std::string& word) {
-  if (word.find("{{") != std::string::npos)
-    throw Error(ErrorCode::kUsage,
-                word + ": holds {{, which Open Job Description takes for a reference, expected another name");
+  for (const char* braces : {"{{", "}}"})
+    if (word.find(braces) != std::string::npos)
+      throw Error(ErrorCode::kUsage, word + ": holds " + braces +
+                                         ", which Open Job Description takes for a reference, expected another name");
 }
 
 std::vector<std::string> template_words(const FarmCommand& command, const std::vector<std::string>& more) {
@@ -111,6 +114,12 @@ FarmJson steps_of(const FarmCommand& command) {
       {step(command, "Coarse", {"--shard", fmt::format("0/{}", command.shards)}), bands, merge_step(command, "Bands")});
 }
 
+// Files that no word names, of sets and scenes, are in the references alone.
+void check_texts(const FarmJson& value) {
+  if (value.is_string()) return check_openjd_text(value.get<std::string>(), value.get<std::string>());
+  for (const FarmJson& own : value) check_texts(own);
+}
+
 void append_yaml(const FarmJson& value, int indent, bool is_in_list, std::string& out) {
   const std::string margin(static_cast<std::size_t>(indent), ' ');
   bool is_first = true;
@@ -123,7 +132,7 @@ void append_yaml(const FarmJson& value, int indent, bool is_in_list, std::string
       out += '\n';
       append_yaml(own, own_indent, false, out);
     } else {
-      out += ' ' + own.dump() + '\n';
+      out += ' ' + escaped_json(own.dump()) + '\n';
     }
   };
   if (value.is_object()) {
@@ -199,8 +208,11 @@ std::string yaml_text(const FarmJson& value) {
 }
 
 void write_openjd_bundle(const FarmCommand& command, const std::string& folder) {
-  const std::string texts[] = {yaml_text(openjd_template(command)), yaml_text(openjd_parameter_values(command)),
-                               yaml_text(openjd_asset_references(command))};
+  const FarmJson job = openjd_template(command), values = openjd_parameter_values(command);
+  check_openjd_limits(job, values);
+  const FarmJson assets = openjd_asset_references(command);
+  check_texts(assets);
+  const std::string texts[] = {yaml_text(job), yaml_text(values), yaml_text(assets)};
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) throw Error(ErrorCode::kEnvironment, folder + ": cannot create the folder: " + failed.message());

@@ -49,7 +49,8 @@ int openjd_task_count(const FarmCommand& command);
 /// YAML 1.2 of objects, lists, texts, numbers and booleans, in blocks; texts are in double quotes.
 std::string yaml_text(const FarmJson& value);
 
-/// Writes the three files; the folder is made. Throws Error(kEnvironment).
+/// Writes the three files; the folder is made. Throws Error(kUsage) where the specification's limits do not allow the
+/// job (host/farm/openjd_limits.h), before anything is written; Error(kEnvironment).
 void write_openjd_bundle(const FarmCommand& command, const std::string& folder);
 
 }  // namespace multum

@@ -19,6 +19,7 @@
 #include "host/gltf/source_fit.h"
 #include "host/gltf/source_lobes.h"
 #include "host/mesh/gltf_document.h"
+#include "host/opencl/device_counts.h"
 
 namespace multum {
 namespace {
@@ -49,7 +50,7 @@ void check_gltf_job(const GltfJob& job) {
 class GltfConversion {
  public:
   GltfConversion(const GltfJob& job, Device& device, Progress* progress)
-      : job_(job), device_(device), progress_(progress) {}
+      : job_(job), device_(device), counts_(device), progress_(progress) {}
 
   GltfReport run() {
     check_gltf_job(job_);
@@ -83,7 +84,7 @@ class GltfConversion {
     report_.bytes_after = write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);
     lap("write");
     report_.device = device_.info().name;
-    report_.launches = device_.launch_counts();
+    report_.launches = counts_.launches();
     if (!job_.report.empty()) write_text_file(job_.report, report_.to_json(job_));
     progress_finish(progress_);
     return std::move(report_);
@@ -186,6 +187,7 @@ class GltfConversion {
 
   const GltfJob& job_;
   Device& device_;
+  const DeviceCounts counts_;
   Progress* const progress_;
   Stopwatch stopwatch_;
   std::unique_ptr<WorkFolder> folder_;

@@ -12,8 +12,6 @@ namespace multum {
 namespace {
 
 constexpr int kLobeZstdLevel = 12;  // as UASTC's
-// A bake counts its program and the OpenCL driver too, some 300 MiB, where this command's memory is for maps alone.
-constexpr std::uint64_t kProgramBytes = std::uint64_t{512} << 20;
 
 }  // namespace
 
@@ -29,7 +27,7 @@ EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const
     bake.fitting.first_level = 1;  // level 0 is the normal texture's
     bake.surface = settings.surface;
     bake.measure = false;
-    bake.memory_bytes = settings.memory_bytes + kProgramBytes;
+    bake.memory_bytes = resident_memory_of(settings.memory_bytes);
     bake.scratch_folder = settings.folder;
     bake.threads = settings.threads;
     bake_file(bake, nullptr, device, &cancelling);

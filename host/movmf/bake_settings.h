@@ -59,6 +59,8 @@ struct MovmfSettings {
   float kappa_cap_slope = 10.0f;      // 0..1000
   float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1
   float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
+
+  bool operator==(const MovmfSettings&) const = default;
 };
 
 /// Sets what the defaults are measured against: every normal at every level, 30 iterations and 10 in further passes,

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "host/base/run_times.h"
+
 namespace multum {
 
 struct LevelReport {
@@ -19,6 +21,7 @@ struct FitReport {
   double start_seconds = 0.0;  // choosing where the coarsest level starts
   std::uint64_t start_launches = 0;
   int starts_tried = 0;          // candidates whose pyramid was tried on a small proxy map of the map
+  RunTime start_remembered;      // what another bake's search took whose start was taken (StartMemory)
   double binning_seconds = 0.0;  // binning the normals of coarse texels
   std::uint64_t binning_launches = 0;
   std::vector<LevelReport> levels;  // finest first

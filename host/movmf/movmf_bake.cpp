@@ -10,11 +10,13 @@
 #include "host/accuracy/accuracy.h"
 #include "host/accuracy/movmf_model.h"
 #include "host/base/error.h"
+#include "host/base/run_times.h"
 #include "host/base/stopwatch.h"
 #include "host/movmf/mip_schedule.h"
 #include "host/movmf/movmf_average.h"
 #include "host/movmf/movmf_fit.h"
 #include "host/movmf/movmf_start.h"
+#include "host/movmf/start_memory.h"
 
 namespace multum {
 namespace {
@@ -105,9 +107,88 @@ class StartTrial {
   const BakePlan plan_;
 };
 
-std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
-                                        const MipSchedule& schedule, FitReport& report) {
+// Times of a search, elapsed and of processors.
+class SearchClock {
+ public:
+  RunTime time() const { return {processor_seconds() - processor_, stopwatch_.seconds()}; }
+
+ private:
+  const Stopwatch stopwatch_;
+  const double processor_ = processor_seconds();
+};
+
+RunTime operator+(const RunTime& a, const RunTime& b) {
+  return {a.processor_seconds + b.processor_seconds, a.elapsed_seconds + b.elapsed_seconds};
+}
+
+// Those of the map; a memory has them for all settings of as many lobes.
+StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& search, StartMemory* memory) {
+  if (memory != nullptr)
+    if (const StartCandidates* known = memory->candidates(search.lobe_count, search.kappa_max)) return *known;
+  const SearchClock clock;
+  StartCandidates found{start_candidates(normals, search), {}};
+  found.time = clock.time();
+  return memory == nullptr ? found : memory->remember(search.lobe_count, search.kappa_max, std::move(found));
+}
+
+// The candidate with the best pyramid on a proxy map. `is_timed`: on kernels that are loaded.
+ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSettings& whole,
+                           const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
+                           bool is_timed) {
+  device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
+  const StartTrial start_trial(device, proxy, whole, schedule);  // the map's own kernels: no second set of programs
+  if (is_timed) start_trial.error_from(candidates.front());
+  const SearchClock clock;
+  ChosenStart chosen;
+  double least = HUGE_VAL;
+  for (const std::vector<MultumVmfLobe>& candidate : candidates) {
+    const double error = start_trial.error_from(candidate);
+    ++chosen.tried;
+    if (error >= least) continue;
+    least = error;
+    chosen.start = candidate;
+  }
+  chosen.time = clock.time();
+  return chosen;
+}
+
+// Settings of the bakes of the proxy map.
+MovmfSettings trial_settings(const MovmfSettings& settings, const NormalMap& proxy) {
+  MovmfSettings whole = settings;
+  whole.refine = false;   // the pyramid of EM is what a start decides
+  whole.first_level = 0;  // of the proxy map, which has fewer levels than the map
+  // Where the finest levels are not asked for, their kernels are not either.
+  while (settings.first_level > 0 && std::max(mip_level_size(proxy.width, whole.first_level),
+                                              mip_level_size(proxy.height, whole.first_level)) > kComparedSideMax)
+    ++whole.first_level;
+  return whole;
+}
+
+ChosenStart search_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
+                         const MipSchedule& schedule, StartMemory* memory, FitReport& report) {
   constexpr int kProxySide = 64;
+  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
+  const NormalMap proxy = sample_proxy_map(normals, kProxySide, search.seed);
+  const MovmfSettings whole = trial_settings(settings, proxy);
+  if (memory != nullptr)
+    if (const ChosenStart* known = memory->chosen(whole)) {
+      report.start_remembered = known->time;
+      return *known;
+    }
+  StartCandidates candidates = find_candidates(normals, search, memory);
+  for (std::vector<MultumVmfLobe>& lobes : candidates.starts)
+    lobes = start_lobes(std::move(lobes), settings.representation, normals.is_shortened());
+  ChosenStart chosen{candidates.starts.front(), 0, {}};
+  // Levels that do not grow from the coarsest cannot tell starts apart.
+  if (settings.search_start && settings.aligned_start && candidates.starts.size() > 1)
+    chosen = try_candidates(device, proxy, whole, schedule, candidates.starts, memory != nullptr);
+  chosen.time = chosen.time + candidates.time;
+  if (memory != nullptr) memory->remember(whole, chosen);
+  return chosen;
+}
+
+std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
+                                        const MipSchedule& schedule, StartMemory* memory, FitReport& report) {
   const Stopwatch stopwatch;
   const std::uint64_t launches_before = device.launch_total();
   report.starts_tried = 0;
@@ -116,35 +197,11 @@ std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normal
     return start_lobes(farthest_first_lobes(normals, whole_map, settings.lobe_count), settings.representation,
                        normals.is_shortened());
   }
-  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
-  std::vector<std::vector<MultumVmfLobe>> candidates = start_candidates(normals, search);
-  for (std::vector<MultumVmfLobe>& lobes : candidates)
-    lobes = start_lobes(std::move(lobes), settings.representation, normals.is_shortened());
-  std::size_t best = 0;
-  // Levels that do not grow from the coarsest cannot tell starts apart.
-  if (settings.search_start && settings.aligned_start && candidates.size() > 1) {
-    MovmfSettings whole = settings;
-    whole.refine = false;   // the pyramid of EM is what a start decides
-    whole.first_level = 0;  // of the proxy map, which has fewer levels than the map
-    const NormalMap proxy = sample_proxy_map(normals, kProxySide, search.seed);
-    // Where the finest levels are not asked for, their kernels are not either.
-    while (settings.first_level > 0 && std::max(mip_level_size(proxy.width, whole.first_level),
-                                                mip_level_size(proxy.height, whole.first_level)) > kComparedSideMax)
-      ++whole.first_level;
-    device.prepare({MovmfModel::program(settings.representation, settings.lobe_count, whole.first_level)});
-    const StartTrial start_trial(device, proxy, whole, schedule);  // the map's own kernels: no second set of programs
-    double least = HUGE_VAL;
-    for (std::size_t c = 0; c < candidates.size(); ++c) {
-      const double error = start_trial.error_from(candidates[c]);
-      ++report.starts_tried;
-      if (error >= least) continue;
-      least = error;
-      best = c;
-    }
-  }
+  const ChosenStart chosen = search_start(device, normals, settings, schedule, memory, report);
+  report.starts_tried = chosen.tried;
   report.start_launches = device.launch_total() - launches_before;
   report.start_seconds = stopwatch.seconds();
-  return candidates[best];
+  return chosen.start;
 }
 
 }  // namespace
@@ -185,7 +242,7 @@ void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettin
   if (inputs.region == nullptr && inputs.gathered == nullptr &&
       !is_band) {  // others grow from the lobes that are there
     progress_stage(progress, "choose a start");
-    top_start = choose_start(device, normals, settings, schedule, report);
+    top_start = choose_start(device, normals, settings, schedule, inputs.starts, report);
   }
   fit_movmf(device, inputs, top_start, settings, schedule, plan, sink, report, progress);
 }

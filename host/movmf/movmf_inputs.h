@@ -41,6 +41,7 @@ class RegionInputs {
 };
 
 class GatheredShards;
+class StartMemory;
 
 /// One process's share of a map (host/movmf/map_shard.h).
 struct ShardInputs {
@@ -57,6 +58,7 @@ struct MovmfBakeInputs : MapInputs {
   const RegionInputs* region = nullptr;        // null: the whole map
   const ShardInputs* shard = nullptr;          // null: all of it
   GatheredShards* gathered = nullptr;          // null: levels are fitted
+  StartMemory* starts = nullptr;               // of bakes of this map; null: each searches its start
 };
 
 /// Units of progress that a bake of lobes advances by.

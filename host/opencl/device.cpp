@@ -260,6 +260,9 @@ void Device::finish() { check_cl(clFinish(state().queue), "clFinish"); }
 void Device::flush() { check_cl(clFlush(state().queue), "clFlush"); }
 
 std::uint64_t Device::buffer_bytes_peak() const { return state().buffer_bytes->peak; }
+void Device::restart_buffer_peak() {
+  if (is_open()) state_->buffer_bytes->peak = state_->buffer_bytes->now;
+}
 
 void Device::time_launches(bool on) {
   if (!on && state_ == nullptr) return;

@@ -130,6 +130,7 @@ class Device {
   /// Opens the device when something is first asked of it: a driver takes 80 MiB and tens of milliseconds, and whoever
   /// refuses an input needs none. What open() throws is thrown then.
   static Device when_needed(const DeviceChoice& choice);
+  bool is_open() const { return state_ != nullptr; }
 
   const DeviceInfo& info() const;
   /// Division of work for it (host/opencl/launch_shape.h), and another one, for tests.
@@ -172,7 +173,8 @@ class Device {
   /// Hands queued launches to the device.
   void flush();
 
-  /// Launches so far, by kernel name; programs built or loaded from the cache so far.
+  /// Launches since it was opened, by kernel name; programs built or loaded from the cache since then. Of one job:
+  /// host/opencl/device_counts.h.
   const std::map<std::string, std::uint64_t>& launch_counts() const;
   std::uint64_t launch_total() const;
   int program_count() const;
@@ -181,8 +183,10 @@ class Device {
   /// Of these, by kernels/FILE.cl.
   std::map<std::string, int> build_counts() const;
   const TransferCounts& transfers() const;
-  /// Bytes of buffers that are alive, at most so far. Not those that use the host's memory.
+  /// Bytes of buffers that were alive, at most since it was opened or restart_buffer_peak() was called. Not those that
+  /// use the host's memory.
   std::uint64_t buffer_bytes_peak() const;
+  void restart_buffer_peak();
 
   /// Times every launch from now on, until `time_launches(false)`.
   void time_launches(bool on);

@@ -15,6 +15,7 @@
 #include "host/base/size_of.h"
 #include "host/base/stopwatch.h"
 #include "host/base/version.h"
+#include "host/opencl/device_counts.h"
 
 namespace multum {
 namespace {
@@ -219,6 +220,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   report.width = header.map.width = map.width;
   report.height = header.map.height = map.height;
   report.level_count = header.level_count();
+  const DeviceCounts counts(device);
   report.device = device.info().name;
   progress_start(progress, static_cast<std::uint64_t>(map.width) * static_cast<std::uint64_t>(map.height));
   progress_stage(progress, "average");
@@ -238,7 +240,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   writer.commit(progress);
   report.write_seconds = seconds.lap();
   report.content_hash = writer.content_hash();
-  report.launches = device.launch_counts();
+  report.launches = counts.launches();
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
   return report;

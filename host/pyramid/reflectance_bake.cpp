@@ -17,6 +17,7 @@
 #include "host/base/stopwatch.h"
 #include "host/base/version.h"
 #include "host/image/files/environment_file.h"
+#include "host/opencl/device_counts.h"
 #include "kernels/shared/reflectance.h"
 
 namespace multum {
@@ -222,6 +223,7 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
   if (lights.empty()) throw Error(ErrorCode::kInput, job.environment + ": is black, expected light");
   report.width = report.height = job.size;
   report.level_count = header.level_count();
+  const DeviceCounts counts(device);
   report.device = device.info().name;
   report.read_seconds = reading.seconds();
   progress_start(progress, static_cast<std::uint64_t>(job.size) * static_cast<std::uint64_t>(job.size));
@@ -236,7 +238,7 @@ MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* 
   progress_stage(progress, "write");
   writer.commit(progress);
   report.content_hash = writer.content_hash();
-  report.launches = device.launch_counts();
+  report.launches = counts.launches();
   if (!job.report.empty()) write_text_file(job.report, report.to_json());
   progress_finish(progress);
   return report;

@@ -14,6 +14,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/stopwatch.h"
+#include "host/opencl/device_counts.h"
 #include "host/target/chosen_bake.h"
 
 namespace multum {
@@ -168,6 +169,7 @@ SceneMapRows earlier_rows(const std::string& path) {
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress) {
   const Stopwatch stopwatch;
+  const DeviceCounts counts(device);  // of this share: a process may make several
   SceneReport report;
   report.plan = plan;
   for (const MapPlan& map : report.plan.maps) {
@@ -178,8 +180,8 @@ SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan
     if (made.bake.unchanged && row != earlier.end()) made.earlier = before;
     if (done) done(map, made);
   }
-  report.launches = device.launch_counts();
-  report.builds = device.build_counts();
+  report.launches = counts.launches();
+  report.builds = counts.builds();
   report.seconds = stopwatch.seconds();
   return report;
 }

@@ -45,12 +45,14 @@ class Attempts {
         read_seconds_(read_seconds),
         device_(device),
         progress_(progress),
-        scratch_(job.output.substr(0, job.output.size() - kExtension.size()) + ".chosen.exr") {}
+        scratch_(job.output.substr(0, job.output.size() - kExtension.size()) + ".chosen.exr"),
+        kept_(job.output.substr(0, job.output.size() - kExtension.size()) + ".kept.exr") {}
   Attempts(const Attempts&) = delete;
   Attempts& operator=(const Attempts&) = delete;
   ~Attempts() {
     std::error_code ignored;
     std::filesystem::remove(scratch_, ignored);
+    std::filesystem::remove(kept_, ignored);
   }
 
   /// A file that will be kept though it misses the target must not be recognised as one that meets it.
@@ -89,8 +91,16 @@ class Attempts {
     attempt.confirmed = reached_error(file.meter->footprint_errors(), trials_.brdf());
     return attempt.confirmed->meets(target);
   }
-  /// The last one's file is the output.
-  void keep() { std::filesystem::rename(scratch_, job_.output); }
+  /// The last one's file becomes the output, unless another one is kept later.
+  void keep() {
+    std::filesystem::rename(scratch_, kept_);
+    has_kept_ = true;
+  }
+  /// Gives the file that was kept its name: not before, so that a cancelled search leaves an older output as it was.
+  void commit() {
+    if (has_kept_) std::filesystem::rename(kept_, job_.output);
+    has_kept_ = false;
+  }
   const std::vector<Attempt>& made() const { return made_; }
   bool has(std::size_t candidate) const {
     return std::any_of(made_.begin(), made_.end(),
@@ -105,7 +115,8 @@ class Attempts {
   const double read_seconds_;
   Device& device_;
   Progress* progress_;
-  const std::string scratch_;
+  const std::string scratch_, kept_;
+  bool has_kept_ = false;
   std::vector<Attempt> made_;
 };
 
@@ -340,6 +351,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
       attempts.bake(SettingTrial(attempts.made()[best].trial), false), best = attempts.made().size() - 1;
   }
   if ((target.error && chosen.met) || (!chosen.met && target.best_effort)) attempts.keep();
+  attempts.commit();
   const Attempt& attempt = attempts.made()[best];
   chosen.report = attempt.report;
   chosen.reached = attempt.judged();

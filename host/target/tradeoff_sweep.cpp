@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -24,6 +25,7 @@
 #include "host/base/stopwatch.h"
 #include "host/brdf/brdf_text.h"
 #include "host/brdf/facet_distribution.h"
+#include "host/movmf/start_memory.h"
 #include "host/target/plane_picture.h"
 
 namespace multum {
@@ -152,6 +154,7 @@ class Sweep {
     progress_stage(progress_, "bake " + options);
     BakeJob bake = job_.bake;
     apply(swept.values, bake);
+    bake.starts = starts_;
     bake.output = scratch("swept.ndf.exr");
     bake.report.clear();
     bake.force = true;
@@ -193,23 +196,26 @@ class Sweep {
     return bake_file(bake, &source, device_, &quiet);
   }
 
-  // Bakes again, in turns, measuring nothing: the first time kernels were compiled, and files came to the cache.
+  // Bakes again, in turns, measuring nothing: the first time kernels were compiled, and files came to the cache. The
+  // search for a start is remembered from the first time, and counts with what it took then.
   void time_bakes(const std::vector<SweptBake>& sweep, const BakeSource& source) {
     progress_stage(progress_, "time bakes");
+    std::vector<RunTime> remembered(sweep.size());
     std::vector<std::function<void()>> runs;
-    for (const SweptBake& one : sweep)
-      runs.push_back([this, &one, &source] {
+    for (std::size_t i = 0; i < sweep.size(); ++i)
+      runs.push_back([this, &one = sweep[i], &search = remembered[i], &source] {
         BakeJob bake = job_.bake;
         apply(one.values, bake);
+        bake.starts = starts_;
         bake.output = scratch("timed.ndf.exr");
-        bake_unmeasured(bake, source);
+        search = bake_unmeasured(bake, source).fit.start_remembered;
       });
     const std::vector<RunTime> times = time_in_turns(runs, kTimedRounds, progress_);
     for (std::size_t i = 0; i < sweep.size(); ++i)
       for (TradeoffRow& row : result_.rows) {
         if (row.options != options_text(sweep[i].values)) continue;
-        row.bake_seconds = times[i].elapsed_seconds;
-        row.bake_processor_seconds = times[i].processor_seconds;
+        row.bake_seconds = times[i].elapsed_seconds + remembered[i].elapsed_seconds;
+        row.bake_processor_seconds = times[i].processor_seconds + remembered[i].processor_seconds;
       }
   }
 
@@ -221,9 +227,7 @@ class Sweep {
     bake_times_.push_back(bake_unmeasured(bake, source).bake_seconds());
     if (job_.viewer.empty()) return;
     const View view{"", "", "", true};
-    const double first = own_picture(run_view(bake.output, view, {})).at("frame_time_ms").get<double>();
-    const double second = own_picture(run_view(bake.output, view, {})).at("frame_time_ms").get<double>();
-    frame_times_.push_back(std::min(first, second));
+    frame_times_.push_back(own_picture(run_view(bake.output, view, {})).at("frame_time_ms").get<double>());
   }
 
   // The map is the page's.
@@ -249,21 +253,27 @@ class Sweep {
 
   std::string scratch(const std::string& name) const { return scratch_->path() + "/" + name; }
 
-  // The reference is drawn with it, the pixel's own, as the measured error has it. Then again without: the quicker of
-  // two frames is less of what else the machine did.
+  // With the reference, the pixel's own, as the measured error has it: it is drawn once a BRDF.
   void draw(const std::string& baked, const View& view, TradeoffRow& row) {
     progress_stage(progress_, "draw " + row.options);
     const nlohmann::json with_reference =
         run_view(baked, view,
                  {"--pictures", scratch("picture"), "--compare", "reference", "--reference-of", "pixel", "--samples",
-                  fmt::format("{}", job_.samples)});
+                  fmt::format("{}", job_.samples), "--keep-reference", kept_reference(view)});
     result_.renderer = with_reference.at("context").get<std::string>();
     row.rendered = own_picture(with_reference).at("relative_l1").get<double>();
-    const nlohmann::json again = run_view(baked, view, {});
-    row.frame_ms = std::min(own_picture(with_reference).at("frame_time_ms").get<double>(),
-                            own_picture(again).at("frame_time_ms").get<double>());
+    row.frame_ms = own_picture(with_reference).at("frame_time_ms").get<double>();
     row.picture = bytes_of_file(scratch("picture_multum.png"));
     if (result_.reference.empty()) result_.reference = bytes_of_file(scratch("picture_reference.png"));
+  }
+
+  const std::string& brdf_of(const View& view) const { return view.brdf.empty() ? job_.brdf.text : view.brdf; }
+
+  // Sums of vMFs have references of their own.
+  std::string kept_reference(const View& view) {
+    const std::string terms = view.arguments.starts_with("--brdf-terms") ? view.arguments : "";
+    const std::size_t number = references_.emplace(brdf_of(view) + terms, references_.size()).first->second;
+    return scratch(fmt::format("reference_{}", number));
   }
 
   // What it reports.
@@ -275,10 +285,9 @@ class Sweep {
                                         "--context", job_.context,
                                         "--decode",  job_.decode,
                                         "--size",    fmt::format("{}x{}", job_.width, job_.height)};
-    const std::string& brdf = view.brdf.empty() ? job_.brdf.text : view.brdf;
     if (job_.has_roughness())
       command.insert(command.end(), {job_.bake.roughness_is_gloss ? "--gloss" : "--roughness", job_.bake.roughness});
-    else command.insert(command.end(), {"--brdf", brdf});
+    else command.insert(command.end(), {"--brdf", brdf_of(view)});
     command.insert(command.end(), more.begin(), more.end());
     std::stringstream words(view.arguments);
     for (std::string word; words >> word;) command.push_back(word);
@@ -315,8 +324,10 @@ class Sweep {
   Device& device_;
   Progress* const progress_;
   const std::unique_ptr<WorkFolder> scratch_;
+  const std::shared_ptr<StartMemory> starts_ = std::make_shared<StartMemory>();
   TradeoffResult result_;
-  std::vector<double> bake_times_, frame_times_;  // of the default settings
+  std::vector<double> bake_times_, frame_times_;   // of the default settings
+  std::map<std::string, std::size_t> references_;  // by BRDF: the number of the file
 };
 
 // A cost of rows; 0: of what costs nothing to tell apart.

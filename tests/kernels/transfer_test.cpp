@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/opencl/device.h"
+#include "host/opencl/device_counts.h"
 #include "host/opencl/launch_shape.h"
 #include "tests/kernels/em_harness.h"
 
@@ -152,6 +153,39 @@ TEST(LaunchTimes, AreOfTheLaunchesThatWereTimed) {
   const double last = device.launch_seconds().at("probe_layout");
   launch();
   EXPECT_EQ(device.launch_seconds().at("probe_layout"), last);
+}
+
+// A process uses a device for many jobs, and each counts its own.
+TEST(DeviceCounts, BeginWithTheJob) {
+  Device device = Device::when_needed({});
+  const DeviceCounts all(device);
+  EXPECT_TRUE(all.launches().empty());
+  EXPECT_FALSE(device.is_open()) << "counting opens no device";
+  const auto launch = [&](const char* kernel, int count) {
+    for (int i = 0; i < count; ++i) {
+      const DeviceBuffer out = device.make_buffer(1 << 16, "layout");
+      device.kernel("probe_numerics", kernel, {4, 1, false}).launch({1, 1}, out, 4);
+    }
+    device.finish();
+  };
+  using Launches = std::map<std::string, std::uint64_t>;
+  launch("probe_layout", 3);
+  const DeviceCounts second(device);
+  EXPECT_TRUE(second.launches().empty());
+  launch("probe_layout", 2);
+  EXPECT_EQ(second.launches(), (Launches{{"probe_layout", 2}}));
+  EXPECT_TRUE(second.builds().empty()) << "the first job's";
+  EXPECT_EQ(all.launches(), (Launches{{"probe_layout", 5}}));
+  EXPECT_EQ(all.builds(), (std::map<std::string, int>{{"probe_numerics", 1}}));
+}
+
+TEST(DeviceBuffers, PeakBeginsAnew) {
+  Device device = Device::open("");
+  device.make_buffer(1 << 20, "large");
+  const DeviceBuffer kept = device.make_buffer(1 << 10, "kept");
+  EXPECT_EQ(device.buffer_bytes_peak(), std::uint64_t{1} << 20);
+  device.restart_buffer_peak();
+  EXPECT_EQ(device.buffer_bytes_peak(), std::uint64_t{1} << 10);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "host/movmf/movmf_bake.h"
+#include "host/movmf/start_memory.h"
 #include "host/opencl/launch_shape.h"
 #include "host/testmap/four_quarter_map.h"
 #include "tests/reference/test_device.h"
@@ -216,6 +217,34 @@ TEST(BakeOrderTest, ScanlineConservesTooAndDiffers) {
     for (const auto& lobe : b.levels[2].lobes) sum += lobe[i].w;
     EXPECT_NEAR(sum, 1.0f, 1e-5f);
   }
+}
+
+// A start that another bake of the map has searched is the one that this bake would find.
+TEST(StartMemory, TakesTheSameStart) {
+  const NormalMap map = random_map(24, 16, 11);
+  StartMemory memory;
+  MovmfBakeInputs inputs;
+  const PlaneStore planes = planes_of(map);
+  inputs.normals = &planes;
+  inputs.starts = &memory;
+  MovmfSettings two;
+  two.lobe_count = 2;
+  MovmfSettings refined = two;
+  refined.refine = true;  // which its trials are not
+  MovmfSettings one_pass = two;
+  one_pass.pass_count = 1;
+  const auto check = [&](const MovmfSettings& settings, bool is_known) {
+    FitReport report;
+    const MovmfMipmap mipmap = bake_movmf(test_device(), inputs, settings, report, nullptr);
+    EXPECT_TRUE(same_pixels(mipmap, bake(map, settings)));
+    EXPECT_EQ(report.start_launches == 0, is_known);
+    EXPECT_EQ(report.start_remembered.processor_seconds > 0.0, is_known);
+  };
+  check(two, false);
+  check(two, true);
+  check(refined, true);
+  check(one_pass, false);  // its trials are other bakes
+  check(one_pass, true);
 }
 
 }  // namespace

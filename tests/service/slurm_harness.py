@@ -82,9 +82,9 @@ def descendants(pid):
 
 
 class Slurm:
-    """`nodes`: of one machine, bake1 and so on, of `cpus` processors each."""
+    """`nodes`: of one machine, bake1 and so on, of `cpus` processors each. `more`: lines of slurm.conf."""
 
-    def __init__(self, folder, nodes=2, cpus=1):
+    def __init__(self, folder, nodes=2, cpus=1, more=""):
         self.folder = folder
         self.nodes = [f"bake{i + 1}" for i in range(nodes)]
         self.processes = {}
@@ -97,7 +97,7 @@ class Slurm:
         with open(os.open(self.key, os.O_WRONLY | os.O_CREAT, 0o600), "wb") as file:
             file.write(os.urandom(1024))
         ports = free_ports(nodes + 1)
-        config = CONFIG.format(folder=folder, port=ports[0])
+        config = CONFIG.format(folder=folder, port=ports[0]) + more
         for name, port in zip(self.nodes, ports[1:]):
             config += (f"NodeName={name} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} CPUs={cpus} Boards=1 "
                        f"SocketsPerBoard=1 CoresPerSocket={cpus} ThreadsPerCore=1 RealMemory=8000 State=UNKNOWN\n")

@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
-#include "host/bake/bake_file.h"
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/files/work_folder.h"
 #include "host/base/processes/machine.h"
-#include "host/base/quiet_log.h"
 #include "host/base/shown_text.h"
 #include "host/base/work_shard.h"
 #include "host/export/baked_lobes.h"
@@ -28,6 +24,7 @@
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/compared_bake.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
@@ -64,32 +61,6 @@ void check_no_reading_is_given(const std::string& input, const ParameterValues& 
       throw Error(ErrorCode::kUsage,
                   input + ": is a baked file, whose normals are decoded; expected no " + row.option());
 }
-
-// A bake of the map beside the page, to compare with; it goes when this does.
-class ComparedBake {
- public:
-  ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress) {
-    const std::filesystem::path folder = std::filesystem::path(page).parent_path();
-    work_ = WorkFolder::make(folder.string());
-    path_ = work_->path() + "/lobes.ndf.exr";
-    BakeJob bake;
-    bake.input = job.input;
-    bake.reading = job.reading;
-    bake.surface = job.surface;
-    if (job.surface == MapSurface::kInterpolated) bake.fitting.first_level = 1;
-    bake.output = path_;
-    bake.threads = bake.writing.threads = job.threads;
-    bake.measure = false;
-    bake.force = true;
-    const QuietLog quiet;  // the export says what there is to say of the map
-    bake_file(bake, nullptr, device, progress);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::unique_ptr<WorkFolder> work_;
-  std::string path_;
-};
 
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
   const auto progress = make_progress(common);

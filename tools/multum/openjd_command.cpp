@@ -17,6 +17,7 @@
 #include "host/base/work_shard.h"
 #include "host/export/batch/export_manifest.h"
 #include "host/farm/openjd_bundle.h"
+#include "host/farm/openjd_limits.h"
 #include "host/manifest/bake_manifest.h"
 #include "host/scene/scene_file.h"
 #include "host/texture_inference/job/animation_job_reading.h"
@@ -97,6 +98,22 @@ void check_input_is_there(const std::vector<std::string>& words) {
   if (words.size() < 2 || words[1].starts_with('-') || words[1].find(kUdim) != std::string::npos || exists(words[1]))
     return;
   throw Error(ErrorCode::kInput, words[1] + ": is not there, expected what " + words[0] + " is to read");
+}
+
+// A parameter is the program.
+void check_path_count(const FarmCommand& command, const std::string& kind) {
+  constexpr std::size_t kPathsMax = kOpenJdParametersMax - 1;
+  if (command.paths.size() <= kPathsMax) return;
+  std::string message = fmt::format(
+      "{}: {} paths are given, expected at most {}: each is a parameter of the job, of which Open Job "
+      "Description 2023-09 allows {}",
+      kind, command.paths.size(), kPathsMax, kOpenJdParametersMax);
+  if (kind == "bake" || kind == "export")
+    message += fmt::format(
+        ". List the maps in a manifest, which has no limit: multum openjd -o FOLDER {} --manifest "
+        "maps.toml (docs/CI.md)",
+        kind);
+  throw Error(ErrorCode::kUsage, message);
 }
 
 // What merging shares of one map has no part in (docs/FARMS.md, "Shares of one map").
@@ -192,6 +209,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
     if (command.words[i - 1] == "--threads") command.threads = std::stoi(command.words[i]);  // it was checked
     if (auto path = path_of_word(command.words, i)) command.paths.push_back(std::move(*path));
   }
+  check_path_count(command, kind);
   if (kResumable.contains(kind) &&
       std::find(command.words.begin(), command.words.end(), "--resume") == command.words.end())
     command.words.emplace_back("--resume");
@@ -223,6 +241,7 @@ int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std
     throw Error(ErrorCode::kUsage, o.words.front() +
                                        " cannot be sent to a farm, expected bake, export, infer, pack, "
                                        "mip, reflectance or tradeoff");
+  for (const std::string& word : o.words) check_openjd_text(word, word);
   check_words(o.words);
   const FarmCommand command = farm_command(o);
   check_paths_differ(command.inputs, {o.output});

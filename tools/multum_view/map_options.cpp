@@ -59,6 +59,9 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       ->check(CLI::IsMember({"pixel", "texels"}))
       ->excludes(texels)
       ->default_str("pixel");
+  app.add_option("--keep-reference", options.kept_reference,
+                 "file that the reference is kept in: where it is there, the reference is read from it and not drawn, "
+                 "for other bakes of the same map with the same view, BRDF and lights");
 }
 
 }  // namespace
@@ -161,6 +164,11 @@ void check_map_options(const MapOptions& options) {
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} goes with --source: both describe the map that the file was baked from", option));
   if (!options.brdf_roughness.empty()) check_brdf_roughness(options);
+  if (!options.comparison.kept_reference.empty() &&
+      (!options.animation.folder.empty() || !picture.camera.distances.empty() || options.comparison.is_of_texels()))
+    throw Error(ErrorCode::kUsage,
+                "--keep-reference: found several views or --reference-of texels, expected one view, whose reference is "
+                "of the pixel");
   const AnimationOptions& to = options.animation;
   if (picture.light.environment.empty() &&
       (picture.light.environment_turn || to.environment_turn || !to.environment.empty()))

@@ -23,6 +23,7 @@ struct SourceOptions {
 struct ComparisonOptions {
   std::vector<std::string> pictures;  // of reference, mip, toksvig, lean, lean-jacobian
   gl::ReferenceSampling sampling;
+  std::string kept_reference;  // a file; empty: the reference is drawn anew
   gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kFootprint: --reference-of texels
 
   bool is_of_texels() const { return reference == gl::NormalMaterial::Sampling::kFootprint; }

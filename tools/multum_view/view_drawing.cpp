@@ -10,6 +10,7 @@
 #include "host/base/log.h"
 #include "host/base/progress.h"
 #include "runtime_gl/render/environment_background.h"
+#include "tools/multum_view/kept_reference.h"
 
 namespace multum {
 namespace {
@@ -69,7 +70,11 @@ PictureDrawer::PictureDrawer(const MapOptions& options, const std::vector<Brdf>&
       renderer_(gl, options.picture.output.width(), options.picture.output.height()),
       baked_(make_material(gl, map, options.picture.shading, source)) {
   using gl::NormalMaterial;
+  if (has_kept_reference(options.comparison.kept_reference))
+    kept_reference_ = read_kept_reference(options.comparison.kept_reference, options.picture.output.width(),
+                                          options.picture.output.height());
   for (const std::string& name : options.comparison.pictures) {
+    if (name == "reference" && kept_reference_) continue;
     if (name == "reference") finest_.emplace(gl, source, options.comparison.reference, 1.0f);
     else if (!mipmapped_)
       mipmapped_.emplace(gl, source, NormalMaterial::Sampling::kMipmapped, options.picture.shading.anisotropy);
@@ -84,7 +89,9 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   };
   pictures.push_back({"multum", drawn(*baked_)});
   for (const std::string& name : options_.comparison.pictures) {
-    if (name == "reference") {
+    if (name == "reference" && kept_reference_) {
+      pictures.insert(pictures.begin(), {name, *kept_reference_});
+    } else if (name == "reference") {
       const std::unique_ptr<Progress> progress = make_terminal_progress(true);
       progress->start(static_cast<std::uint64_t>(gl::kReferenceUnits) * std::max<std::size_t>(basis_.size(), 1));
       progress->stage("draw the reference");
@@ -92,6 +99,8 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
         return renderer_.draw_reference(mesh_, *finest_, one, options_.comparison.sampling, progress.get());
       };
       pictures.insert(pictures.begin(), {name, draw_blended(basis_, scene, *finest_, draw)});
+      if (const std::string& file = options_.comparison.kept_reference; !file.empty())
+        write_kept_reference(file, pictures.front().picture);
     } else {
       mipmapped_->set_baseline(baseline_of(name));
       pictures.push_back({name, drawn(*mipmapped_)});

@@ -42,6 +42,7 @@ class PictureDrawer {
   gl::Renderer renderer_;
   std::unique_ptr<gl::Material> baked_;
   std::optional<gl::NormalMaterial> mipmapped_, finest_;
+  std::optional<gl::Picture> kept_reference_;
 };
 
 /// `renderer`: how GL describes itself.

@@ -21,6 +21,7 @@
 #include "host/image/normals/reading_settings.h"
 #include "host/mesh/mesh.h"
 #include "runtime_gl/render/camera.h"
+#include "tools/multum_view/kept_reference.h"
 
 namespace multum {
 namespace {
@@ -168,7 +169,11 @@ gl::MeshData make_mesh(const PictureOptions& options, ViewScenes& scenes) {
 }
 
 bool needs_source(const MapOptions& options, const BakedHeader& baked) {
-  return !options.comparison.pictures.empty() || (baked.first_level > 0 && !options.stored_only);
+  const ComparisonOptions& comparison = options.comparison;
+  const bool has_reference = has_kept_reference(comparison.kept_reference);
+  const bool is_compared = std::any_of(comparison.pictures.begin(), comparison.pictures.end(),
+                                       [&](const std::string& one) { return one != "reference" || !has_reference; });
+  return is_compared || (baked.first_level > 0 && !options.stored_only);
 }
 
 gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes, const BakedMap& map) {
@@ -237,7 +242,7 @@ void read_environments(const MapOptions& options, ViewScenes& scenes) {
 }
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
-  if (!needs_source(options, baked) && !options.source.normals.empty())
+  if (!needs_source(options, baked) && !options.source.normals.empty() && options.comparison.pictures.empty())
     log_warning(options.source.normals + ": is not read without --compare: the baked map's picture does not need it");
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
     log_warning(

@@ -125,7 +125,7 @@ void check_outputs(const MapOptions& options, const ViewScenes& scenes) {
     for (int frame = 0; frame < options.animation.frame_count; ++frame)
       outputs.push_back(frame_path(options.animation, frame));
   }
-  for (const std::string& path : {picture.output.report, options.shaders})
+  for (const std::string& path : {picture.output.report, options.shaders, options.comparison.kept_reference})
     if (!path.empty()) outputs.push_back(path);
   const SourceOptions& source = options.source;
   check_paths_differ(

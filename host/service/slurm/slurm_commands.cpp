@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <map>
 #include <sstream>
@@ -33,7 +34,64 @@ std::string in_one_line(std::string text) {
   return text.empty() ? "it says nothing" : text;
 }
 
+// Texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. Where the controller answers later, or a partition is
+// up again, the same order is taken.
+constexpr std::array kNotNowTexts = {"unable to contact slurm controller",
+                                     "timed out",
+                                     "did not end within",
+                                     "temporarily",
+                                     "try again",
+                                     "not available now",
+                                     "not usable now",
+                                     "standby mode",
+                                     "connection failure",
+                                     "send failure",
+                                     "receive failure",
+                                     "shutdown failure",
+                                     "connection refused",
+                                     "failed to send entire message",
+                                     "zero length message",
+                                     "zero bytes were transmitted",
+                                     "failed to connect to authentication agent",
+                                     "could not establish a configuration source",
+                                     "inactive or drain",
+                                     "partition in down state",
+                                     "submissions disabled",
+                                     "requested nodes are busy",
+                                     "credential"};
+// What the settings ask for is not there, or not theirs.
+constexpr std::array kNeverTexts = {"invalid",
+                                    "unrecognized option",
+                                    "option requires",
+                                    "no partition specified",
+                                    "permission denied",
+                                    "access denied",
+                                    "not permitted",
+                                    "nodes not in this partition",
+                                    "than permitted",
+                                    "node configuration is not available",
+                                    "memory required by task is not available",
+                                    "can not be satisfied",
+                                    "more tasks than available",
+                                    "more ports than can be",
+                                    "not supported",
+                                    "specification required",
+                                    "too long",
+                                    "user not found"};
+
 }  // namespace
+
+SlurmRefusal refusal_of(const std::string& said) {
+  std::string text = said;
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto has_one = [&](const auto& texts) {
+    return std::any_of(texts.begin(), texts.end(),
+                       [&](const char* one) { return text.find(one) != std::string::npos; });
+  };
+  if (has_one(kNotNowTexts)) return SlurmRefusal::kNotNow;
+  if (text.find("invalid job array specification") != std::string::npos) return SlurmRefusal::kArrayTooLong;
+  return has_one(kNeverTexts) ? SlurmRefusal::kNever : SlurmRefusal::kUnknown;
+}
 
 bool SlurmTask::is_over() const {
   static constexpr std::array kOver = {"BOOT_FAIL", "CANCELLED",     "COMPLETED", "DEADLINE", "FAILED",
@@ -87,7 +145,7 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   if (!settings_.partition.empty()) words.push_back("--partition=" + settings_.partition);
   if (!settings_.account.empty()) words.push_back("--account=" + settings_.account);
   if (!s.array.empty()) words.push_back(fmt::format("--array={}", fmt::join(s.array, ",")));
-  if (s.after) words.push_back(fmt::format("--dependency=afterany:{}", *s.after));
+  if (!s.after.empty()) words.push_back(fmt::format("--dependency=afterany:{}", fmt::join(s.after, ":")));
   if (s.memory_bytes > 0) words.push_back(fmt::format("--mem={}", (s.memory_bytes + (1 << 20) - 1) >> 20));  // MiB
   if (s.nice > 0) words.push_back(fmt::format("--nice={}", s.nice));
   if (s.time_max.count() > 0) words.push_back(fmt::format("--time={}", (s.time_max.count() + 59) / 60));  // minutes
@@ -102,6 +160,25 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   const std::optional<std::int64_t> job = whole_number<std::int64_t>(last.substr(0, last.find(';')));
   if (!job) throw Error(ErrorCode::kEnvironment, fmt::format("sbatch says '{}', expected the number of a job", last));
   return *job;
+}
+
+std::optional<int> SlurmCommands::array_size_max() const {
+  try {
+    return parse_array_size_max(run({"scontrol", "show", "config"}));
+  } catch (const Error&) {  // it is not here, or may not say: what sbatch refuses will
+    return std::nullopt;
+  }
+}
+
+std::optional<int> parse_array_size_max(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string name, equals, value;
+    if (words >> name >> equals >> value && name == "MaxArraySize" && equals == "=") return whole_number<int>(value);
+  }
+  return std::nullopt;
 }
 
 std::vector<SlurmTask> SlurmCommands::list(const std::string& prefix) const {

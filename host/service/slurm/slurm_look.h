@@ -29,6 +29,7 @@ struct SlurmWatched {
 struct SlurmLook {
   std::string trouble;  // why Slurm did not answer; "": it did
   std::vector<SlurmTask> tasks;
+  std::optional<int> array_size_max;  // of its settings, where they were asked for
   struct Seen {
     std::optional<SlurmStatus> status;
     std::optional<SlurmEnd> end;

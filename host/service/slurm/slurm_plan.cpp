@@ -60,15 +60,26 @@ PartKind parse_part(const std::string& name) {
   return {};
 }
 
-std::vector<std::vector<SlurmPart>> share_batches(std::int64_t job, int attempt, int round, int count,
-                                                  const std::vector<int>& missing) {
+std::vector<std::vector<SlurmPart>> in_arrays(std::vector<SlurmPart> bands, int array_size_max) {
+  if (bands.empty()) return {};
+  const bool are_within = std::all_of(
+      bands.begin(), bands.end(), [&](const SlurmPart& band) { return parse_part(band.share).index < array_size_max; });
+  const std::size_t most = are_within ? bands.size() : static_cast<std::size_t>(std::max(1, array_size_max));
+  std::vector<std::vector<SlurmPart>> arrays;
+  for (SlurmPart& band : bands) {
+    if (arrays.empty() || arrays.back().size() == most) arrays.emplace_back();
+    band.item = are_within ? parse_part(band.share).index : static_cast<int>(arrays.back().size());
+    arrays.back().push_back(std::move(band));
+  }
+  return arrays;
+}
+
+std::vector<std::vector<SlurmPart>> share_batches(const SlurmPart& of_job, int count, const std::vector<int>& missing,
+                                                  int array_size_max) {
   const auto part = [&](const PartKind& kind) {
-    SlurmPart made;
+    SlurmPart made = of_job;
     made.item = kind.index;
-    made.job = job;
-    made.attempt = attempt;
     made.share = kind.name();
-    made.round = round;
     return made;
   };
   std::vector<std::vector<SlurmPart>> batches;
@@ -77,9 +88,14 @@ std::vector<std::vector<SlurmPart>> share_batches(std::int64_t job, int attempt,
     if (index == 0) batches.push_back({part({0, count, false})});
     else bands.push_back(part({index, count, false}));
   }
-  if (!bands.empty()) batches.push_back(std::move(bands));
+  for (std::vector<SlurmPart>& array : in_arrays(std::move(bands), array_size_max)) batches.push_back(std::move(array));
   batches.push_back({part({0, count, true})});
   return batches;
+}
+
+bool waits_for(const PartKind& part, const PartKind& other) {
+  if (part.is_whole() || other.is_whole() || other.is_merge) return false;
+  return part.is_merge || (part.is_band() && other.index == 0);
 }
 
 std::vector<int> named_shares(const std::string& message, int count) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,10 +48,20 @@ struct PartKind {
 };
 PartKind parse_part(const std::string& name);
 
-/// The batches, in the order in which each waits for the one before, that make these shares, in order, and merge them.
+/// Of Slurm's arrays while nothing is known of its MaxArraySize.
+constexpr int kAnyArraySize = std::numeric_limits<int>::max();
+
+/// Bands of one map as arrays whose numbers stay below `array_size_max`, at least 1: one array where they fit, with
+/// their own numbers, else several with numbers from 0.
+std::vector<std::vector<SlurmPart>> in_arrays(std::vector<SlurmPart> bands, int array_size_max);
+
+/// The batches that make these shares, in order, and merge them: share 0, its bands in arrays (in_arrays()), the merge.
 /// Parts have no number of their batch yet.
-std::vector<std::vector<SlurmPart>> share_batches(std::int64_t job, int attempt, int round, int count,
-                                                  const std::vector<int>& missing);
+std::vector<std::vector<SlurmPart>> share_batches(const SlurmPart& of_job, int count, const std::vector<int>& missing,
+                                                  int array_size_max);
+
+/// Does a part wait until another one of the same job has ended? Bands for share 0, a merge for all shares.
+bool waits_for(const PartKind& part, const PartKind& other);
 
 /// Shares that a merge's message says to make, as it names the options for them.
 std::vector<int> named_shares(const std::string& message, int count);

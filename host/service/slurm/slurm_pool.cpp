@@ -19,6 +19,8 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr std::size_t kEstimatedAtOnce = kChunkJobsMax;
+constexpr int kRefusalsMax = 3;    // of sbatch, for reasons unknown, while Slurm answers
+constexpr int kSkippedLooks = 32;  // at most, before a busy Slurm is asked again
 
 std::int64_t milliseconds_since_1970() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -75,7 +77,6 @@ void SlurmPool::adopt(const std::vector<SlurmWork>& works, const std::vector<Slu
                       std::int64_t last_batch) {
   last_batch_ = last_batch;
   for (const SlurmWork& work : works) works_[work.order.job].work = work;
-  std::map<std::int64_t, std::int64_t> batch_before;  // of a job
   for (const SlurmPart& row : parts) {
     const auto found = works_.find(row.job);
     if (found == works_.end()) continue;
@@ -89,9 +90,6 @@ void SlurmPool::adopt(const std::vector<SlurmWork>& works, const std::vector<Slu
     batch.slurm_job = row.slurm_job;
     batch.stage = row.slurm_job ? Stage::kSent : Stage::kUnsure;
     batch.time_max = settings_.slurm.time_max;
-    if (!part.kind.is_whole() && batch_before.contains(row.job) && batch_before[row.job] != row.batch)
-      batch.after = batch_before[row.job];
-    batch_before[row.job] = row.batch;
     batch.parts.emplace(row.item, std::move(part));
   }
   for (auto& [job, work] : works_)
@@ -168,15 +166,15 @@ void SlurmPool::plan(std::vector<SlurmWork> works, std::vector<SlurmEstimate> es
     Work& work = found->second;
     work.estimate = estimates[i];
     work.share_count = estimates[i].share_count;
-    if (work.share_count > 0) {
-      std::vector<int> all;
-      for (int index = 0; index <= work.share_count; ++index) all.push_back(index);
-      send(share_batches(order.job, order.attempt, 1, work.share_count, all), true);
-      continue;
-    }
     SlurmPart part;
     part.job = order.job;
     part.attempt = order.attempt;
+    if (work.share_count > 0) {
+      std::vector<int> all;
+      for (int index = 0; index <= work.share_count; ++index) all.push_back(index);
+      send(share_batches(part, work.share_count, all, array_size_max_));
+      continue;
+    }
     whole.push_back(part);
     seconds.push_back(work.estimate.seconds);
   }
@@ -188,11 +186,10 @@ void SlurmPool::plan(std::vector<SlurmWork> works, std::vector<SlurmEstimate> es
       batch.back().item = static_cast<int>(batch.size()) - 1;
     }
   }
-  send(std::move(batches), false);
+  send(std::move(batches));
 }
 
-// `in_turn`: each waits for the one before.
-void SlurmPool::send(std::vector<std::vector<SlurmPart>> batches, bool in_turn) {
+void SlurmPool::send(std::vector<std::vector<SlurmPart>> batches) {
   if (batches.empty()) return;
   std::vector<SlurmPart> rows;
   std::vector<std::int64_t> numbers;
@@ -200,7 +197,6 @@ void SlurmPool::send(std::vector<std::vector<SlurmPart>> batches, bool in_turn) 
     // By the clock, so that a number is not used again where the ledger has lost those before.
     const std::int64_t number = last_batch_ = std::max(last_batch_ + 1, milliseconds_since_1970());
     Batch& batch = batches_[number];
-    if (in_turn && !numbers.empty()) batch.after = numbers.back();
     numbers.push_back(number);
     double seconds = 0.0;
     int attempt = 1;
@@ -270,10 +266,13 @@ SlurmPool::Sending SlurmPool::sending_of(std::int64_t number, const Batch& batch
   // A user's jobs can be nicer than others, not less nice.
   s.nice = std::max(0, settings_.slurm.nice - priority);
   s.time_max = batch.time_max;
-  const auto before = batches_.find(batch.after);
-  if (before != batches_.end() && !before->second.parts.empty()) {
-    sending.after = batch.after;
-    s.after = before->second.slurm_job;
+  for (const auto& [other, of] : batches_) {
+    if (other == number || of.parts.empty() || first.kind.is_whole()) continue;
+    const Part& part = of.parts.begin()->second;
+    if (part.row.job != first.row.job || part.row.attempt != first.row.attempt || !waits_for(first.kind, part.kind))
+      continue;
+    if (of.slurm_job) s.after.push_back(*of.slurm_job);
+    else sending.after.push_back(other);
   }
   return sending;
 }
@@ -300,26 +299,21 @@ void SlurmPool::submit_ready() {
     const Stopwatch stopwatch;
     std::vector<Sent> sent;
     std::map<std::int64_t, std::int64_t> known;
+    std::string array_refusal;  // what sbatch said of an array that was too long, and how long it was
+    std::size_t refused_size = 0;
     for (const Sending& sending : sendings) {
-      Sent one{sending.number, std::nullopt, ""};
-      SlurmSubmission submission = sending.submission;
-      if (sending.after != 0 && !submission.after) {
-        if (const auto found = known.find(sending.after); found != known.end()) submission.after = found->second;
+      const std::vector<int>& array = sending.submission.array;
+      const std::size_t size = array.empty() ? 0 : static_cast<std::size_t>(array.back()) + 1;
+      // One as long would be refused as well.
+      if (refused_size > 0 && size >= refused_size) {
+        sent.push_back({sending.number, std::nullopt, array_refusal});
+        continue;
       }
-      try {
-        // What it waits for could not be sent: neither can it be.
-        if (sending.after == 0 || submission.after) {
-          folder_.batch(sending.number).write_order(sending.order);
-          try {
-            one.slurm_job = known[sending.number] = commands_.submit(submission);
-          } catch (const Error& refused) {
-            one.refusal = refused.what();
-          }
-        }
-      } catch (const Error& unwritten) {
-        service_log(LogSeverity::kWarning, 0, std::string("cannot be sent to Slurm yet: ") + unwritten.what());
+      sent.push_back(submit(sending, known));
+      if (size > 0 && refusal_of(sent.back().refusal) == SlurmRefusal::kArrayTooLong) {
+        refused_size = size;
+        array_refusal = sent.back().refusal;
       }
-      sent.push_back(std::move(one));
     }
     return [this, sent, seconds = stopwatch.seconds()] {
       counters_.submit_seconds += seconds;
@@ -328,8 +322,33 @@ void SlurmPool::submit_ready() {
   });
 }
 
+// On the thread of the commands. `known`: numbers at Slurm of batches that were sent just before.
+SlurmPool::Sent SlurmPool::submit(const Sending& sending, std::map<std::int64_t, std::int64_t>& known) {
+  Sent one{sending.number, std::nullopt, ""};
+  SlurmSubmission submission = sending.submission;
+  for (const std::int64_t before : sending.after) {
+    const auto found = known.find(before);
+    if (found == known.end()) return one;  // what it waits for could not be sent: neither can it be
+    submission.after.push_back(found->second);
+  }
+  try {
+    folder_.batch(sending.number).write_order(sending.order);
+  } catch (const Error& unwritten) {
+    service_log(LogSeverity::kWarning, 0, std::string("cannot be sent to Slurm yet: ") + unwritten.what());
+    return one;
+  }
+  try {
+    one.slurm_job = known[sending.number] = commands_.submit(submission);
+  } catch (const Error& refused) {
+    known.erase(sending.number);
+    one.refusal = refused.what();
+  }
+  return one;
+}
+
 void SlurmPool::take_sent(const std::vector<Sent>& sent) {
   std::vector<std::pair<std::int64_t, std::int64_t>> known;
+  std::vector<std::int64_t> too_long;
   for (const Sent& one : sent) {
     const auto found = batches_.find(one.number);
     if (found == batches_.end()) continue;
@@ -338,24 +357,83 @@ void SlurmPool::take_sent(const std::vector<Sent>& sent) {
       ++counters_.submitted;
       batch.slurm_job = one.slurm_job;
       batch.stage = Stage::kSent;
-      batch.refusals = 0;
+      batch.refusals = batch.waits = 0;
+      batch.refusal.clear();
       known.emplace_back(one.number, *one.slurm_job);
     } else {
       // It may be there all the same: an answer can be lost.
       ++counters_.submit_failures;
       batch.stage = Stage::kUnsure;
-      if (!one.refusal.empty() && one.refusal != batch.refusal)
-        service_log(LogSeverity::kWarning, batch.parts.empty() ? 0 : batch.parts.begin()->second.row.job,
-                    "not sent to Slurm: " + one.refusal);
-      batch.refusal = one.refusal;
+      if (!one.refusal.empty()) take_refusal(batch, one.refusal);
+      if (!one.refusal.empty() && !batch.refused_with && takes_smaller_arrays(batch)) too_long.push_back(one.number);
     }
   }
+  for (const std::int64_t number : too_long) split_array(number);
   if (known.empty()) return;
   note(
       [known](JobQueue& queue) {
         for (const auto& [number, slurm_job] : known) queue.slurm().set_slurm_job(number, slurm_job);
       },
       [] {});
+}
+
+// Whether it is sent again, and when; or that it is not.
+void SlurmPool::take_refusal(Batch& batch, const std::string& refusal) {
+  if (refusal != batch.refusal)
+    service_log(LogSeverity::kWarning, batch.parts.empty() ? 0 : batch.parts.begin()->second.row.job,
+                "not sent to Slurm: " + refusal);
+  batch.refusal = refusal;
+  switch (refusal_of(refusal)) {
+    case SlurmRefusal::kNotNow:
+      batch.looks_to_skip = std::min(kSkippedLooks, 1 << std::min(batch.waits++, 5)) - 1;
+      break;
+    case SlurmRefusal::kNever: batch.refused_with = exit_code(ErrorCode::kUsage); break;
+    case SlurmRefusal::kUnknown:
+      if (++batch.refusals >= kRefusalsMax) batch.refused_with = exit_code(ErrorCode::kEnvironment);
+      break;
+    case SlurmRefusal::kArrayTooLong:
+      if (!batch.is_array || batch.parts.empty() || batch.parts.rbegin()->first == 0)
+        batch.refused_with = exit_code(ErrorCode::kUsage);
+      break;
+  }
+}
+
+// Was it an array whose numbers are too high? Then half as many are tried.
+bool SlurmPool::takes_smaller_arrays(const Batch& batch) {
+  if (refusal_of(batch.refusal) != SlurmRefusal::kArrayTooLong || batch.parts.empty()) return false;
+  array_size_max_ = std::min(array_size_max_, (batch.parts.rbegin()->first + 1) / 2);
+  return true;
+}
+
+void SlurmPool::split_array(std::int64_t number) {
+  std::vector<SlurmPart> bands;
+  for (const auto& [item, part] : batches_.at(number).parts) bands.push_back(part.row);
+  replace(number, in_arrays(std::move(bands), array_size_max_),
+          "sbatch refused an array of so many tasks; it was sent again in a smaller one");
+}
+
+// In the ledger the parts of the old batch are lost, for this reason. The old order goes: should it have been begun
+// after all, it ends by that.
+void SlurmPool::replace(std::int64_t number, std::vector<std::vector<SlurmPart>> batches, const std::string& why) {
+  Batch& old = batches_.at(number);
+  std::vector<SlurmPart> lost;
+  for (const auto& [item, part] : old.parts) {
+    lost.push_back(part.row);
+    lost.back().state = SlurmPartState::kLost;
+    lost.back().message = why;
+  }
+  old.parts.clear();
+  for (std::vector<SlurmPart>& parts : batches)
+    for (SlurmPart& part : parts) {
+      part.node.clear();
+      part.message.clear();
+    }
+  note(
+      [lost](JobQueue& queue) {
+        for (const SlurmPart& part : lost) queue.slurm().update(part);
+      },
+      [this] { forget_empty_batches(); });
+  send(std::move(batches));
 }
 
 // ---- Cancelling

@@ -7,6 +7,9 @@
 //                              └──────────────────────────────┤
 //                                                             └─> Slurm has what the ledger does not: scancel
 //
+// What sbatch refuses is sent again when Slurm takes orders again, or in smaller arrays; or it ends, with sbatch's
+// words.
+//
 // On the thread of its io_context; what blocks runs on threads of its own, Slurm's commands one after the other.
 #pragma once
 
@@ -109,11 +112,13 @@ class SlurmPool {
   struct Batch {
     std::map<int, Part> parts;  // by item; those that have not ended
     std::optional<std::int64_t> slurm_job;
-    std::int64_t after = 0;  // batch; 0: none
     bool is_array = false, is_revoked = false;
     Stage stage = Stage::kNoting;
-    int refusals = 0;
-    std::string refusal;
+    int refusals = 0, waits = 0;  // of sbatch: for reasons unknown; because it was not the moment
+    int looks_to_skip = 0;        // before it is sent again
+    std::string refusal;          // what it said last
+    // It will not be sent: exit code of its parts.
+    std::optional<int> refused_with;
     bool has_worked = false;  // some part of it has begun
     std::chrono::seconds time_max{0};
   };
@@ -129,7 +134,7 @@ class SlurmPool {
     std::int64_t number = 0;
     SlurmOrder order;
     SlurmSubmission submission;
-    std::int64_t after = 0;
+    std::vector<std::int64_t> after;  // batches that are not known to be sent
   };
   struct Sent {
     std::int64_t number = 0;
@@ -144,10 +149,15 @@ class SlurmPool {
 
   void estimate_new();
   void plan(std::vector<SlurmWork> works, std::vector<SlurmEstimate> estimates);
-  void send(std::vector<std::vector<SlurmPart>> batches, bool in_turn);
+  void send(std::vector<std::vector<SlurmPart>> batches);
   void submit_ready();
   Sending sending_of(std::int64_t number, const Batch& batch) const;
+  Sent submit(const Sending& sending, std::map<std::int64_t, std::int64_t>& known);
   void take_sent(const std::vector<Sent>& sent);
+  void take_refusal(Batch& batch, const std::string& refusal);
+  bool takes_smaller_arrays(const Batch& batch);
+  void split_array(std::int64_t number);
+  void replace(std::int64_t number, std::vector<std::vector<SlurmPart>> batches, const std::string& why);
 
   void stop_item(std::int64_t batch, int item);
   void cancel_tasks(std::vector<SlurmTarget> targets);
@@ -189,6 +199,8 @@ class SlurmPool {
   std::map<std::int64_t, Clock::time_point> done_;  // batches, when all of their parts had ended
   std::set<std::int64_t> cancelled_unknown_;        // Slurm's jobs
   std::int64_t last_batch_ = 0;
+  int array_size_max_ = kAnyArraySize;  // Slurm's MaxArraySize, as far as it is known
+  bool has_asked_array_size_ = false;
   std::uint64_t look_count_ = 0;
   bool is_gathering_ = false, is_looking_ = false, is_up_ = false, is_closed_ = false;
   Counters counters_;

@@ -16,7 +16,6 @@
 namespace multum {
 namespace {
 
-constexpr int kRefusalsMax = 3;      // of sbatch, while Slurm answers
 constexpr int kSubmissionsMax = 10;  // of one attempt that Slurm forgot, or did not begin
 constexpr int kIdleFactor = 10;      // of the pause between looks where nothing is there to look after
 constexpr auto kLingering = std::chrono::seconds(30);   // of a task whose parts have all ended
@@ -40,10 +39,12 @@ void SlurmPool::look() {
                            of.is_array,
                            works_.at(part.row.job).work.order.log,
                            part.kind.is_whole() ? "" : part.kind.log_prefix()});
-  beside(commands_thread_, [this, number, watched = std::move(watched)]() -> std::function<void()> {
+  const bool asks = !has_asked_array_size_;
+  beside(commands_thread_, [this, number, asks, watched = std::move(watched)]() -> std::function<void()> {
     SlurmLook seen;
     try {
       seen = look_at_slurm(commands_, folder_, prefix(), watched);
+      if (asks && seen.is_up()) seen.array_size_max = commands_.array_size_max();
     } catch (const std::exception& error) {
       seen.trouble = error.what();
     }
@@ -64,6 +65,8 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
     service_log(look.is_up() ? LogSeverity::kInfo : LogSeverity::kWarning, 0,
                 look.is_up() ? "Slurm answers" : "Slurm does not answer: " + look.trouble);
   is_up_ = look.is_up();
+  has_asked_array_size_ = has_asked_array_size_ || is_up_;
+  if (look.array_size_max) array_size_max_ = std::min(array_size_max_, std::max(1, *look.array_size_max));
   std::map<std::pair<std::int64_t, int>, const SlurmTask*> tasks;
   for (const SlurmTask& task : look.tasks) tasks[{task.job, task.item}] = &task;
   std::vector<SlurmTarget> to_cancel = is_up_ ? compare_lists(look) : std::vector<SlurmTarget>{};
@@ -132,9 +135,9 @@ std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
 
 // What was to be sent and is not there.
 void SlurmPool::follow_submission(Batch& batch) {
-  if (batch.stage != Stage::kUnsure || !is_up_ || batch.is_revoked) return;
-  batch.refusals += batch.refusal.empty() ? 0 : 1;
-  if (batch.refusals < kRefusalsMax) batch.stage = Stage::kReady;
+  if (batch.stage != Stage::kUnsure || !is_up_ || batch.is_revoked || batch.refused_with) return;
+  if (batch.looks_to_skip > 0) --batch.looks_to_skip;
+  else batch.stage = Stage::kReady;
 }
 
 SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::Seen& seen, const SlurmTask* task,
@@ -159,7 +162,11 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   }
   if (batch.stage == Stage::kUnsure) {
     if (batch.is_revoked) return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-    if (batch.refusals >= kRefusalsMax) return end_part(part, SlurmPartState::kFailed, {4, batch.refusal, false});
+    if (batch.refused_with)
+      return end_part(part, SlurmPartState::kFailed,
+                      {*batch.refused_with, "Slurm refuses it: " + batch.refusal, false});
+    part.seen.reason = batch.refusal;
+    follow_progress(batch, part, seen);
   }
   if (batch.stage != Stage::kSent) return Fate::kGoesOn;
   part.seen.slurm_state = task != nullptr ? task->state : "";
@@ -270,7 +277,10 @@ void SlurmPool::settle(const std::vector<SlurmPart>& ended) {
 void SlurmPool::on_share_ended(Work& work, const SlurmPart& part, const WorkResult& result) {
   const PartKind kind = parse_part(part.share);
   if (work.result) return end_if_idle(part.job);
-  if (is_refusal(result.exit_code) || (kind.is_merge && result.exit_code == 0)) return give_up(part.job, result);
+  const auto batch = batches_.find(part.batch);
+  const bool is_refused = batch != batches_.end() && batch->second.refused_with;  // so would it be in another round
+  if (is_refused || is_refusal(result.exit_code) || (kind.is_merge && result.exit_code == 0))
+    return give_up(part.job, result);
   if (kind.is_merge) return find_missing(part.job, result.message);
   if (result.exit_code == 0) ++work.shares_done;
   tell_progress(part.job);
@@ -311,7 +321,11 @@ void SlurmPool::begin_round(std::int64_t job, const std::vector<int>& missing, c
   service_log(LogSeverity::kWarning, job,
               fmt::format("round {} of {}: asked again for {}", work.round, settings_.slurm.rounds,
                           names.empty() ? "the merge" : fmt::format("shares {}", fmt::join(names, ", "))));
-  send(share_batches(job, work.work.order.attempt, work.round, work.share_count, missing), true);
+  SlurmPart part;
+  part.job = job;
+  part.attempt = work.work.order.attempt;
+  part.round = work.round;
+  send(share_batches(part, work.share_count, missing, array_size_max_));
 }
 
 void SlurmPool::tell_progress(std::int64_t job) {
@@ -330,48 +344,32 @@ void SlurmPool::tell_progress(std::int64_t job) {
   events_.progress(job, {stage, done, static_cast<std::uint64_t>(work.share_count + 2) * kShareUnits});
 }
 
-// What Slurm does not know, or has not begun, as a batch of its own. The old order goes: should it have been begun
-// after all, it ends by that.
+// What Slurm does not know, or has not begun, as a batch of its own.
 void SlurmPool::send_again(std::int64_t number) {
   Batch& old = batches_.at(number);
-  std::vector<SlurmPart> parts, lost, given_up;
+  std::vector<SlurmPart> parts;
   std::set<std::int64_t> jobs;
   for (const auto& [item, part] : old.parts) {
-    SlurmPart row = part.row;
-    row.state = SlurmPartState::kLost;
-    row.message = "Slurm did not know it any more, or did not begin it; it was sent again";
-    lost.push_back(row);
     if (jobs.insert(part.row.job).second) ++works_.at(part.row.job).submissions;
     parts.push_back(part.row);
-    parts.back().node.clear();
-    parts.back().message.clear();
   }
   const bool is_hopeless = std::any_of(jobs.begin(), jobs.end(),
                                        [&](std::int64_t job) { return works_.at(job).submissions > kSubmissionsMax; });
   if (is_hopeless) {
-    for (SlurmPart& row : lost) {
+    for (SlurmPart& row : parts) {
+      row.state = SlurmPartState::kLost;
       row.message = fmt::format("Slurm did not begin it, though it was sent {} times", kSubmissionsMax);
       results_[{row.batch, row.item}] = {-1, row.message, false};
     }
-    counters_.parts_lost += lost.size();
+    counters_.parts_lost += parts.size();
     old.parts.clear();
-    return settle(lost);
+    return settle(parts);
   }
   ++counters_.forgotten;
-  service_log(LogSeverity::kWarning, lost.front().job,
+  service_log(LogSeverity::kWarning, parts.front().job,
               fmt::format("Slurm does not know its job {} any more, or did not begin it: sent again",
                           old.slurm_job.value_or(0)));
-  const std::int64_t after = old.after;
-  old.parts.clear();
-  note(
-      [lost](JobQueue& queue) {
-        for (const SlurmPart& part : lost) queue.slurm().update(part);
-      },
-      [this] { forget_empty_batches(); });
-  send({std::move(parts)}, false);
-  batches_.at(last_batch_).after = after;
-  for (auto& [other, batch] : batches_)
-    if (batch.after == number) batch.after = last_batch_;
+  replace(number, {std::move(parts)}, "Slurm did not know it any more, or did not begin it; it was sent again");
 }
 
 // Their files go, when the ledger knows how their parts ended.

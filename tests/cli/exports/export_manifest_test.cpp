@@ -2,10 +2,12 @@
 // multum export of several maps: names, sets, and manifests, whose maps are exported where they have changed.
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "tests/cli/program.h"
 #include "tests/unit/image/image_test_files.h"
+#include "tools/multum/compared_bake.h"
 
 namespace multum::testing {
 namespace {
@@ -36,6 +38,40 @@ constexpr char kTwoMaps[] =
     "[defaults]\nbumpformat = \"normal\"\ngreen = \"up\"\nformat = \"ktx2\"\n"
     "[[map]]\ninput = \"rock_<UDIM>.png\"\noutput = \"out/rock_<UDIM>.ktx2\"\nroughness = \"orm_<UDIM>.png\"\n"
     "[[map]]\ninput = \"wall.png\"\noutput = \"out/wall\"\nbase_roughness = 0.3\nformat = \"png\"\n";
+
+// The maps are of one content: so are their counts, and those of one alone. A page's bake is not the export's.
+TEST_F(ExportManifestTest, EachReportCountsItsOwnLaunches) {
+  fs::create_directory(path("out"));
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "export");
+    words.insert(words.end(), {"--bumpformat", "normal", "--green", "up"});
+    const ProgramResult result = multum(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  };
+  const auto launches = [&](const std::string& report) {
+    return nlohmann::json::parse(read_bytes(path(report))).at("launches");
+  };
+  run({path("wall.png"), "-o", path("alone"), "--report", path("alone.json")});
+  EXPECT_GT(launches("alone.json").at("one_lobe_fit"), 0);
+  run({path("rock_1001.png"), path("rock_1003.png"), path("wall.png"), "-o", path("out"), "--report", path("out")});
+  for (const char* report : {"out/rock_1001.json", "out/rock_1003.json", "out/wall.json"})
+    EXPECT_EQ(launches(report), launches("alone.json")) << report;
+  run({path("wall.png"), "-o", path("shown"), "--report", path("shown.json"), "--page", path("page.html")});
+  EXPECT_EQ(launches("shown.json"), launches("alone.json"));
+}
+
+TEST(ComparedBakeJob, HasTheMemoryAndTheFolderOfItsExport) {
+  ExportJob job;
+  job.input = "map.png";
+  job.memory_bytes = 100 << 20;
+  job.scratch_folder = "/elsewhere";
+  job.threads = 3;
+  const BakeJob bake = compared_bake_job(job, "lobes.ndf.exr");
+  EXPECT_EQ(bake.memory_bytes, resident_memory_of(100 << 20));
+  EXPECT_EQ(bake.scratch_folder, "/elsewhere");
+  EXPECT_EQ(bake.threads, 3);
+  EXPECT_EQ(compared_bake_job(ExportJob{}, "").memory_bytes, resident_memory_of(256 << 20)) << "the default";
+}
 
 TEST_F(ExportManifestTest, SetsAndSeveralMaps) {
   fs::create_directory(path("out"));

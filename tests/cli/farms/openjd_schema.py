@@ -35,7 +35,7 @@ CANCELATION = closed(  # 5.1.2
     notifyPeriodInSeconds={"type": "integer", "minimum": 1, "maximum": 600})
 ACTION = closed({"command": FORMAT_STRING}, args={"type": "array", "minItems": 1, "items": {"type": "string"}},
                 timeout={"type": "integer", "minimum": 1}, cancelation=CANCELATION)
-HOST = closed({"amounts": {"type": "array", "minItems": 1, "items": closed(
+HOST = closed({"amounts": {"type": "array", "minItems": 1, "maxItems": 50, "items": closed(
     {"name": {"type": "string", "pattern": r"^amount\.(worker\.(vcpu|memory|gpu|gpu\.memory|disk\.scratch)|[a-z.]+)$"}},
     min={"type": "number", "minimum": 0}, max={"type": "number", "exclusiveMinimum": 0})}})
 STEP = closed(  # 3
@@ -53,7 +53,7 @@ TEMPLATE = {"$schema": "http://json-schema.org/draft-07/schema#", **closed(  # 1
 # As AWS Deadline Cloud's job bundles have them.
 PATHS = {"type": "array", "items": {"type": "string", "pattern": "^/"}}
 VALUES = closed({"parameterValues": {"type": "array", "items": closed(
-    {"name": IDENTIFIER, "value": {"type": "string"}})}})
+    {"name": IDENTIFIER, "value": {"type": "string", "maxLength": 1024}})}})
 ASSETS = closed({"assetReferences": closed(
     {"inputs": closed({"filenames": PATHS, "directories": PATHS}), "outputs": closed({"directories": PATHS}),
      "referencedPaths": PATHS})})

@@ -6,6 +6,7 @@ specification says, to the same files as without a farm; shares of several maps;
   tests/cli/farms/openjd_test.py --programs FOLDER --traced-folder PROGRAM
 """
 import hashlib
+import os
 import pathlib
 import re
 import shutil
@@ -201,6 +202,73 @@ class BundleTest(FarmTest):
             self.assertEqual(done.returncode, 3, words)
             self.assertIn("is not there", done.stderr)
             self.assertFalse((self.folder / "bundle").exists())
+
+    def copies(self, count):
+        """Maps with names of their own."""
+        maps = [self.folder / f"m{100 + i}.png" for i in range(count)]
+        for one in maps:
+            one.hardlink_to(self.folder / "rock_1001.png")
+        return maps
+
+    def refused(self, expected, *words):
+        done = run("openjd", "-o", self.folder / "bundle", *words)
+        self.assertEqual(done.returncode, 2, (words, done.stderr))
+        self.assertIn(expected, done.stderr)
+        self.assertFalse((self.folder / "bundle").exists())
+
+    def test_parameters_are_fifty_at_most(self):
+        maps = self.copies(60)
+        bundle, _ = self.bundle("bake", *maps[:48], "-o", self.folder / "out")
+        self.assertEqual(len(bundle.template["parameterDefinitions"]), 50)
+        shutil.rmtree(self.folder / "bundle")
+        for count in (49, 60):
+            self.refused("--manifest", "bake", *maps[:count], "-o", self.folder / "out")
+            self.refused("expected at most 49", "export", *maps[:count], "-o", self.folder / "out")
+        self.refused("expected at most 49", "bake", *maps[:47], "-o", self.folder / "out", "--roughness", maps[50],
+                     "--albedo", maps[51])
+        # What is suggested, and has no limit.
+        self.manifest.write_text("".join(f'[[map]]\ninput = "{one.name}"\noutput = "out/{one.stem}.ndf.exr"\n'
+                                         for one in maps))
+        bundle, said = self.bundle("bake", "--manifest", self.manifest)
+        self.assertIn("60 tasks", said)
+        self.assertEqual(len(bundle.template["parameterDefinitions"]), 2)
+        self.assertEqual(len(bundle.assets["inputs"]["filenames"]), 61)
+
+    def test_names(self):
+        rock = self.folder / "rock_1001.png"
+        bundle, _ = self.bundle("--name", "\u00e9" * 128, "bake", rock, "-o", self.folder / "a.ndf.exr")
+        self.assertEqual(bundle.template["name"], "\u00e9" * 128)
+        shutil.rmtree(self.folder / "bundle")
+        words = ("bake", self.folder / "rock_1002.png", "-o", self.folder / "a.ndf.exr")
+        self.refused("has 129 characters, expected at most 128", "--name", "x" * 129, *words)
+        for control in ("\x85", "\x7f", "\t", "\n", "\x9b"):
+            name = f"control character U+{ord(control):04X}"
+            self.refused(name, "--name", f"a{control}b", *words)
+            rock = rock.rename(self.folder / f"rock{control}.png")
+            self.refused(name, "bake", rock, "-o", self.folder / "a.ndf.exr")
+            self.refused(name, "bake", self.folder / "rock_1002.png", "-o", self.folder / f"a{control}.ndf.exr")
+        self.refused("rock_{{1}}.png", "bake", self.folder / "rock_1002.png", "-o", self.folder / "rock_{{1}}.png")
+        deep = self.folder / "/".join(["d" * 200] * 5)
+        deep.mkdir(parents=True)
+        self.refused("expected at most 1024", "bake", self.folder / "rock_1002.png", "-o", deep / "a.ndf.exr")
+
+    def test_names_that_are_not_utf_8(self):
+        folder = os.fsencode(self.folder)
+        odd = folder + b"/rock_\xff.png"
+        os.rename(folder + b"/rock_1001.png", odd)
+        for words in (("bake", odd, "-o", folder + b"/a.ndf.exr"),
+                      ("bake", folder + b"/rock_1002.png", "-o", folder + b"/\xc3.ndf.exr"),
+                      ("--name", b"\xff", "bake", folder + b"/rock_1002.png", "-o", folder + b"/a.ndf.exr")):
+            done = subprocess.run([farm_programs.multum(), "openjd", "-o", self.folder / "bundle", *words],
+                                  capture_output=True, check=False)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(b"is not UTF-8", done.stderr)
+            self.assertFalse((self.folder / "bundle").exists())
+        # Of a set no word names the tile.
+        os.rename(odd, folder + b"/o\xff_1001.png")
+        self.assertEqual(subprocess.run(
+            [farm_programs.multum(), "openjd", "-o", self.folder / "bundle", "bake", folder + b"/o\xff_<UDIM>.png",
+             "-o", folder + b"/<UDIM>.ndf.exr"], capture_output=True, check=False).returncode, 2)
 
     def test_a_set_that_lies_here(self):
         done = subprocess.run([farm_programs.multum(), "openjd", "-o", "bundle", "--shards", "2", "bake",

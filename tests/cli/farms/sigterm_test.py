@@ -78,9 +78,13 @@ ROWS = (
     Row("reflectance", ("reflectance", "--light", "0,0,1", "--light", "1,0,1", "--size", "2048", "-o",
                         "{out}/map.exr")),
     Row("tradeoff", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--no-pictures")),
+    Row("tradeoff budget", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--no-pictures", "--quick", "--budget-ms",
+                            "50"), until="time bakes"),
     # While another program draws.
     Row("tradeoff drawing", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--context", "osmesa"), until="draw"),
     Row("gltf", ("gltf", "{maps}/model.glb", "-o", "{out}/model.glb", "--format", "rgba8")),
+    Row("gltf lobes", ("gltf", "{maps}/model.glb", "-o", "{out}/model.glb", "--format", "rgba8", "--lobes"),
+        until="lobes"),
     Row("export", ("export", *MAP, "-o", "{out}/engine")),
     Row("export resume", ("export", *MAP, "-o", "{out}/engine", "--resume"), PARTIAL),
     Row("export several", ("export", *MAP, "{maps}/second_normal.png", "-o", "{out}"),

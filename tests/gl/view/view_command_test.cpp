@@ -3,6 +3,7 @@
 // pyramids and of texture inference are in pyramid_view_test.cpp and inferred_view_test.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -70,6 +71,39 @@ const std::vector<std::string> kObjectAsOptions = {
     "--diffuse",       "0.2,0.3,0.4", "--specular", "1,1,1",
     "--fixed-fresnel", "0.1,0.1,0.1", "--light",    "0.3,0.8,0.5,2",
     "--point-light",   "0,2,1,3,2,1"};
+
+// A reference that is kept is the one that would be drawn; what is no reference is refused.
+TEST_F(ViewCommandTest, AReferenceIsKept) {
+  const auto compared = [&](std::vector<std::string> more, int code) {
+    more.insert(more.begin(), {path("map.ndf.exr"), "-o", path("out.png"), "--compare", "reference", "--samples", "4",
+                               "--report", path("out.json"), "--context", "osmesa"});
+    const ChildResult result = run(more);
+    EXPECT_EQ(result.exit_code, code) << result.output;
+    return code == 0 ? nlohmann::json::parse(testing::read_bytes(path("out.json")))["pictures"][1]["relative_l1"]
+                     : nlohmann::json(result.output);
+  };
+  const std::vector<std::string> small = {"--size", "32x24"}, kept = {"--size", "32x24", "--keep-reference", path("r")};
+  const nlohmann::json drawn = compared(small, 0);
+  EXPECT_EQ(compared(kept, 0), drawn);
+  const std::string bytes = testing::read_bytes(path("r"));
+  EXPECT_EQ(bytes.size(), 8u + 32u + 32u * 24u * 16u);
+  EXPECT_EQ(compared(kept, 0), drawn);
+  // It is read: another one gives another error.
+  std::string other = bytes;
+  std::fill(other.begin() + 40, other.end(), '\0');
+  testing::write_bytes(path("r"), other);
+  EXPECT_NE(compared(kept, 0), drawn);
+  for (const std::string& broken : {std::string("no reference"), bytes.substr(0, bytes.size() - 1), bytes + "x"}) {
+    testing::write_bytes(path("r"), broken);
+    testing::expect_says(compared(kept, 3).get<std::string>(), {"expected a reference of 32 x 24", "remove the file"});
+  }
+  testing::write_bytes(path("r"), bytes);
+  testing::expect_says(compared({"--size", "24x24", "--keep-reference", path("r")}, 3).get<std::string>(),
+                       {"32 x 24", "24 x 24"});
+  testing::expect_says(compared({"--reference-of", "texels", "--keep-reference", path("r")}, 2).get<std::string>(),
+                       {"--keep-reference"});
+  EXPECT_EQ(testing::read_bytes(path("r")), bytes);
+}
 
 TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
   const std::map<std::string, std::vector<std::string>> parts = {

@@ -66,14 +66,94 @@ std::vector<std::vector<std::string>> names_of(const std::vector<std::vector<Slu
 
 TEST(SlurmShares, AreThreeBatchesOrFewer) {
   using Names = std::vector<std::vector<std::string>>;
-  EXPECT_EQ(names_of(share_batches(7, 1, 1, 3, {0, 1, 2, 3})), (Names{{"0/3"}, {"1/3", "2/3", "3/3"}, {"merge 3"}}));
-  EXPECT_EQ(names_of(share_batches(7, 1, 2, 3, {2})), (Names{{"2/3"}, {"merge 3"}}));
-  EXPECT_EQ(names_of(share_batches(7, 1, 2, 3, {})), (Names{{"merge 3"}}));
-  const SlurmPart part = share_batches(7, 4, 2, 3, {2}).front().front();
+  SlurmPart of_job;
+  of_job.job = 7;
+  of_job.attempt = 4;
+  of_job.round = 2;
+  const auto batches = [&](const std::vector<int>& missing) {
+    return share_batches(of_job, 3, missing, kAnyArraySize);
+  };
+  EXPECT_EQ(names_of(batches({0, 1, 2, 3})), (Names{{"0/3"}, {"1/3", "2/3", "3/3"}, {"merge 3"}}));
+  EXPECT_EQ(names_of(batches({2})), (Names{{"2/3"}, {"merge 3"}}));
+  EXPECT_EQ(names_of(batches({})), (Names{{"merge 3"}}));
+  const SlurmPart part = batches({2}).front().front();
   EXPECT_EQ(part.item, 2) << "of the array";
   EXPECT_EQ(part.job, 7);
   EXPECT_EQ(part.attempt, 4);
   EXPECT_EQ(part.round, 2);
+}
+
+std::vector<std::vector<int>> items_of(const std::vector<std::vector<SlurmPart>>& batches) {
+  std::vector<std::vector<int>> items;
+  for (const std::vector<SlurmPart>& batch : batches) {
+    items.emplace_back();
+    for (const SlurmPart& part : batch) items.back().push_back(part.item);
+  }
+  return items;
+}
+
+TEST(SlurmShares, ArraysStayBelowMaxArraySize) {
+  using Names = std::vector<std::vector<std::string>>;
+  using Items = std::vector<std::vector<int>>;
+  const auto batches = [](int count, const std::vector<int>& missing, int array_size_max) {
+    return share_batches({}, count, missing, array_size_max);
+  };
+  EXPECT_EQ(items_of(batches(3, {0, 1, 2, 3}, 4)), (Items{{0}, {1, 2, 3}, {0}}))
+      << "their own numbers, as far as they fit";
+  EXPECT_EQ(names_of(batches(3, {0, 1, 2, 3}, 3)), (Names{{"0/3"}, {"1/3", "2/3", "3/3"}, {"merge 3"}}));
+  EXPECT_EQ(items_of(batches(3, {0, 1, 2, 3}, 3)), (Items{{0}, {0, 1, 2}, {0}}));
+  EXPECT_EQ(names_of(batches(5, {1, 2, 3, 4, 5}, 2)), (Names{{"1/5", "2/5"}, {"3/5", "4/5"}, {"5/5"}, {"merge 5"}}));
+  EXPECT_EQ(items_of(batches(5, {1, 2, 3, 4, 5}, 2)), (Items{{0, 1}, {0, 1}, {0}, {0}}));
+  EXPECT_EQ(items_of(batches(200, {150}, 5)), (Items{{0}, {0}})) << "one alone, whose own number is too high";
+  EXPECT_EQ(items_of(batches(3, {1, 2, 3}, 1)), (Items{{0}, {0}, {0}, {0}}));
+}
+
+TEST(SlurmShares, WaitForThoseBefore) {
+  const PartKind zero = parse_part("0/3"), band = parse_part("2/3"), merge = parse_part("merge 3"), whole;
+  EXPECT_TRUE(waits_for(band, zero));
+  EXPECT_TRUE(waits_for(merge, zero));
+  EXPECT_TRUE(waits_for(merge, band));
+  EXPECT_FALSE(waits_for(band, band));
+  EXPECT_FALSE(waits_for(zero, band));
+  EXPECT_FALSE(waits_for(band, merge));
+  EXPECT_FALSE(waits_for(merge, merge));
+  EXPECT_FALSE(waits_for(whole, zero));
+  EXPECT_FALSE(waits_for(merge, whole));
+}
+
+TEST(Sbatch, SaysWhetherItMayTakeIt) {
+  const auto failed = [](const std::string& why) {
+    return refusal_of("sbatch: sbatch: error: Batch job submission failed: " + why);
+  };
+  for (const char* why :
+       {"Unable to contact slurm controller (connect failure)", "Socket timed out on send/recv operation",
+        "Slurm temporarily unable to accept job, sleeping and retrying", "Slurm backup controller in standby mode",
+        "Unable to create job record, try again", "Zero Bytes were transmitted or received",
+        "Required partition not available (inactive or drain)", "Invalid job credential"})
+    EXPECT_EQ(failed(why), SlurmRefusal::kNotNow) << why;
+  EXPECT_EQ(refusal_of("sbatch did not end within 60 s"), SlurmRefusal::kNotNow);
+  EXPECT_EQ(refusal_of("sbatch: sbatch: fatal: Could not establish a configuration source"), SlurmRefusal::kNotNow);
+  for (const char* why :
+       {"Invalid account or account/partition combination specified", "Invalid partition name specified",
+        "Invalid qos specification", "User's group not permitted to use this partition", "Access/permission denied",
+        "Requested node configuration is not available",
+        "Requested time limit is invalid (missing or exceeds some limit)"})
+    EXPECT_EQ(failed(why), SlurmRefusal::kNever) << why;
+  EXPECT_EQ(refusal_of("sbatch: sbatch: unrecognized option '--qso=low'; Try \"sbatch --help\" for more information"),
+            SlurmRefusal::kNever);
+  EXPECT_EQ(failed("Invalid job array specification"), SlurmRefusal::kArrayTooLong);
+  EXPECT_EQ(failed("Job violates accounting/QOS policy (job submit limit, user's size and/or time limits)"),
+            SlurmRefusal::kUnknown)
+      << "others' jobs may end, or it may be too large for ever";
+  EXPECT_EQ(failed("a text of another version"), SlurmRefusal::kUnknown);
+}
+
+TEST(Scontrol, TellsTheSizeOfArrays) {
+  EXPECT_EQ(parse_array_size_max("Configuration data as of 2026\nMaxArraySize            = 1001\nMaxDBDMsgs = 20084\n"),
+            1001);
+  EXPECT_EQ(parse_array_size_max("MaxArraySize            = 0\n"), 0);
+  EXPECT_EQ(parse_array_size_max("MaxArraySizes = 5\n"), std::nullopt);
+  EXPECT_EQ(parse_array_size_max("slurm_load_ctl_conf error: Unable to contact slurm controller\n"), std::nullopt);
 }
 
 TEST(SlurmShares, MergesNameWhatTheyLack) {

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bake of an export's map beside the export's page, to compare with.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host/bake/bake_job.h"
+#include "host/base/files/work_folder.h"
+#include "host/export/export_job.h"
+#include "host/opencl/device.h"
+
+namespace multum {
+
+/// The bake of an export's map to `output`, with the export's memory and its folder for what does not fit.
+BakeJob compared_bake_job(const ExportJob& job, const std::string& output);
+
+/// The file goes when this does.
+class ComparedBake {
+ public:
+  /// Beside `page`. Throws as bake_file() does.
+  ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress);
+  const std::string& path() const { return path_; }
+
+ private:
+  std::unique_ptr<WorkFolder> work_;
+  std::string path_;
+};
+
+}  // namespace multum
