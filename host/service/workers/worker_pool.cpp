@@ -38,7 +38,10 @@ constexpr int kBackOffDoublingsMax = 4;    // of the pause before another worker
 pid_t spawn_worker(std::vector<std::string> command, int socket) {
   command.push_back(fmt::format("--socket={}", kSocket));
   return spawn_process(command,
-                       {.files = {{socket, kSocket}}, .has_own_group = true, .blocked_signals = std::vector<int>{}});
+                       {.files = {{socket, kSocket}},
+                        .has_own_group = true,
+                        .ends_with_thread = true,
+                        .blocked_signals = std::vector<int>{}});
 }
 
 // Of a worker's words: they are kept, and told to everybody.
