@@ -34,22 +34,32 @@ std::string_view next_piece(std::string_view text, std::size_t at, bool& is_char
   return text.substr(at, std::max<std::size_t>(length, 1));
 }
 
-}  // namespace
-
-std::string text_of_path(std::string_view path) {
+// Bytes of what is no character that `stays`.
+template <typename Stays>
+std::string escaped(std::string_view bytes, const Stays& stays) {
   std::string text;
-  text.reserve(path.size());
+  text.reserve(bytes.size());
   bool is_character = false;
-  for (std::size_t at = 0; at < path.size();) {
-    const std::string_view piece = next_piece(path, at, is_character);
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::string_view piece = next_piece(bytes, at, is_character);
     at += piece.size();
-    if (is_character && !is_escape(piece)) {
+    if (is_character && stays(piece)) {
       text += piece;
       continue;
     }
     for (const char byte : piece) append_escape(text, byte);
   }
   return text;
+}
+
+}  // namespace
+
+std::string text_of_path(std::string_view path) {
+  return escaped(path, [](std::string_view character) { return !is_escape(character); });
+}
+
+std::string text_of_message(std::string_view message) {
+  return escaped(message, [](std::string_view) { return true; });
 }
 
 std::string path_of_text(std::string_view text) {
@@ -63,6 +73,18 @@ std::string path_of_text(std::string_view text) {
     else path += piece;
   }
   return path;
+}
+
+std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths) {
+  std::vector<std::string> texts;
+  for (const std::string& path : paths) texts.push_back(text_of_path(path));
+  return texts;
+}
+
+std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts) {
+  std::vector<std::string> paths;
+  for (const std::string& text : texts) paths.push_back(path_of_text(text));
+  return paths;
 }
 
 bool is_own_text(std::string_view path) { return text_of_path(path) == path; }

@@ -11,14 +11,20 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace multum {
 
-/// A text of valid UTF-8 for a path, or for a message that quotes paths.
+/// A text of valid UTF-8 for a path.
 std::string text_of_path(std::string_view path);
+std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths);
 
 /// The path that text_of_path() wrote so; a text without characters from U+EF80 to U+EFFF is its own path.
 std::string path_of_text(std::string_view text);
+std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts);
+
+/// A text of valid UTF-8 for a message that quotes paths, some perhaps as texts already: what is UTF-8 stays as it is.
+std::string text_of_message(std::string_view message);
 
 /// Does text_of_path() leave it as it is? False for every name that is not UTF-8.
 bool is_own_text(std::string_view path);

@@ -54,8 +54,9 @@ int run_serve(const ServeOptions& o) {
   std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
                                      "--data=" + settings.data};
   for (const std::string& root : settings.roots) worker.push_back("--root=" + std::filesystem::absolute(root).string());
-  run_service(
-      {settings, o.config, [o] { return settings_of(o); }, worker, system_confinement(variable), o.begins_anew});
+  const std::vector<std::string> driver = {own_program(), "confined", "--", own_program(), "devices"};
+  run_service({settings, o.config, [o] { return settings_of(o); }, worker, driver, system_confinement(variable),
+               o.begins_anew});
   return 0;
 }
 

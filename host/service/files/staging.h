@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/service/files/path_roots.h"
+#include "host/service/files/result_listing.h"
 
 namespace multum {
 
@@ -18,18 +19,23 @@ std::string staging_folder(const std::string& output, const std::string& instanc
 /// Path of the result within the folder: under its own name.
 std::string staged_path(const std::string& output, const std::string& instance, std::int64_t id);
 
-/// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it.
+/// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it. An
+/// input's: a link is followed.
 std::string file_identity(const std::string& path);
+/// The same of a result, by no link anywhere; empty also when it is a link, or lies behind one. Throws
+/// Error(kEnvironment) when it cannot be known.
+std::string result_identity(const PathRoots& roots, const std::string& path);
 
-/// Does a result lie there as it was published, by its identity then? a folder with all that it held, and no more.
-/// Throws Error(kEnvironment) when that cannot be known.
-bool is_as_made(const std::string& path, const std::string& identity);
+/// Does a result lie there as it was published, by its identity then? a folder with all that it held, and no more; by
+/// no link. Throws Error(kEnvironment) when that cannot be known.
+bool is_as_made(const PathRoots& roots, const std::string& path, const std::string& identity, const ResultSeal& seal);
 
 /// One job's result on its way to its name.
 class StagedResult {
  public:
   /// Throws as PathRoots::open_folder_of() does.
-  StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id);
+  StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id,
+               ResultSeal seal);
 
   /// Identity of the staged result; empty: there is none, or a link.
   std::string identity() const;
@@ -51,6 +57,7 @@ class StagedResult {
 
   std::string output_, name_, staging_;
   std::int64_t id_;
+  ResultSeal seal_;
   OpenFile folder_;
 };
 

@@ -42,6 +42,12 @@ TEST(PathTextTest, CharactersOfTheEscapeItselfCollideWithNothing) {
   EXPECT_EQ(through_json(own), own);
 }
 
+TEST(PathTextTest, AMessageMayQuoteTextsAlready) {
+  EXPECT_EQ(text_of_message("caf\xe9.png: is not there"), "caf\uefe9.png: is not there");
+  EXPECT_EQ(text_of_message("caf\uefe9.png: is not there"), "caf\uefe9.png: is not there");
+  EXPECT_EQ(paths_of_texts(texts_of_paths({"a", "\xff", ""})), (std::vector<std::string>{"a", "\xff", ""}));
+}
+
 TEST(PathTextTest, RandomBytesComeBackAndCollideWithNothing) {
   SplitMix64 random(51);
   std::set<std::string> paths, texts;
