@@ -54,10 +54,12 @@ std::string file_bytes(const std::string& path) {
 }
 
 /// The objects that the field draws, of the scene file that it names.
-std::string geometry_of(const std::string& field) {
+std::string geometry_of(const std::string& field, const PlayerOutput& output) {
   const PackedFieldFile file(field);
   const InferredManifest& manifest = file.description().field;
-  const std::string path = checked_geometry(manifest, fs::path(field).parent_path().string());
+  const std::string folder = fs::path(field).parent_path().string();
+  if (output.check_geometry) output.check_geometry(geometry_path(manifest, folder));
+  const std::string path = checked_geometry(manifest, folder);
   std::set<std::string> drawn;
   for (const InferredObject& object : manifest.objects) drawn.insert(object.mesh);
   std::vector<ObjectMesh> objects = read_object_meshes(path, manifest.uv_set);
@@ -141,7 +143,7 @@ void check_player_output(const PlayerOutput& output) {
 void write_player(const std::string& field, const PlayerOutput& output) {
   if (!output.is_asked_for()) return;
   check_player_output(output);
-  const std::string geometry = geometry_of(field), bytes = file_bytes(field);
+  const std::string geometry = geometry_of(field, output), bytes = file_bytes(field);
   const std::string name = fs::path(field).filename().string(), title = fs::path(field).stem().string();
   if (!output.folder.empty()) write_folder(name, title, bytes, geometry, output.folder);
   if (output.page.empty()) return;

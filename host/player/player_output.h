@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace multum {
@@ -15,6 +16,8 @@ constexpr std::uint64_t kPlayerPageBytesMax = std::uint64_t{16} << 20;
 struct PlayerOutput {
   std::string folder;  // to write a player to, which is made; empty: none
   std::string page;    // *.html to write; empty: none
+  /// Called with the path of the scene file that the field names, before it is looked at: throws where it may not be.
+  std::function<void(const std::string& path)> check_geometry = {};
 
   bool is_asked_for() const { return !folder.empty() || !page.empty(); }
 };

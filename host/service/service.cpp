@@ -16,6 +16,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/sandbox/confinement.h"
 #include "host/service/files/data_lock.h"
+#include "host/service/files/network_disk.h"
 #include "host/service/http/http_api.h"
 #include "host/service/ledger/ledger_start.h"
 #include "host/service/run_handlers.h"
@@ -70,7 +71,8 @@ class Service {
                                               })),
         dispatcher_(io_, *ledger_, events_, data_, settings_, roots_, take_up_ledger(*ledger_, data_, settings_.data),
                     options.worker_command),
-        api_(io_, *ledger_, dispatcher_, events_, data_, settings_, roots_, read_token(settings_.token_file)),
+        api_(io_, *ledger_, dispatcher_, events_, data_, roots_, read_token(settings_.token_file),
+             options.driver_command),
         server_(io_, server_settings(), events_, task_queue_),
         signals_(io_, SIGTERM, SIGINT),
         reload_signal_(io_, SIGHUP),
@@ -97,6 +99,7 @@ class Service {
  private:
   std::unique_ptr<DataLock> lock() const {
     std::unique_ptr<DataLock> lock = DataLock::take(settings_.data);
+    check_is_local(settings_.data);
     if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
     return lock;
   }
@@ -105,7 +108,7 @@ class Service {
     std::vector<std::string> inputs = settings.roots, outputs = settings.roots;
     inputs.insert(inputs.end(), {data.uploads(), data.results()});
     outputs.push_back(data.results());
-    return {PathRoots(inputs), PathRoots(outputs), PathRoots({data.results()})};
+    return {PathRoots(inputs), PathRoots(outputs), PathRoots({data.results()}), data.seal()};
   }
 
   HttpServer::Settings server_settings() {
@@ -203,6 +206,10 @@ class Service {
 
   // Every hour: what has outlived its keeping.
   void sweep() {
+    sweep_.expires_after(std::chrono::hours(1));
+    sweep_.async_wait([this](const boost::system::error_code& error) {
+      if (!error) sweep();
+    });
     if (settings_.retention_days > 0) {
       const auto purged = std::make_shared<std::vector<std::int64_t>>();
       ledger_->run(
@@ -217,10 +224,6 @@ class Service {
     api_.pictures().sweep(*ledger_);
     constexpr int kForEver = 1000000;  // days
     data_.sweep(*ledger_, std::chrono::hours(24) * (settings_.upload_days > 0 ? settings_.upload_days : kForEver));
-    sweep_.expires_after(std::chrono::hours(1));
-    sweep_.async_wait([this](const boost::system::error_code& error) {
-      if (!error) sweep();
-    });
   }
 
   const ServiceOptions& options_;

@@ -18,6 +18,7 @@ struct ServiceOptions {
   std::string settings_file;                       // empty: none
   std::function<ServiceSettings()> read_settings;  // the same again, as the file is by then: at SIGHUP
   std::vector<std::string> worker_command;         // of a worker, without its socket
+  std::vector<std::string> driver_command;         // ends with exit code 0 where a worker finds an OpenCL device
   Confinement system;                              // what of the machine every worker sees
   bool begins_anew = false;                        // a new ledger, where the folder's is lost
 };

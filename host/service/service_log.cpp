@@ -7,6 +7,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "host/base/path_text.h"
 #include "host/base/shown_text.h"
 #include "host/service/ledger/job_json.h"
 
@@ -20,8 +21,8 @@ void service_log(LogSeverity severity, std::int64_t job, const std::string& mess
   line["time"] = time_text(now.count());
   line["level"] = kNames.at(static_cast<std::size_t>(severity));
   if (job != 0) line["job"] = job;
-  line["message"] = message;
-  const std::string text = escaped_json(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) + "\n";
+  line["message"] = text_of_message(message);
+  const std::string text = escaped_json(line.dump()) + "\n";
   // One write a line: lines of several threads stay whole.
   [[maybe_unused]] const ssize_t ignored = ::write(2, text.data(), text.size());
 }

@@ -20,7 +20,8 @@ import unittest
 import urllib.parse
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from service_harness import MULTUM, QUICK, ClientCase, is_sanitized, resident_bytes  # noqa: E402
+from service_harness import (MULTUM, QUICK, ClientCase, is_sanitized, listed_files, resident_bytes,  # noqa: E402
+                             seal_listing)
 from tiny_animation import write_animation, write_exr  # noqa: E402
 
 
@@ -53,6 +54,130 @@ class JobFilesTest(ClientCase):
         self.assertEqual(status, 200)
         with open(self.output("a.ndf.exr"), "rb") as file:
             self.assertEqual(file.read(), data)
+
+    def test_a_result_behind_a_link_is_not_reused(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "32", self.output("q")], check=True, capture_output=True)
+        job = {"type": "bake", "parameters": {"input": self.output("q_normal.png"), "lobes": 1, "no_measure": True}}
+        os.mkdir(self.output("sub"))
+
+        def made(name, **more):
+            done = service.wait_for(service.submit(**job, output=self.output(name), **more))
+            self.assertEqual(done["state"], "succeeded", done)
+            with open(self.output(name), "rb") as file:
+                return done, file.read()
+
+        data = made("sub/a.ndf.exr")[1]
+        # It is moved away, to where no job may read, and a link put in its place; then the folder above it.
+        elsewhere = os.path.join(self.folder, "elsewhere")
+        os.mkdir(elsewhere)
+        for name, moved in (("b.ndf.exr", "sub/a.ndf.exr"), ("c.ndf.exr", "sub")):
+            if moved == "sub":
+                os.remove(self.output("sub/a.ndf.exr"))
+                made("sub/a.ndf.exr", again=True)
+                os.remove(self.output("b.ndf.exr"))  # else it is taken from there
+            target = os.path.join(elsewhere, os.path.basename(moved))
+            shutil.move(self.output(moved), target)
+            os.symlink(target, self.output(moved))
+            done, again = made(name)
+            self.assertIsNone(done["reused_from"], "what lies behind a link is nobody's result")
+            self.assertEqual((done["attempt"], again), (1, data))
+        self.refused(409, "no_result", ["link"], "GET", "/v1/jobs/1/result")
+
+    def test_names_that_are_no_utf8_keep_their_bytes(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "32", self.output("q")], check=True, capture_output=True)
+        root = os.fsencode(service.root)
+        # One that is not UTF-8, the name that its text would be by itself, and one with a character of the escape.
+        for name, text in ((b"caf\xe9", "caf\uefe9"), ("caf\uefe9".encode(), "caf\uefee\uefbf\uefa9"),
+                           ("\u4e2d".encode(), "\u4e2d")):
+            with self.subTest(name=name):
+                source, result = root + b"/" + name + b".png", root + b"/" + name + b".ndf.exr"
+                shutil.copy(self.output("q_normal.png"), source)
+                number = int(self.client("submit", "bake", source, "-o", result, "--lobes", "1", "--no-measure",
+                                         "--again"))
+                job = service.wait_for(number)
+                self.assertEqual(job["state"], "succeeded", job)
+                self.assertTrue(job["output"].endswith(f"/{text}.ndf.exr"), job["output"])
+                self.assertTrue(job["parameters"]["input"].endswith(f"/{text}.png"), job)
+                self.assertTrue(os.path.exists(result), os.listdir(root))
+                listed = subprocess.run([MULTUM, "list"], capture_output=True, check=True,
+                                        env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}"))
+                self.assertIn(result, listed.stdout)
+                status, headers, data = self.download(number)
+                self.assertIn("''" + urllib.parse.quote(name) + ".ndf.exr", headers["Content-Disposition"])
+                with open(result, "rb") as file:
+                    self.assertEqual((status, file.read()), (200, data))
+                # As it was answered, it can be submitted again.
+                again = {"type": "bake", "parameters": job["parameters"], "output": job["output"]}
+                self.assertEqual(service.ask("POST", "/v1/jobs", dict(again, again=True))[0], 201)
+                service.wait_until_idle()
+        missing = self.refused(400, "usage", ["no such file"], "POST", "/v1/jobs",
+                               {"type": "bake", "parameters": {"input": self.output("a\uefff.png")},
+                                "output": "b.ndf.exr"})
+        self.assertIn("a\uefff.png", missing)
+
+    def test_data_lies_in_a_folder_that_is_no_utf8(self):
+        folder = os.fsencode(self.folder) + b"/f\xf6lder"
+        os.mkdir(folder)
+        self.folder, kept = os.fsdecode(folder), self.folder
+        try:
+            service = self.start()
+            with contextlib.closing(service.connection()) as connection:
+                connection.request("PUT", "/v1/uploads/a.png", b"content")
+                response = connection.getresponse()
+                answer = json.loads(response.read())
+            self.assertEqual(response.status, 201, answer)
+            self.assertIn("/f\ueff6lder/", answer["path"])
+            bad = service.wait_for(service.submit(type="bake", parameters={"input": answer["path"]},
+                                                  output="a.ndf.exr", attempt_max=1))
+            self.assertIn("f\ueff6lder", bad["message"], "it was found, and is no picture")
+            service.wait_for(self.drill(output="b.txt"))
+            self.assertEqual(service.ask("GET", "/v1/jobs?limit=5")[0], 200)
+            self.assertEqual(service.stop(), 0)
+        finally:
+            self.service.end(self.service.process)
+            self.folder = kept
+
+    def test_a_download_goes_on_where_it_broke_off(self):
+        service = self.start()
+        subprocess.run([MULTUM, "testmap", "--size", "64", self.output("q")], check=True, capture_output=True)
+        with open(self.output("scene.toml"), "w", encoding="utf-8") as file:
+            file.write('[[map]]\nname = "wall"\nnormal = "q_normal.png"\n[[material]]\nname = "paint"\n'
+                       'brdf = "lambert"\n[[object]]\nname = "front"\nmap = "wall"\nmaterial = "paint"\n'
+                       'width = 2.0\ndistance = [1, 20]\n[[light]]\ndirection = [0.3, 0.8, 0.5]\n')
+        jobs = [service.submit(type="bake", parameters={"input": self.output("q_normal.png"), "no_measure": True},
+                               output=self.output("a.ndf.exr")),
+                service.submit(type="scene", parameters={"scene": self.output("scene.toml")},
+                               output=self.output("baked"))]
+        for number in jobs:
+            self.assertEqual(service.wait_for(number)["state"], "succeeded")
+            target = f"/v1/jobs/{number}/result"
+            status, headers, whole = self.download(number)
+            self.assertEqual((status, headers["Accept-Ranges"]), (200, "bytes"))
+
+            def part(asked, **more):
+                with contextlib.closing(service.connection()) as connection:
+                    connection.request("GET", target, headers={"Range": asked, **more})
+                    response = connection.getresponse()
+                    return response.status, response.headers["Content-Range"], response.read()
+
+            size = len(whole)
+            self.assertEqual(part("bytes=100-"), (206, f"bytes 100-{size - 1}/{size}", whole[100:]))
+            self.assertEqual(part("bytes=600-699"), (206, f"bytes 600-699/{size}", whole[600:700]))
+            self.assertEqual(part("bytes=-7"), (206, f"bytes {size - 7}-{size - 1}/{size}", whole[-7:]))
+            self.assertEqual(part("bytes=100-", **{"If-Range": headers["ETag"]})[0], 206)
+            self.assertEqual(part("bytes=100-", **{"If-Range": '"another"'})[2], whole)
+            self.assertEqual(part(f"bytes={size}-")[:2], (416, f"bytes */{size}"))
+            if shutil.which("curl"):
+                here = os.path.join(self.folder, "here")
+                for cut in (1, size // 2, size):
+                    with open(here, "wb") as file:
+                        file.write(whole[:cut])
+                    subprocess.run(["curl", "-sS", "-C", "-", "-o", here,
+                                    f"http://127.0.0.1:{service.port}{target}"], check=True)
+                    with open(here, "rb") as file:
+                        self.assertEqual(file.read(), whole, cut)
 
     def test_a_scene_is_a_folder_and_its_maps_are_its_inputs(self):
         service = self.start()
@@ -178,6 +303,18 @@ class JobFilesTest(ClientCase):
             json.dump(field, file)
         self.refused(400, "usage", ["secret.exr", self.results()], "POST", "/v1/jobs",
                      {"type": "pack", "parameters": {"manifest": manifest}, "output": self.output("a.mpt")})
+        # Its scene file: one that is there, one that is not, and a device. Nothing is told of what is outside.
+        field["objects"][0]["layers"] = []
+        words = set()
+        for geometry in (os.path.join(self.folder, "secret.exr"), os.path.join(self.folder, "nothing.exr"),
+                         "../../secret.exr", "/dev/zero"):
+            with open(manifest, "w", encoding="utf-8") as file:
+                json.dump(dict(field, geometry=geometry), file)
+            message = self.refused(400, "usage", [self.results()], "POST", "/v1/jobs",
+                                   {"type": "pack", "parameters": {"manifest": manifest},
+                                    "output": self.output("a.mpt")})
+            words.add(message.split(": ", 1)[1])
+        self.assertEqual(len(words), 1, words)
 
     def test_an_input_that_changes_in_the_queue_is_no_earlier_one(self):
         service = self.start()
@@ -321,8 +458,7 @@ class JobFilesTest(ClientCase):
         service.ask("HEAD", f"/v1/jobs/{made['id']}/result")
         # A listing that names what is not below the folder, or not as it was, has no archive.
         listing = os.path.join(folder, ".multum-result")
-        with open(listing, encoding="utf-8") as file:
-            published = file.read()
+        published = listed_files(folder)
         secret = os.path.join(self.folder, "secret")
         with open(secret, "w", encoding="utf-8") as file:
             file.write("secret")
@@ -334,12 +470,16 @@ class JobFilesTest(ClientCase):
                              ("wall.ndf.exr/../../../secret", state), ("./wall.ndf.exr", own),
                              ("../b\u00e4ked/wall.ndf.exr", own), (os.path.join(folder, "wall.ndf.exr"), own)):
             with self.subTest(name=name):
-                with open(listing, "w", encoding="utf-8") as file:
-                    file.write(f"{published}{listed} {name}\n")
+                seal_listing(service.data, folder, f"{published}{listed} {name}\n")
                 message = self.refused(409, "no_result", [], "GET", f"/v1/jobs/{made['id']}/result")
                 self.assertIn(name, message)
-        with open(listing, "w", encoding="utf-8") as file:
-            file.write(published)
+        # Nor has one that somebody else has written: without a seal, and with another's.
+        for forged in (published, f"{published}seal {'0' * 64}\n"):
+            with open(listing, "w", encoding="utf-8") as file:
+                file.write(forged)
+            self.refused(409, "no_result", ["b\u00e4ked"], "GET", f"/v1/jobs/{made['id']}/result")
+        seal_listing(service.data, folder, published)
+        self.assertEqual(service.ask("HEAD", f"/v1/jobs/{made['id']}/result")[0], 200)
         with open(os.path.join(folder, "wall.ndf.exr"), "ab") as file:
             file.write(b"more")
         self.refused(409, "no_result", ["wall.ndf.exr"], "GET", f"/v1/jobs/{made['id']}/result")
@@ -358,9 +498,9 @@ class JobFilesTest(ClientCase):
         large = os.path.join(self.output("baked"), "large")
         with open(large, "wb") as file:
             file.truncate(200 << 20)
-        listing = os.path.join(self.output("baked"), ".multum-result")
-        with open(listing, "a", encoding="utf-8") as file:
-            file.write(f"{200 << 20} {os.stat(large).st_mtime_ns} large\n")
+        folder = self.output("baked")
+        seal_listing(service.data, folder,
+                     f"{listed_files(folder)}{200 << 20} {os.stat(large).st_mtime_ns} large\n")
         before = resident_bytes(service.process.pid)
         with contextlib.closing(service.connection()) as connection:
             connection.request("GET", f"/v1/jobs/{made['id']}/result")
@@ -381,7 +521,7 @@ class JobFilesTest(ClientCase):
             with self.assertRaises(http.client.IncompleteRead):
                 response.read()
         # Nor does a list of files that is longer than all memory there is for requests.
-        with open(listing, "a", encoding="utf-8") as file:
+        with open(os.path.join(folder, ".multum-result"), "a", encoding="utf-8") as file:
             for i in range(40000):
                 file.write(f"0 0 {'name' * 12}-{i}\n")
         self.refused(503, "busy", ["files"], "GET", f"/v1/jobs/{made['id']}/result")
@@ -442,7 +582,7 @@ class JobFilesTest(ClientCase):
                 status, answer = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"text": "x" * 900}})
                 if status != 201:
                     break
-            self.assertEqual(status, 503, answer)
+            self.assertEqual((status, answer["error"]["code"]), (507, "no_space"), answer)
             self.assertIn("full", answer["error"]["message"])
             self.assertEqual(service.ask("GET", "/v1/jobs")[0], 200, "looking goes on")
             time.sleep(4)

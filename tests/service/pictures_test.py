@@ -4,6 +4,7 @@
 
   MULTUM=build/release/bin/multum pictures_test.py [-v] [PicturesTest.test_...]
 """
+import contextlib
 import os
 import shutil
 import struct
@@ -95,6 +96,38 @@ class PicturesTest(ServiceCase):
         os.remove(self.path("q.ndf.exr"))
         self.refused(job, "render", "result")
 
+    def test_pictures_go_when_what_they_show_has_changed(self):
+        self.start()
+        job = self.bake()
+        for name in ("input", "error"):
+            self.assertEqual(self.ask(job, name)[0], 200)
+        shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
+        for name in ("input", "error"):
+            self.refused(job, name, "changed")
+        os.remove(self.path("q_normal.png"))
+        self.refused(job, "input", "input")
+        self.assertEqual(self.ask(job, "render")[0], 200)
+        # A link to the result in its place is none.
+        shutil.move(self.path("q.ndf.exr"), self.path("moved.ndf.exr"))
+        os.symlink(self.path("moved.ndf.exr"), self.path("q.ndf.exr"))
+        self.refused(job, "render", "result")
+
+    def test_they_count_against_data_max_and_may_be_removed(self):
+        service = self.start()
+        job = self.bake()
+        self.assertEqual(self.ask(job, "render")[0], 200)
+        shutil.rmtree(os.path.join(service.data, "pictures"))
+        self.assertEqual(self.ask(job, "render")[0], 200, "the folder is made again")
+        shutil.rmtree(os.path.join(service.data, "pictures"))
+        service.stop()
+        # Less than they take.
+        with open(os.path.join(self.folder, "serve.toml"), "a", encoding="utf-8") as file:
+            file.write('data_max = "8K"\n')
+        service.start()
+        status, answer = self.ask(job, "render")
+        self.assertEqual((status, answer["error"]["code"]), (507, "quota"), answer)
+        self.assertEqual(self.folders(), [], "what has no room is not kept")
+
     def pack(self):
         write_animation(self.service.root, 0.25)
         subprocess.run([MULTUM, "infer", self.path("animation.toml"), "-o", self.path("field"), "--context=osmesa",
@@ -131,9 +164,29 @@ class PicturesTest(ServiceCase):
             output=self.path("other.mpt")))
         with open(self.path("quad.obj"), "a", encoding="utf-8") as file:
             file.write("# changed\n")
-        status, answer = self.service.ask("GET", f"/v1/jobs/{other['id']}/pictures/player.html", timeout=120)
-        self.assertEqual(status, 404, answer)
-        self.assertIn("not the geometry", answer["error"]["message"])
+        def refused_player(words):
+            # One that failed is remembered until the daemon is started again.
+            self.service.stop()
+            self.service.start()
+            status, answer = self.service.ask("GET", f"/v1/jobs/{other['id']}/pictures/player.html", timeout=120)
+            self.assertEqual(status, 404, answer)
+            self.assertIn(words, answer["error"]["message"])
+            return answer["error"]["message"]
+
+        refused_player("not the geometry")
+        # A pipe is not waited for; nothing is told of what is outside, whether it is there or not.
+        geometry = self.path("quad.obj")
+        os.remove(geometry)
+        os.mkfifo(geometry)
+        refused_player("not a file")
+        words = set()
+        for outside in ("secret", "nothing"):
+            os.remove(geometry)
+            with open(os.path.join(self.folder, "secret"), "w", encoding="utf-8") as file:
+                file.write("secret")
+            os.symlink(os.path.join(self.folder, outside), geometry)
+            words.add(refused_player("not below a folder"))
+        self.assertEqual(len(words), 1, words)
 
     def look(self, job):
         return self.service.ask("GET", f"/v1/jobs/{job}/pictures/look.html", timeout=120)
@@ -164,8 +217,13 @@ class PicturesTest(ServiceCase):
         with urllib.request.urlopen(f"http://127.0.0.1:{service.port}/v1/jobs/{job}/pictures/look.html") as one:
             self.assertIn("sandbox allow-scripts", one.headers["Content-Security-Policy"])
             self.assertNotIn("allow-same-origin", one.headers["Content-Security-Policy"])
-        # It is kept for who asks again, beside the pictures.
-        os.remove(self.path("q_normal.png"))
+        # It is kept for who asks again, as long as the map is there and the same.
+        self.assertEqual(self.look(job)[0], 200)
+        shutil.move(self.path("q_normal.png"), self.path("kept.png"))
+        self.refused_look(job, "q_normal.png")
+        shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
+        self.refused_look(job, "changed")
+        shutil.copy(self.path("kept.png"), self.path("q_normal.png"))  # the same, by another file
         self.assertEqual(self.look(job)[0], 200)
         self.assertEqual(self.ask(job, "render")[0], 200)
         self.assertEqual(service.ask("POST", "/v1/purge", {"jobs": [job]})[0], 200)
@@ -226,6 +284,33 @@ class PicturesTest(ServiceCase):
         self.refused(job, "render", "signal 11")
         with open(os.path.join(cache, "begun"), encoding="utf-8") as file:
             self.assertEqual(len(file.read()), 4)
+
+    def test_a_child_ends_with_a_daemon_that_is_killed(self):
+        cache = os.path.join(self.folder, "cache")
+        service = self.start('echo $$ > "$MESA_SHADER_CACHE_DIR/begun"\nexec sleep 1000\n',
+                             environment={"MESA_SHADER_CACHE_DIR": cache})
+        job = self.bake()
+        thread = threading.Thread(target=lambda: self.assertRaises(Exception, self.ask, job, "render"))
+        thread.start()
+        begun = os.path.join(cache, "begun")
+        deadline = time.monotonic() + 30
+        while not (os.path.exists(begun) and os.path.getsize(begun) > 1):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.02)
+        with open(begun, encoding="utf-8") as file:
+            child = file.read().strip()
+        service.kill()
+        thread.join()
+
+        def is_there():
+            with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+                with open(f"/proc/{child}/stat", encoding="utf-8") as file:
+                    return file.read().rsplit(")", 1)[1].split()[0] not in "ZX"
+            return False
+
+        while is_there() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        self.assertFalse(is_there(), "it goes on for its minute")
 
     def test_a_child_that_hangs_keeps_nobody_from_ending(self):
         service = self.start("exec sleep 1000\n")

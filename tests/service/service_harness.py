@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A daemon in a folder of its own, and its clients: what the service's tests share. Standard library alone."""
 import atexit
+import hmac
 import http.client
 import json
 import os
@@ -204,6 +205,21 @@ class ClientCase(ServiceCase):
         for value in values:
             self.assertIn(value, answer["error"]["message"])
         return answer["error"]["message"]
+
+
+def seal_listing(data, folder, lines):
+    """Writes the list of a published folder's files as the daemon with these DATA would have."""
+    with open(os.path.join(data, "seal"), encoding="utf-8") as file:
+        key = file.read().strip().encode()
+    text = f"multum-result {os.stat(folder).st_ino}\n{lines}".encode("utf-8", "surrogateescape")
+    with open(os.path.join(folder, ".multum-result"), "w", encoding="utf-8", errors="surrogateescape") as file:
+        file.write(f"{lines}seal {hmac.new(key, text, 'sha256').hexdigest()}\n")
+
+
+def listed_files(folder):
+    """The lines of files of such a list."""
+    with open(os.path.join(folder, ".multum-result"), encoding="utf-8", errors="surrogateescape") as file:
+        return "".join(line for line in file if not line.startswith("seal "))
 
 
 def resident_bytes(pid):

@@ -363,6 +363,36 @@ class ServiceTest(ClientCase):
         status, _ = self.service.ask("PUT", "/v1/uploads/a.bin", headers={"Content-Length": str(1 << 40)})
         self.assertEqual(status, 413)
 
+    def test_paths_of_requests_are_read_as_they_are(self):
+        config = QUICK + '[[queue]]\nname = "default"\n[[queue]]\nname = "a+b"\n[[queue]]\nname = "a b"\n'
+        service = self.start(config)
+        for target, name in (("a+b", "a+b"), ("a%2Bb", "a+b"), ("a%20b", "a b")):
+            status, answer = service.ask("POST", f"/v1/queues/{target}/pause")
+            self.assertEqual((status, answer["name"]), (200, name))
+        for target in ("/v1/jobs%00", "/%00", "/v1/queues/default%00/pause", "/v1/jobs?queue=a%00b",
+                       "/v1/jobs?%00=1"):
+            self.refused(400, "usage", [], "POST" if "pause" in target else "GET", target)
+        # A NUL ends no text: it is refused wherever it is.
+        job = {"type": "drill", "parameters": {}}
+        for body in (dict(job, label="a\0b"), dict(job, queue="default\0"), dict(job, type="drill\0"),
+                     dict(job, output="a\0b"), dict(job, parameters={"text": "a\0"}), dict(job, **{"lab\0el": "a"}),
+                     {"type": "bake", "parameters": {"input": "/a\0b"}, "output": "a.ndf.exr"}):
+            self.refused(400, "usage", ["NUL"], "POST", "/v1/jobs", body)
+        self.refused(400, "usage", ["NUL"], "POST", "/v1/retry", {"queue": "default\0"})
+
+    def test_it_is_not_ready_without_a_driver(self):
+        empty = os.path.join(self.folder, "empty")
+        os.mkdir(empty)
+        service = self.start(environment={"OCL_ICD_VENDORS": empty, "OCL_ICD_FILENAMES": ""})
+        status, answer = service.ask("GET", "/readyz")
+        self.assertEqual((status, answer["ready"], answer["driver"]), (503, False, False), answer)
+        self.assertIn("OpenCL", answer["message"])
+        self.assertEqual(service.wait_for(self.drill())["state"], "succeeded", "others are done all the same")
+        service.stop()
+        service = self.start()
+        status, answer = service.ask("GET", "/readyz", timeout=60)
+        self.assertEqual((status, answer["ready"], answer["driver"]), (200, True, True), answer)
+
     def test_files_outside_of_the_roots(self):
         service = self.start()
         secret = os.path.join(self.folder, "secret.png")
@@ -405,7 +435,16 @@ class ServiceTest(ClientCase):
         self.refused(401, "token", [], "GET", "/v1/jobs", headers=wrong)
         bearer = {"Authorization": "Bearer a token of many letters"}
         self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=bearer)[0], 200)
-        self.assertEqual(self.service.ask("GET", "/healthz")[0], 200)
+        for public in ("/healthz", "/openapi.json"):
+            self.assertEqual(self.service.ask("GET", public)[0], 200)
+        # The scheme is in any case, another is none, and a query carries the token where a browser has no headers.
+        for scheme, status in (("bearer", 200), ("BEARER ", 200), ("Basic", 401), ("Bearera", 401), ("", 401)):
+            given = {"Authorization": f"{scheme} a token of many letters"}
+            self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=given)[0], status, scheme)
+        query = "access_token=a+token%20of+many+letters"
+        self.assertEqual(self.service.ask("GET", f"/v1/jobs?{query}")[0], 200)
+        for method, target in (("POST", "/v1/purge"), ("POST", "/v1/jobs"), ("PUT", "/v1/uploads/a")):
+            self.refused(401, "token", [], method, f"{target}?{query}")
         self.assertIn("token", self.client("list", code=2))
         self.assertEqual(self.client("list", "--token-file", token), "")
 

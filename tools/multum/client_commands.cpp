@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "host/base/error.h"
+#include "host/base/path_text.h"
 #include "host/base/shown_text.h"
 #include "host/service/http/http_client.h"
 #include "host/service/workers/job_types.h"
@@ -74,7 +75,7 @@ std::string short_message(const std::string& message) {
 std::string job_line(const Json& job, std::string message) {
   std::string line =
       fmt::format("{:>6}  {:<10} {:<8} {}", job["id"].get<std::int64_t>(), job["state"].get<std::string>(),
-                  job["type"].get<std::string>(), job["output"].get<std::string>());
+                  job["type"].get<std::string>(), path_of_text(job["output"].get<std::string>()));
   if (job.contains("progress") && job["progress"].is_object() && job["progress"]["total"].get<double>() > 0.0)
     line += fmt::format("  {:.0f} % {}",
                         100.0 * job["progress"]["done"].get<double>() / job["progress"]["total"].get<double>(),
@@ -107,7 +108,7 @@ struct SubmitOptions {
 Json value_of(const Parameter& parameter, const std::string& text) {
   if (parameter.kind == ParameterKind::kFile) {
     // FILE:CHANNEL too: the channel follows the last colon of the absolute path as well.
-    return fs::absolute(text).lexically_normal().string();
+    return text_of_path(fs::absolute(text).lexically_normal().string());
   }
   const std::optional<ParameterValue> value = parse_value(parameter, text);
   if (!value) return text;
@@ -126,7 +127,7 @@ int run_submit(const JobType& type, SubmitOptions& o) {
     }
   Json job = {
       {"type", type.name}, {"parameters", parameters}, {"priority", o.priority}, {"attempt_max", o.attempt_max}};
-  if (!o.output.empty()) job["output"] = fs::absolute(o.output).lexically_normal().string();
+  if (!o.output.empty()) job["output"] = text_of_path(fs::absolute(o.output).lexically_normal().string());
   if (!o.queue.empty()) job["queue"] = o.queue;
   if (!o.label.empty()) job["label"] = o.label;
   if (!o.device.empty()) job["device"] = o.device;

@@ -3,10 +3,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/player/player_output.h"
+#include "host/service/files/path_roots.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -15,12 +18,15 @@ namespace {
 struct PlayerOptions {
   CommonOptions common;
   std::string field, output;
+  std::vector<std::string> roots;
 };
 
 int run_player(const PlayerOptions& o) {
   apply(o.common);
   const bool is_page = std::filesystem::path(o.output).extension() == ".html";
-  const PlayerOutput output{is_page ? "" : o.output, is_page ? o.output : ""};
+  PlayerOutput output{is_page ? "" : o.output, is_page ? o.output : ""};
+  if (!o.roots.empty())
+    output.check_geometry = [roots = PathRoots(o.roots)](const std::string& path) { roots.input(path); };
   check_paths_differ({o.field}, {o.output});
   check_player_output(output);
   write_player(o.field, output);
@@ -35,6 +41,8 @@ void add_player_command(CLI::App& app, int* exit_code) {
   CLI::App* player = app.add_subcommand("player", "a packed field with its player for browsers (docs/ANIMATION.md)");
   player->add_option("field", options->field, "a packed field, *.mpt")->required();
   player->add_option("-o,--output", options->output, "folder for any static server, or one page, *.html")->required();
+  // Of the service, for fields of its clients: what they name is looked at below these alone.
+  player->add_option("--root", options->roots)->allow_extra_args(false)->group("");
   add_common_options(*player, options->common);
   player->callback([options, exit_code] { *exit_code = run_player(*options); });
 }

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum serve: the daemon. multum worker: what it starts, for it alone. multum slurm-task: what Slurm starts for it.
 // multum rescue: its damaged ledger.
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -59,8 +56,9 @@ int run_serve(const ServeOptions& o) {
   std::vector<std::string> worker = {own_program(), "worker", "--threads=" + std::to_string(threads),
                                      "--data=" + settings.data};
   for (const std::string& root : settings.roots) worker.push_back("--root=" + std::filesystem::absolute(root).string());
-  run_service(
-      {settings, o.config, [o] { return settings_of(o); }, worker, system_confinement(variable), o.begins_anew});
+  const std::vector<std::string> driver = {own_program(), "confined", "--", own_program(), "devices"};
+  run_service({settings, o.config, [o] { return settings_of(o); }, worker, driver, system_confinement(variable),
+               o.begins_anew});
   return 0;
 }
 
@@ -90,8 +88,6 @@ void confine_worker(const WorkerOptions& o, const std::string& scratch) {
 }
 
 int run_worker_process(const WorkerOptions& o) {
-  // The daemon's end is this process's, also when it comes by kill -9 while a driver hangs here.
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   // When memory runs out, a worker goes before the daemon does.
   std::ofstream("/proc/self/oom_score_adj") << 500;
   keep_freed_memory();

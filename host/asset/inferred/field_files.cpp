@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "host/base/error.h"
-#include "host/base/files/content_hash.h"
+#include "host/base/files/input_hashes.h"
 
 namespace multum {
 
@@ -28,9 +29,18 @@ std::string matrix_name(const InferredSample& sample, const InferredObject& obje
   return "matrices/" + sample.name + "_" + object.name + ".fmx";
 }
 
+std::string geometry_path(const InferredManifest& field, const std::string& folder) {
+  return (std::filesystem::path(folder) / field.geometry_file).lexically_normal().string();
+}
+
 std::string checked_geometry(const InferredManifest& field, const std::string& folder) {
-  const std::string path = (std::filesystem::path(folder) / field.geometry_file).string();
-  if (hash_file(path) != field.geometry_hash)
+  const std::string path = geometry_path(field, folder);
+  // Why it cannot be read is not said: who wrote the manifest would learn of files that are only the reader's.
+  const std::optional<std::string> hash = hash_regular_file(path);
+  if (!hash)
+    refuse_file(path,
+                "is not there, or cannot be read as a file; expected the geometry that textures were inferred for");
+  if (*hash != field.geometry_hash)
     throw Error(ErrorCode::kInput,
                 path + ": is not the geometry that textures were inferred for (SHA-256 " + field.geometry_hash + ")");
   return path;
@@ -47,6 +57,7 @@ std::vector<std::string> inferred_field_files(const std::string& manifest_path) 
     for (const std::size_t first : object_poses(field, object).first_samples)
       names.insert(matrix_name(field.samples[first], object));
   }
+  if (!field.geometry_file.empty()) names.insert(field.geometry_file);
   std::vector<std::string> files;
   const std::filesystem::path folder = std::filesystem::path(manifest_path).parent_path();
   for (const std::string& name : names) files.push_back((folder / name).lexically_normal().string());

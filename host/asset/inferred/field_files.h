@@ -22,12 +22,15 @@ ObjectPoses object_poses(const InferredManifest& field, const InferredObject& ob
 /// Of a pose of the object, by its first sample; relative to the manifest.
 std::string matrix_name(const InferredSample& sample, const InferredObject& object);
 
-/// Path of the manifest's scene file; `folder` is what its name is relative to. Throws Error(kInput) where it cannot be
-/// read, or is not the one that textures were inferred for.
+/// Path of the manifest's scene file, which is not looked at; `folder` is what its name is relative to.
+std::string geometry_path(const InferredManifest& field, const std::string& folder);
+
+/// The same. Throws Error(kInput) where it cannot be read, is no regular file, or is not the one that textures were
+/// inferred for.
 std::string checked_geometry(const InferredManifest& field, const std::string& folder);
 
-/// Textures and matrices of the manifest's objects, each once: absolute where the manifest is. The files are not looked
-/// at. Throws Error(kInput) when it cannot be read.
+/// Textures and matrices of the manifest's objects and its scene file, each once: absolute where the manifest is. The
+/// files are not looked at. Throws Error(kInput) when it cannot be read.
 std::vector<std::string> inferred_field_files(const std::string& manifest_path);
 
 }  // namespace multum

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/files/input_hashes.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/open_file.h"
 
 namespace multum {
 namespace {
@@ -90,6 +92,13 @@ void InputHashes::take(const std::string& path, const FileState& state, const st
 int InputHashes::read_count() const {
   const std::lock_guard lock(mutex_);
   return read_count_;
+}
+
+std::optional<std::string> hash_regular_file(const std::string& path) {
+  const OpenFile file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  struct stat found {};
+  if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
+  return hash_file("/proc/self/fd/" + std::to_string(file.descriptor()));
 }
 
 }  // namespace multum

@@ -53,4 +53,8 @@ class InputHashes {
   int read_count_ = 0;
 };
 
+/// SHA-256 of a regular file, by whatever name; nullopt: it is none, or cannot be opened. A pipe is not waited for, and
+/// a device not read for ever.
+std::optional<std::string> hash_regular_file(const std::string& path);
+
 }  // namespace multum

@@ -68,7 +68,8 @@ ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* li
   try {
     pid = spawn_process(arguments, {.files = {{pipe_ends[1], STDOUT_FILENO}, {pipe_ends[1], STDERR_FILENO}},
                                     .has_own_group = limits != nullptr,
-                                    .is_in_path = true});
+                                    .is_in_path = true,
+                                    .ends_with_thread = true});
   } catch (const Error&) {
     close(pipe_ends[0]);
     close(pipe_ends[1]);

@@ -42,8 +42,8 @@ struct ChildLimits {
   std::function<bool()> is_cancelled = {};  // asked ten times a second; true: it is killed
 };
 
-/// `arguments[0]` is the program (looked up in PATH). It inherits no files but stdin. Throws Error(kEnvironment) when
-/// it cannot be started.
+/// `arguments[0]` is the program (looked up in PATH). It inherits no files but stdin, and is killed when this process
+/// ends, however that ends. Throws Error(kEnvironment) when it cannot be started.
 ChildResult run_child(const std::vector<std::string>& arguments);
 ChildResult run_child(const std::vector<std::string>& arguments, const ChildLimits& limits);
 

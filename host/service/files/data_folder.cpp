@@ -39,13 +39,6 @@ std::int64_t bytes_below(const std::string& folder) {
   return bytes;
 }
 
-std::int64_t bytes_of(const std::string& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) return bytes_below(path);
-  const std::uintmax_t bytes = fs::file_size(path, error);
-  return error ? 0 : static_cast<std::int64_t>(bytes);
-}
-
 std::chrono::hours age_of(const fs::directory_entry& entry) {
   std::error_code gone;
   const fs::file_time_type time = entry.last_write_time(gone);
@@ -66,11 +59,22 @@ std::int64_t number_in(const std::string& name, const std::string& before, const
 
 }  // namespace
 
+std::int64_t bytes_on_disk(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(path, error);
+  if (fs::is_directory(status)) return bytes_below(path);
+  const std::uintmax_t bytes = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
+  return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
 DataFolder::DataFolder(std::string path, std::int64_t bytes_max)
-    : path_(std::move(path)), bytes_max_(bytes_max), own_([this] {
+    : path_(std::move(path)),
+      bytes_max_(bytes_max),
+      own_([this] {
         for (const char* folder : {"/logs", "/uploads", "/results", "/scratch"}) make_folder(path_ + folder);
         return PathRoots({uploads(), results()});
-      }()) {}
+      }()),
+      seal_(take_up_seal(path_ + "/seal")) {}
 
 std::int64_t DataFolder::bytes() {
   {
@@ -95,14 +99,14 @@ bool DataFolder::is_full() const {
 
 void DataFolder::count_result(const std::string& output) {
   if (!own_.is_inside(output)) return;
-  const std::int64_t bytes = bytes_of(output);
+  const std::int64_t bytes = bytes_on_disk(output);
   const std::lock_guard lock(mutex_);
   bytes_ += bytes;
 }
 
 // Beneath the descriptor of the folder that it lies in: a link above leads nowhere.
 void DataFolder::remove_own(const std::string& path, const char* why) {
-  const std::int64_t bytes = bytes_of(path);
+  const std::int64_t bytes = bytes_on_disk(path);
   try {
     const OpenFile folder = own_.open_folder_of(path);
     const std::string name = fs::path(path).filename().string();
@@ -124,6 +128,17 @@ void DataFolder::check_room(std::int64_t more) {
         fmt::format("uploads, results, logs and pictures take {} bytes, and may take {}: {} more are too many; purge "
                     "jobs, or ask for more by data_max",
                     there, bytes_max_, more)};
+}
+
+void DataFolder::take_room(std::int64_t bytes) {
+  check_room(bytes);
+  const std::lock_guard lock(mutex_);
+  bytes_ += bytes;
+}
+
+void DataFolder::give_back(std::int64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  bytes_ -= bytes;
 }
 
 std::shared_ptr<UploadFile> DataFolder::begin_upload(std::int64_t bytes_max) {
@@ -156,11 +171,17 @@ DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) 
   std::error_code error;
   const std::lock_guard storing(storing_);
   make_folder(folder);
-  if (!fs::exists(path, error)) {
+  const bool is_new = !fs::exists(fs::symlink_status(path, error));
+  try {
+    file.name(path);
+  } catch (...) {
+    ::rmdir(folder.c_str());  // unless another lies in it
+    throw;
+  }
+  if (is_new) {
     const std::lock_guard lock(mutex_);
     bytes_ += file.bytes();
   }
-  file.name(path);
   fs::last_write_time(path, fs::file_time_type::clock::now(), error);
   upload.path = fs::canonical(path).string();
   return upload;
@@ -225,8 +246,9 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     if (!output.empty() && is_used(output)) continue;
     // What has taken its place since is nobody's that is known; what was changed in it is not removed either.
     try {
-      const bool is_folder = fs::is_directory(output, error);
-      if (!identity.empty() && file_identity(output) == identity && (!is_folder || unlisted_in(output).empty()))
+      const bool is_ours = !identity.empty() && result_identity(own_, output) == identity;
+      const bool is_folder = fs::is_directory(fs::symlink_status(output, error));
+      if (is_ours && (!is_folder || unlisted_in(output, seal_).empty()))
         remove_own(output, "the result of a job that was purged");
     } catch (const Error&) {
       continue;  // it cannot be looked at for now

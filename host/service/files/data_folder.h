@@ -16,6 +16,9 @@
 
 namespace multum {
 
+/// Bytes of a file, or of all files below a folder; of a link and what is not there none. Blocks.
+std::int64_t bytes_on_disk(const std::string& path);
+
 class DataFolder {
  public:
   /// `bytes_max`: of all of it together, but for the ledger; 0: any.
@@ -25,6 +28,8 @@ class DataFolder {
 
   std::string uploads() const { return path_ + "/uploads"; }
   std::string results() const { return path_ + "/results"; }
+  /// Of folders that this daemon publishes, here and elsewhere.
+  const ResultSeal& seal() const { return seal_; }
 
   /// Blocks. Room for an upload of at most so many bytes; what is not stored of it is free again when it is gone.
   /// Throws as check_room() does, and Error(kEnvironment) as files do. The folder outlives it.
@@ -37,6 +42,11 @@ class DataFolder {
   Upload store(const std::string& name, UploadFile& file);
   /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
   void check_room(std::int64_t bytes);
+  /// Blocks. Counts what others have made in the folder; throws as check_room() does, and then does not count it.
+  void take_room(std::int64_t bytes);
+  /// What take_room() counted is gone.
+  void give_back(std::int64_t bytes);
+  const std::string& path() const { return path_; }
 
   /// Is the folder at its limit, by the last count? Looks at no disk.
   bool is_full() const;
@@ -60,6 +70,7 @@ class DataFolder {
   const std::string path_;
   const std::int64_t bytes_max_;
   const PathRoots own_;  // uploads and results
+  const ResultSeal seal_;
   mutable std::mutex mutex_;
   std::int64_t bytes_ = 0, bytes_coming_ = 0;
   std::chrono::steady_clock::time_point counted_;  // no moment: never

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/path_text.h"
 #include "host/base/processes/child_process.h"
 #include "host/base/processes/machine.h"
 #include "host/sandbox/confinement.h"
@@ -43,7 +44,7 @@ ErrorCode error_code_of(int exit_code_found) {
 
 InputList list_inputs_in_child(const JobType& type, const Json& parameters, const PathRoots& roots) {
   if (!type.input_names_files) return {input_files(type, parameters), input_identity(type, parameters)};
-  const std::string file = parameters.at(type.input).get<std::string>();
+  const std::string file = path_of_text(parameters.at(type.input).get<std::string>());
   std::vector<std::string> command = {own_program(), "inputs", "--type=" + type.name,
                                       "--parameters=" + parameters.dump()};
   for (const std::string& root : roots.roots()) command.push_back("--root=" + root);
@@ -59,7 +60,7 @@ InputList list_inputs_in_child(const JobType& type, const Json& parameters, cons
   if (child.exit_code != 0) throw Error(error_code_of(child.exit_code), message_of(child.output));
   const Json list = Json::parse(last_line(child.output), nullptr, false);
   if (!list.is_object()) throw Error(ErrorCode::kEnvironment, file + ": no list of what it names was made");
-  return {list.at("files").get<std::vector<std::string>>(), list.at("identity").get<std::string>()};
+  return {paths_of_texts(list.at("files").get<std::vector<std::string>>()), list.at("identity").get<std::string>()};
 }
 
 void print_input_list(const std::string& type_name, const std::string& parameters_text,
@@ -71,7 +72,8 @@ void print_input_list(const std::string& type_name, const std::string& parameter
   const Json parameters = Json::parse(parameters_text, nullptr, false);
   check_parameters(type, parameters);
   const std::string text =
-      Json{{"files", input_files(type, parameters)}, {"identity", input_identity(type, parameters)}}.dump();
+      Json{{"files", texts_of_paths(input_files(type, parameters))}, {"identity", input_identity(type, parameters)}}
+          .dump();
   std::puts(text.c_str());
 }
 

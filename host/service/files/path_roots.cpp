@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <iterator>
 
 #include "host/base/error.h"
 
@@ -34,6 +35,34 @@ int open_below(int root, const std::string& relative, int flags) {
 
 bool is_below(const std::string& path, const std::string& folder) {
   return path.starts_with(folder) && path.size() > folder.size() && path[folder.size()] == '/';
+}
+
+// Where a name leads that cannot be resolved, since nothing is there: what it begins with is resolved, a link whose
+// target is missing too. Else a link in a root would tell what there is outside.
+fs::path place_of(const fs::path& path) {
+  constexpr int kLinksMax = 40;  // as many as the system follows
+  fs::path place = "/", rest = path;
+  std::error_code error;
+  for (int links = 0; !rest.empty();) {
+    const fs::path name = *rest.begin();
+    fs::path after;
+    for (auto part = std::next(rest.begin()); part != rest.end(); ++part) after /= *part;
+    rest = after;
+    if (name == "/" || name == "." || name.empty()) continue;
+    if (name == "..") {
+      place = place.parent_path();
+      continue;
+    }
+    const fs::path target = links < kLinksMax ? fs::read_symlink(place / name, error) : fs::path();
+    if (target.empty() || error) {
+      place /= name;
+      continue;
+    }
+    ++links;
+    if (target.is_absolute()) place = "/";
+    rest = target.relative_path() / rest;
+  }
+  return place;
 }
 
 bool is_same_folder(int descriptor, const std::string& path) {
@@ -119,7 +148,7 @@ std::string PathRoots::input(const std::string& path) const {
   const fs::path canonical = fs::canonical(path, error);
   // What is outside is refused by its name first: whether it is there is nobody's business.
   if (error) {
-    if (!is_inside(fs::weakly_canonical(path, error).string())) refuse(path);
+    if (!is_inside(place_of(path).string())) refuse(path);
     throw Error(ErrorCode::kUsage, fmt::format("{}: there is no such file", path));
   }
   if (!is_inside(canonical.string())) refuse(path);
@@ -139,7 +168,7 @@ std::string PathRoots::output(const std::string& path) const {
   std::error_code error;
   const fs::path folder = fs::canonical(named.parent_path(), error);
   if (error) {
-    if (!is_inside(fs::weakly_canonical(named, error).string())) refuse(path);
+    if (!is_inside(place_of(named).string())) refuse(path);
     throw Error(ErrorCode::kUsage, fmt::format("{}: its folder is not there", path));
   }
   const fs::path result = folder / name;

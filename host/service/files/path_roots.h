@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/files/open_file.h"
+#include "host/service/files/result_seal.h"
 
 namespace multum {
 
@@ -48,6 +49,7 @@ struct JobRoots {
   PathRoots inputs;   // the configured roots, uploads and results
   PathRoots outputs;  // the configured roots and results
   PathRoots results;  // the daemon's own place for results
+  ResultSeal seal;    // of folders that the daemon publishes
 };
 
 }  // namespace multum

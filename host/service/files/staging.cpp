@@ -14,7 +14,6 @@
 
 #include "host/base/error.h"
 #include "host/base/files/own_folder.h"
-#include "host/service/files/result_listing.h"
 
 namespace multum {
 namespace {
@@ -79,18 +78,41 @@ std::string file_identity(const std::string& path) {
   return ::stat(path.c_str(), &found) == 0 ? identity_of(found) : "";
 }
 
-bool is_as_made(const std::string& path, const std::string& identity) {
-  std::error_code ignored;
-  return !identity.empty() && file_identity(path) == identity &&
-         (!fs::is_directory(path, ignored) || is_as_published(path));
+namespace {
+
+// The folder that a result lies in; none: it is not there, or behind a link.
+std::optional<OpenFile> open_place(const PathRoots& roots, const std::string& path) {
+  try {
+    return roots.open_folder_of(path);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kUsage) throw;
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::string result_identity(const PathRoots& roots, const std::string& path) {
+  const std::optional<OpenFile> folder = open_place(roots, path);
+  return folder ? identity_at(folder->descriptor(), fs::path(path).filename().string()) : "";
+}
+
+bool is_as_made(const PathRoots& roots, const std::string& path, const std::string& identity, const ResultSeal& seal) {
+  const std::optional<OpenFile> folder = open_place(roots, path);
+  if (identity.empty() || !folder) return false;
+  const std::string name = fs::path(path).filename().string();
+  const std::optional<struct stat> found = state_of(folder->descriptor(), name);
+  if (!found || identity_at(folder->descriptor(), name) != identity) return false;
+  return !S_ISDIR(found->st_mode) || is_as_published(name_of(*folder) + "/" + name, seal);
 }
 
 StagedResult::StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance,
-                           std::int64_t id)
+                           std::int64_t id, ResultSeal seal)
     : output_(output),
       name_(fs::path(output).filename().string()),
       staging_(prefix_of(instance) + std::to_string(id)),
       id_(id),
+      seal_(std::move(seal)),
       folder_(roots.open_folder_of(output)) {}
 
 OpenFile StagedResult::open_staging() const { return find_own_folder(folder_, staging_, staging_path()); }
@@ -109,7 +131,7 @@ void StagedResult::check_place(bool is_folder) const {
   if (S_ISDIR(found->st_mode) && !is_folder) refuse("is a folder, expected a file or nothing there");
   if (!S_ISDIR(found->st_mode) && is_folder) refuse("is a file, expected a folder or nothing there");
   if (!is_folder) return;
-  const std::string other = unlisted_in(name_of(folder_) + "/" + name_);
+  const std::string other = unlisted_in(name_of(folder_) + "/" + name_, seal_);
   if (!other.empty())
     refuse(
         fmt::format("holds {}, which is not a result as this service published it; expected an empty folder, a result "
@@ -123,7 +145,7 @@ std::string StagedResult::publish(const std::string& identity) const {
   if (staging.is_open() && identity_at(staging.descriptor(), name_) == identity) {
     const bool is_folder = S_ISDIR(state_of(staging.descriptor(), name_)->st_mode);
     check_place(is_folder);
-    if (is_folder) write_result_listing(name_of(staging) + "/" + name_);
+    if (is_folder) write_result_listing(name_of(staging) + "/" + name_, seal_);
     // Two folders change places: an exchange is the only rename of a folder onto one that is not empty.
     const bool is_exchange = is_folder && state_of(folder, name_).has_value();
     if (::renameat2(staging.descriptor(), name_.c_str(), folder, name_.c_str(), is_exchange ? RENAME_EXCHANGE : 0) != 0)
@@ -149,7 +171,7 @@ std::string StagedResult::put_aside(const OpenFile& staging) const {
   const std::optional<struct stat> old = state_of(staging.descriptor(), name_);
   if (!old || !S_ISDIR(old->st_mode)) return "";
   try {
-    if (remove_listed(name_of(staging) + "/" + name_)) return "";
+    if (remove_listed(name_of(staging) + "/" + name_, seal_)) return "";
   } catch (const Error&) {  // what is not known to be ours is kept
   }
   constexpr int kNamesMax = 100;

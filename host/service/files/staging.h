@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/service/files/path_roots.h"
+#include "host/service/files/result_listing.h"
 
 namespace multum {
 
@@ -23,18 +24,23 @@ std::string staged_name(const std::string& output);
 /// PathRoots::open_folder_of() does, and Error(kEnvironment) for what somebody else put in its place.
 OpenFile open_staging_folder(const PathRoots& roots, const std::string& path);
 
-/// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it.
+/// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it. An
+/// input's: a link is followed.
 std::string file_identity(const std::string& path);
+/// The same of a result, by no link anywhere; empty also when it is a link, or lies behind one. Throws
+/// Error(kEnvironment) when it cannot be known.
+std::string result_identity(const PathRoots& roots, const std::string& path);
 
-/// Does a result lie there as it was published, by its identity then? a folder with all that it held, and no more.
-/// Throws Error(kEnvironment) when that cannot be known.
-bool is_as_made(const std::string& path, const std::string& identity);
+/// Does a result lie there as it was published, by its identity then? a folder with all that it held, and no more; by
+/// no link. Throws Error(kEnvironment) when that cannot be known.
+bool is_as_made(const PathRoots& roots, const std::string& path, const std::string& identity, const ResultSeal& seal);
 
 /// One job's result on its way to its name.
 class StagedResult {
  public:
   /// Throws as PathRoots::open_folder_of() does.
-  StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id);
+  StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id,
+               ResultSeal seal);
 
   /// Identity of the staged result; empty: there is none, or a link. Throws Error(kEnvironment) where somebody else has
   /// put something in the staging folder's place.
@@ -58,6 +64,7 @@ class StagedResult {
 
   std::string output_, name_, staging_;
   std::int64_t id_;
+  ResultSeal seal_;
   OpenFile folder_;
 };
 

@@ -22,6 +22,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/path_text.h"
 #include "host/base/stopwatch.h"
 #include "host/service/files/input_list.h"
 #include "host/service/files/result_listing.h"
@@ -33,6 +34,7 @@
 #include "host/service/http/result_archive.h"
 #include "host/service/http/web_files.h"
 #include "host/service/ledger/job_json.h"
+#include "host/service/workers/driver_probe.h"
 #include "host/service/workers/job_types.h"
 
 namespace multum {
@@ -50,7 +52,7 @@ struct HttpApi::State {
   using Counts = std::map<std::string, std::map<JobState, std::int64_t>>;
 
   State(asio::io_context& context, QueueThread& queue, Dispatcher& the_dispatcher, EventHub& hub, DataFolder& the_data,
-        const ServiceSettings& the_settings, const JobRoots& the_roots, std::string the_token)
+        const JobRoots& the_roots, std::string the_token, std::vector<std::string> driver_command)
       : io(context),
         ledger(queue),
         dispatcher(the_dispatcher),
@@ -59,7 +61,8 @@ struct HttpApi::State {
         token(std::move(the_token)),
         roots(the_roots),
         hashes(2),
-        pictures(context, the_settings.data, roots) {}
+        pictures(context, data, roots),
+        driver(context, std::move(driver_command)) {}
 
   // Runs `work` on the ledger; rethrows what it throws.
   asio::awaitable<void> in_ledger(QueueThread::Work work) {
@@ -93,11 +96,15 @@ struct HttpApi::State {
     if (error) std::rethrow_exception(error);
   }
 
+  [[noreturn]] static void refuse_unknown(const std::string& text) {
+    throw Refusal{404, "not_found", fmt::format("there is no job {}", text.substr(0, 30))};
+  }
+
   asio::awaitable<Job> job_of(std::string text) {
     const std::optional<std::int64_t> id = parse_integer(text);
     std::optional<Job> job;
     if (id) co_await in_ledger([&](JobQueue& queue) { job = queue.find(*id); });
-    if (!job) throw Refusal{404, "not_found", fmt::format("there is no job {}", text.substr(0, 30))};
+    if (!job) refuse_unknown(text);
     co_return *job;
   }
 
@@ -113,7 +120,7 @@ struct HttpApi::State {
     Job job;
     co_await in_ledger([&](JobQueue& queue) {
       result = queue.submit(
-          submission, [&](const Job& other) { return is_result_intact(queue, other); }, wall_clock_ms());
+          submission, [&](const Job& other) { return is_result_intact(queue, roots, other); }, wall_clock_ms());
       job = *queue.find(result.id);
       queue.take_changed();
     });
@@ -128,7 +135,8 @@ struct HttpApi::State {
   void look_at_files(const JobType& type, SubmitRequest& asked) {
     JobSubmission& submission = asked.job;
     if (!submission.output.empty())
-      StagedResult(roots.outputs, submission.output, dispatcher.instance(), 0).check_place(type.output_is_folder);
+      StagedResult(roots.outputs, submission.output, dispatcher.instance(), 0, roots.seal)
+          .check_place(type.output_is_folder);
     if (type.input.empty()) return;
     const InputList inputs = list_inputs_in_child(type, asked.parameters(), roots.inputs);
     std::vector<std::string> file_hashes;
@@ -168,18 +176,27 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> show(std::string text) {
-    const Job job = co_await job_of(std::move(text));
-    Json json = job_json(job);
-    co_await in_ledger([&](JobQueue& queue) {
-      json["attempts"] = Json::array();
-      for (const JobAttempt& attempt : queue.attempts(job.id)) json["attempts"].push_back(attempt_json(attempt));
-      json["parts"] = Json::array();
-      for (const SlurmPart& part : queue.slurm().of_job(job.id)) json["parts"].push_back(part_json(part));
-    });
+    // All of it at one moment: in two transactions a job could have run with no attempt, or be dead with one that runs.
+    const std::optional<std::int64_t> id = parse_integer(text);
+    Json json;
+    if (id) co_await in_ledger([&](JobQueue& queue) { json = shown(queue, *id); });
+    if (json.is_null()) refuse_unknown(text);
     add_progress(json);
     if (const SlurmPool* slurm = dispatcher.slurm())
       for (Json& part : json["parts"]) add_view(part, slurm->view({part["batch"], part["item"]}));
     co_return json_response(json);
+  }
+
+  // Null: there is no such job.
+  static Json shown(JobQueue& queue, std::int64_t id) {
+    const std::optional<Job> job = queue.find(id);
+    if (!job) return nullptr;
+    Json json = job_json(*job);
+    json["attempts"] = Json::array();
+    for (const JobAttempt& attempt : queue.attempts(id)) json["attempts"].push_back(attempt_json(attempt));
+    json["parts"] = Json::array();
+    for (const SlurmPart& part : queue.slurm().of_job(id)) json["parts"].push_back(part_json(part));
+    return json;
   }
 
   static void add_view(Json& part, const std::optional<SlurmPool::PartView>& view) {
@@ -305,7 +322,7 @@ struct HttpApi::State {
     if (!memory.resize(memory.bytes() + kCopies * bytes))
       throw Refusal{503, "busy", "there is no memory for so long a list of files", {{"Retry-After", "1"}}};
     std::shared_ptr<HttpBody> made;
-    co_await beside([&] { made = std::make_shared<ResultArchive>(std::move(folder), name); });
+    co_await beside([&] { made = std::make_shared<ResultArchive>(std::move(folder), name, roots.seal); });
     co_return made;
   }
 
@@ -321,11 +338,12 @@ struct HttpApi::State {
     DataFolder::Upload stored;
     co_await beside([&] { stored = data.store(name, *request.upload); });
     co_await in_ledger([&](JobQueue& queue) { queue.files().note_upload(stored.path); });
-    const std::string use = fmt::format(
-        "name this path as the input of a job, as in {}",
-        Json{{"type", "bake"}, {"parameters", {{"input", stored.path}}}, {"output", "NAME.ndf.exr"}}.dump());
+    const std::string path = text_of_path(stored.path);
+    const std::string use =
+        fmt::format("name this path as the input of a job, as in {}",
+                    Json{{"type", "bake"}, {"parameters", {{"input", path}}}, {"output", "NAME.ndf.exr"}}.dump());
     co_return json_response(
-        {{"path", stored.path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}, {"use", use}}, 201);
+        {{"path", path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}, {"use", use}}, 201);
   }
 
   // Jobs by queue and state. All are counted, a million in near a second of the ledger's one thread, which every page
@@ -398,9 +416,13 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> ready() {
     co_await in_ledger([](JobQueue& queue) { queue.check_kept(); });
-    const bool is_ready = !dispatcher.is_draining() && dispatcher.workers().live_count() > 0;
-    co_return json_response({{"ready", is_ready}, {"workers", dispatcher.workers().live_count()}},
-                            is_ready ? 200 : 503);
+    const DriverProbe::Finding found = co_await driver.look();
+    const int workers = dispatcher.workers().live_count();
+    // Where all jobs are sent to Slurm, drivers are the nodes'.
+    const bool is_ready = !dispatcher.is_draining() && workers > 0 && (found.has_device || !dispatcher.bakes_here());
+    Json json = {{"ready", is_ready}, {"workers", workers}, {"driver", found.has_device}};
+    if (!found.has_device) json["message"] = text_of_message(found.message);
+    co_return json_response(json, is_ready ? 200 : 503);
   }
 
   asio::awaitable<HttpResponse> metrics() {
@@ -420,6 +442,7 @@ struct HttpApi::State {
   const JobRoots& roots;
   FileHashes hashes;
   JobPictures pictures;
+  DriverProbe driver;
   const HttpServer* server = nullptr;
   Counts counted;
   Clock::time_point counted_until;  // `counted` is answered again until then
@@ -551,6 +574,18 @@ bool is_same_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
+// "Bearer TOKEN"; the scheme is in any case (RFC 9110, section 11.1). "": it is another.
+std::string bearer_token(const std::string& field) {
+  constexpr std::string_view kScheme = "bearer";
+  const std::size_t space = field.find(' ');
+  const bool is_bearer =
+      space == kScheme.size() && std::equal(kScheme.begin(), kScheme.end(), field.begin(), [](char expected, char c) {
+        return expected == (c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c);
+      });
+  const std::size_t begin = is_bearer ? field.find_first_not_of(' ', space) : std::string::npos;
+  return begin == std::string::npos ? "" : field.substr(begin);
+}
+
 // A page elsewhere must not make a browser on this machine command the service: neither by a form or script of another
 // origin, nor by a name that its owner lets point here (DNS rebinding).
 bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
@@ -573,8 +608,9 @@ bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
 }  // namespace
 
 HttpApi::HttpApi(asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
-                 const ServiceSettings& settings, const JobRoots& roots, std::string token)
-    : state_(std::make_unique<State>(io, ledger, dispatcher, events, data, settings, roots, std::move(token))) {}
+                 const JobRoots& roots, std::string token, std::vector<std::string> driver_command)
+    : state_(std::make_unique<State>(io, ledger, dispatcher, events, data, roots, std::move(token),
+                                     std::move(driver_command))) {}
 
 HttpApi::~HttpApi() = default;
 
@@ -613,8 +649,8 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
     const auto given = request.headers.find("authorization");
     const auto query = request.query.find("access_token");  // event streams of browsers have no headers
     const bool is_known =
-        (given != request.headers.end() && is_same_secret(given->second, "Bearer " + state_->token)) ||
-        (query != request.query.end() && is_same_secret(query->second, state_->token));
+        (given != request.headers.end() && is_same_secret(bearer_token(given->second), state_->token)) ||
+        (query != request.query.end() && request.method == "GET" && is_same_secret(query->second, state_->token));
     if (!is_known)
       return refuse({401, "token", "a bearer token is needed", {{"WWW-Authenticate", "Bearer realm=\"multum\""}}});
   }

@@ -15,15 +15,15 @@
 #include "host/service/files/path_roots.h"
 #include "host/service/http/http_server.h"
 #include "host/service/http/job_pictures.h"
-#include "host/service/service_settings.h"
 #include "host/service/workers/dispatcher.h"
 
 namespace multum {
 
 class HttpApi {
  public:
+  /// `driver_command`: as DriverProbe takes it.
   HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
-          const ServiceSettings& settings, const JobRoots& roots, std::string token);
+          const JobRoots& roots, std::string token, std::vector<std::string> driver_command);
   ~HttpApi();
   HttpApi(const HttpApi&) = delete;
   HttpApi& operator=(const HttpApi&) = delete;

@@ -2,12 +2,16 @@
 #include "host/service/http/http_client.h"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
 
-#include <boost/asio/connect.hpp>
+#include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <cerrno>
+#include <climits>
 #include <optional>
 
 #include "host/base/error.h"
@@ -19,6 +23,84 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 using Json = nlohmann::json;
+
+using std::chrono::milliseconds;
+
+// A socket that waits for so long and no longer: asio's own blocking calls have no limit of time. Beast reads from it
+// and writes to it as to any stream.
+template <typename Protocol>
+class PatientSocket {
+ public:
+  PatientSocket(asio::io_context& io, milliseconds patience) : socket_(io), patience_(patience) {}
+
+  using executor_type = typename Protocol::socket::executor_type;
+  executor_type get_executor() { return socket_.get_executor(); }
+
+  void connect(const typename Protocol::endpoint& endpoint, milliseconds patience, boost::system::error_code& error) {
+    boost::system::error_code ignored;
+    socket_.close(ignored);  // of the address before
+    socket_.open(endpoint.protocol(), error);
+    if (!error) socket_.non_blocking(true, error);
+    if (error) return;
+    socket_.connect(endpoint, error);
+    if (error != asio::error::in_progress && error != asio::error::would_block) return;
+    if (!wait(POLLOUT, patience, error)) return;
+    int failed = 0;
+    socklen_t size = sizeof(failed);
+    ::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &failed, &size);
+    error = boost::system::error_code(failed, boost::system::system_category());
+  }
+
+  template <typename Buffers>
+  std::size_t read_some(const Buffers& buffers, boost::system::error_code& error) {
+    return patiently(POLLIN, error, [&] { return socket_.read_some(buffers, error); });
+  }
+  template <typename Buffers>
+  std::size_t write_some(const Buffers& buffers, boost::system::error_code& error) {
+    return patiently(POLLOUT, error, [&] { return socket_.write_some(buffers, error); });
+  }
+  template <typename Buffers>
+  std::size_t read_some(const Buffers& buffers) {
+    boost::system::error_code error;
+    const std::size_t count = read_some(buffers, error);
+    if (error) throw boost::system::system_error(error);
+    return count;
+  }
+  template <typename Buffers>
+  std::size_t write_some(const Buffers& buffers) {
+    boost::system::error_code error;
+    const std::size_t count = write_some(buffers, error);
+    if (error) throw boost::system::system_error(error);
+    return count;
+  }
+
+ private:
+  bool wait(short event, milliseconds patience, boost::system::error_code& error) {
+    using PatientClock = std::chrono::steady_clock;
+    const auto until = PatientClock::now() + patience;
+    error = asio::error::timed_out;
+    for (auto left = patience; left.count() > 0; left = std::chrono::ceil<milliseconds>(until - PatientClock::now())) {
+      pollfd waited = {socket_.native_handle(), event, 0};
+      const int ready = ::poll(&waited, 1, static_cast<int>(std::min<std::int64_t>(left.count(), INT_MAX)));
+      if (ready > 0) error = {};
+      if (ready < 0 && errno != EINTR) error = boost::system::error_code(errno, boost::system::system_category());
+      if (ready > 0 || (ready < 0 && errno != EINTR)) break;
+    }
+    return !error;
+  }
+
+  template <typename Move>
+  std::size_t patiently(short event, boost::system::error_code& error, const Move& move) {
+    for (;;) {
+      const std::size_t count = move();
+      if (error != asio::error::would_block && error != asio::error::try_again) return count;
+      if (!wait(event, patience_, error)) return 0;
+    }
+  }
+
+  typename Protocol::socket socket_;
+  milliseconds patience_;
+};
 
 template <typename Socket>
 http::response<http::string_body> exchange(Socket& socket, const http::request<http::string_body>& request) {
@@ -45,6 +127,7 @@ void read_events(Socket& socket, const http::request<http::string_body>& request
   boost::system::error_code error;
   while (!parser.is_done() && !error) {
     http::read_some(socket, buffer, parser, error);
+    if (error == asio::error::timed_out) throw boost::system::system_error(error);
     text += std::exchange(parser.get().body(), {});
     for (std::size_t end = text.find("\n\n"); end != std::string::npos; end = text.find("\n\n")) {
       std::string kind, data;
@@ -64,7 +147,8 @@ void read_events(Socket& socket, const http::request<http::string_body>& request
 
 }  // namespace
 
-HttpClient::HttpClient(std::string server, std::string token) : token_(std::move(token)) {
+HttpClient::HttpClient(std::string server, std::string token, HttpPatience patience)
+    : token_(std::move(token)), patience_(patience) {
   if (server.starts_with("unix:")) {
     unix_path_ = server.substr(5);
     return;
@@ -84,18 +168,25 @@ HttpClient::HttpClient(std::string server, std::string token) : token_(std::move
 namespace {
 
 template <typename Use>
-void with_socket(const std::string& host, const std::string& port, const std::string& unix_path, const Use& use) {
+void with_socket(const std::string& host, const std::string& port, const std::string& unix_path,
+                 const HttpPatience& patience, milliseconds silence, const Use& use) {
   asio::io_context io;
   const std::string where = unix_path.empty() ? host + ":" + port : unix_path;
+  boost::system::error_code failed = asio::error::host_not_found;
   try {
     if (unix_path.empty()) {
       asio::ip::tcp::resolver resolver(io);
-      asio::ip::tcp::socket socket(io);
-      asio::connect(socket, resolver.resolve(host, port));
+      PatientSocket<asio::ip::tcp> socket(io, silence);
+      for (const auto& address : resolver.resolve(host, port)) {
+        socket.connect(address.endpoint(), patience.connecting, failed);
+        if (!failed) break;
+      }
+      if (failed) throw boost::system::system_error(failed);
       use(socket);
     } else {
-      asio::local::stream_protocol::socket socket(io);
-      socket.connect(unix_path);
+      PatientSocket<asio::local::stream_protocol> socket(io, silence);
+      socket.connect(asio::local::stream_protocol::endpoint(unix_path), patience.connecting, failed);
+      if (failed) throw boost::system::system_error(failed);
       use(socket);
     }
   } catch (const boost::system::system_error& error) {
@@ -142,7 +233,10 @@ std::string HttpClient::text(const std::string& target) { return exchange_text("
 std::string HttpClient::exchange_text(const std::string& method, const std::string& target, const Json& body) {
   http::response<http::string_body> response;
   const auto request = request_of(method, target, host_name(), token_, body);
-  with_socket(host_, port_, unix_path_, [&](auto& socket) { response = exchange(socket, request); });
+  // A submission is answered when its files are read.
+  const milliseconds silence = method == "GET" ? patience_.answer : patience_.work;
+  with_socket(host_, port_, unix_path_, patience_, silence,
+              [&](auto& socket) { response = exchange(socket, request); });
   const unsigned status = response.result_int();
   if (status >= 400) {
     const Json json = Json::parse(response.body(), nullptr, false);
@@ -156,7 +250,8 @@ std::string HttpClient::exchange_text(const std::string& method, const std::stri
 void HttpClient::listen(const std::string& target, const std::function<bool()>& opened,
                         const std::function<bool(const std::string& kind, const Json& data)>& take) {
   const auto request = request_of("GET", target, host_name(), token_, nullptr);
-  with_socket(host_, port_, unix_path_, [&](auto& socket) { read_events(socket, request, opened, take); });
+  with_socket(host_, port_, unix_path_, patience_, patience_.answer,
+              [&](auto& socket) { read_events(socket, request, opened, take); });
 }
 
 }  // namespace multum

@@ -7,6 +7,9 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "host/base/path_text.h"
+#include "host/service/files/no_space.h"
+
 namespace multum {
 
 using Json = nlohmann::json;
@@ -16,8 +19,8 @@ HttpResponse json_response(const Json& json, int status) {
 }
 
 HttpResponse refusal_response(const Refusal& refusal) {
-  HttpResponse response =
-      json_response({{"error", {{"code", refusal.code}, {"message", refusal.message}}}}, refusal.status);
+  HttpResponse response = json_response(
+      {{"error", {{"code", refusal.code}, {"message", text_of_message(refusal.message)}}}}, refusal.status);
   response.headers = refusal.headers;
   return response;
 }
@@ -35,6 +38,8 @@ std::string attachment(const std::string& name) {
 }
 
 Refusal refusal_of(const Error& error) {
+  if (dynamic_cast<const NoSpaceError*>(&error) != nullptr)
+    return {507, "no_space", error.what(), {{"Retry-After", "60"}}};
   switch (error.code()) {
     case ErrorCode::kUsage: return {400, "usage", error.what()};
     case ErrorCode::kInput: return {400, "input", error.what()};

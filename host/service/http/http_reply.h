@@ -24,7 +24,7 @@ HttpResponse refusal_response(const Refusal& refusal);
 /// Content-Disposition of a download of this name (RFC 6266): with what ASCII has of it, and all of it as UTF-8 where
 /// that is not the same.
 std::string attachment(const std::string& name);
-/// 400 for usage and input errors, 503 for those of the environment.
+/// 400 for usage and input errors, 507 where the disk takes no more, 503 for others of the environment.
 Refusal refusal_of(const Error& error);
 
 }  // namespace multum

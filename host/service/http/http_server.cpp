@@ -26,6 +26,7 @@
 
 #include "host/base/error.h"
 #include "host/service/http/http_line.h"
+#include "host/service/http/http_range.h"
 #include "host/service/http/http_reply.h"
 #include "host/service/service_log.h"
 
@@ -55,10 +56,12 @@ constexpr std::size_t kQueryMax = 32;            // parameters
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
 constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell others that it is full
 
-std::optional<std::string> decoded(std::string_view text) {
+// A plus is a space in queries alone (URL Standard, application/x-www-form-urlencoded). nullopt also for a NUL, which
+// no name or text here has.
+std::optional<std::string> decoded(std::string_view text, bool is_query) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '+') {
+    if (text[i] == '+' && is_query) {
       result += ' ';
     } else if (text[i] == '%') {
       const auto digit = [&](std::size_t at) {
@@ -69,7 +72,7 @@ std::optional<std::string> decoded(std::string_view text) {
                                       : -1;
       };
       const int high = digit(i + 1), low = digit(i + 2);
-      if (high < 0 || low < 0) return std::nullopt;
+      if (high < 0 || low < 0 || high + low == 0) return std::nullopt;
       result += static_cast<char>(16 * high + low);
       i += 2;
     } else {
@@ -82,8 +85,8 @@ std::optional<std::string> decoded(std::string_view text) {
 // False: the target is none.
 bool split_target(std::string_view target, HttpRequest& request) {
   const std::size_t question = target.find('?');
-  const std::optional<std::string> path = decoded(target.substr(0, question));
-  if (!path || !path->starts_with('/') || path->find('\0') != std::string::npos) return false;
+  const std::optional<std::string> path = decoded(target.substr(0, question), false);
+  if (!path || !path->starts_with('/')) return false;
   request.path = *path;
   if (question == std::string_view::npos) return true;
   std::string_view rest = target.substr(question + 1);
@@ -91,9 +94,9 @@ bool split_target(std::string_view target, HttpRequest& request) {
     const std::string_view one = rest.substr(0, rest.find('&'));
     rest.remove_prefix(std::min(rest.size(), one.size() + 1));
     const std::size_t equals = one.find('=');
-    const std::optional<std::string> name = decoded(one.substr(0, equals));
+    const std::optional<std::string> name = decoded(one.substr(0, equals), true);
     const std::optional<std::string> value =
-        equals == std::string_view::npos ? std::string() : decoded(one.substr(equals + 1));
+        equals == std::string_view::npos ? std::string() : decoded(one.substr(equals + 1), true);
     if (!name || !value || request.query.size() >= kQueryMax) return false;
     request.query[*name] = *value;
   }
@@ -256,8 +259,10 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     ++counters.requests;
     if (!is_urgent) co_await turn();
     request.memory = &share;
+    const RangeRequest range = range_request(request);
     HttpResponse response = co_await settings.answer(std::move(request));
     share.resize(0);
+    serve_range(response, range, is_head);
     if (response.is_stream && !is_head) {
       std::optional<Listener> listener = Listener::one_more(this->shared_from_this());
       if (listener) {
@@ -364,14 +369,17 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   asio::awaitable<bool> send_made(HttpLine& line, unsigned version, bool keep, bool is_head, HttpResponse response) {
     http::response<http::empty_body> message(static_cast<http::status>(response.status), version);
     fill_header(message, keep, response);
-    message.content_length(response.made->bytes());
+    const HttpBodyPart part = response.part.value_or(HttpBodyPart{0, response.made->bytes()});
+    message.content_length(part.count);
     http::response_serializer<http::empty_body> serializer(message);
     serializer.split(true);
     while (!serializer.is_header_done()) co_await line.write_some(serializer, kSilence);
     std::vector<char> piece(is_head ? 0 : kPiece);
-    for (std::uint64_t left = is_head ? 0 : response.made->bytes(); left > 0;) {
+    if (!is_head && part.first > 0) co_await settings.beside([&] { response.made->skip(part.first); });
+    for (std::uint64_t left = is_head ? 0 : part.count; left > 0;) {
       std::size_t count = 0;
-      co_await settings.beside([&] { count = response.made->read(piece.data(), piece.size()); });
+      const std::size_t wanted = std::min<std::uint64_t>(piece.size(), left);
+      co_await settings.beside([&] { count = response.made->read(piece.data(), wanted); });
       if (count == 0 || count > left) throw Error(ErrorCode::kEnvironment, "an answer is not as long as was said");
       for (asio::const_buffer rest(piece.data(), count); rest.size() > 0;)
         rest += co_await line.write_some(rest, kSilence);

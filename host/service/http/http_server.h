@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,15 @@ class HttpBody {
   virtual std::size_t memory() const = 0;
   /// Blocks: its next bytes, as many as were asked for unless it ends. Throws what it likes: the line is cut.
   virtual std::size_t read(char* to, std::size_t bytes_max) = 0;
+  /// A strong validator, in quotes, of one whose bytes are the same each time; "": parts of it cannot be had.
+  virtual std::string etag() const { return ""; }
+  /// Blocks: passes over its next bytes. Of one with an etag().
+  virtual void skip(std::uint64_t) {}
+};
+
+/// Part of a body.
+struct HttpBodyPart {
+  std::uint64_t first = 0, count = 0;
 };
 
 struct HttpResponse {
@@ -49,6 +59,7 @@ struct HttpResponse {
   std::vector<std::pair<std::string, std::string>> headers = {};
   std::shared_ptr<OpenFile> file = nullptr;  // sent instead of a body
   std::shared_ptr<HttpBody> made = nullptr;  // likewise
+  std::optional<HttpBodyPart> part = {};     // of `made`: what of it is sent; nullopt: all
   bool is_stream = false;                    // server-sent events until the client goes
   std::uint64_t after = 0;                   // of a stream: events with higher numbers
   std::int64_t job = 0;                      // of a stream: of this job alone; 0: all

@@ -19,6 +19,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/path_text.h"
 #include "host/base/processes/child_process.h"
 #include "host/base/processes/machine.h"
 #include "host/service/files/staging.h"
@@ -37,7 +38,7 @@ constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // jobs go before
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr std::size_t kLooksMax = 16;  // pages that are kept; one of the largest map that they show is 37 MB
-constexpr char kSaid[] = "said.txt", kPlayer[] = "player.html", kLook[] = "look.html";
+constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt", kPlayer[] = "player.html", kLook[] = "look.html";
 constexpr char kLookEnding[] = "-look";
 // Such a page has all in itself. It may run its own script and save paths, and is of no origin: what a stranger may
 // have done to it reaches neither the service nor a token.
@@ -104,8 +105,8 @@ std::vector<std::string> confined(const JobRoots& roots, const std::string& fold
 
 }  // namespace
 
-JobPictures::JobPictures(asio::io_context& io, const std::string& data, const JobRoots& roots)
-    : io_(io), folder_(data + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
+JobPictures::JobPictures(asio::io_context& io, DataFolder& data, const JobRoots& roots)
+    : io_(io), data_(data), folder_(data.path() + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
   make_folder(folder_);
   // What an earlier daemon could not make is tried once more: by now there may be what it lacked.
   std::error_code ignored;
@@ -131,7 +132,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity,
   Request request{std::move(job), std::move(identity), folder, is_look};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
-  response.headers = {{"Cache-Control", "private, max-age=3600"}};
+  response.headers = {{"Cache-Control", "private, no-cache"}};
   if (name == kPlayer || is_look) {
     response.content_type = "text/html; charset=utf-8";
     response.headers.emplace_back("Content-Security-Policy", kPagePolicy);
@@ -167,9 +168,10 @@ asio::awaitable<void> JobPictures::made(Request request) {
     };
     asio::post(pool_, [this, done, request] {
       // Pictures that are there are not kept waiting by those that are being made.
-      std::error_code ignored;
-      if (file_identity(request.job.output) == request.identity && fs::exists(request.folder, ignored))
-        return done(nullptr);
+      try {
+        if (has_result(request) && is_made(request)) return done(nullptr);
+      } catch (const std::exception&) {  // whoever makes them finds it too
+      }
       asio::post(one_at_a_time_, [this, done, request] {
         try {
           make(request);
@@ -187,7 +189,7 @@ asio::awaitable<void> JobPictures::made(Request request) {
 std::vector<std::string> JobPictures::look_command(const Job& job, const std::string& folder) const {
   std::string source;
   try {
-    source = roots_.inputs.input(nlohmann::json::parse(job.parameters).at("input").get<std::string>());
+    source = roots_.inputs.input(path_of_text(nlohmann::json::parse(job.parameters).at("input").get<std::string>()));
   } catch (const Error& error) {
     refuse(std::string("the page shows the lobes beside the map that was baked: ") + error.what());
   }
@@ -202,7 +204,9 @@ std::vector<std::string> JobPictures::command(const Request& request, const std:
   if (request.is_look) return look_command(job, folder);
   if (job.type == "pack") {
     std::vector<std::string> words = confined(roots_, folder, own_program());
-    words.insert(words.end(), {"player", "-q", "-o", folder + "/" + kPlayer, "--", job.output});
+    words.insert(words.end(), {"player", "-q", "-o", folder + "/" + kPlayer});
+    for (const std::string& root : roots_.inputs.roots()) words.push_back("--root=" + root);
+    words.insert(words.end(), {"--", job.output});
     return words;
   }
   const std::string viewer = find_viewer();
@@ -214,7 +218,7 @@ std::vector<std::string> JobPictures::command(const Request& request, const std:
   for (const auto& [parameter, option] : {std::pair("input", "--source="), std::pair("albedo", "--albedo=")}) {
     if (job.type != "bake" || !parameters.contains(parameter)) continue;
     try {
-      words.push_back(option + roots_.inputs.input(parameters.at(parameter).get<std::string>()));
+      words.push_back(option + roots_.inputs.input(path_of_text(parameters.at(parameter).get<std::string>())));
     } catch (const Error&) {
       if (std::string(parameter) == "input") break;  // gone: the render is left
     }
@@ -223,24 +227,78 @@ std::vector<std::string> JobPictures::command(const Request& request, const std:
   return words;
 }
 
-void JobPictures::check_result(const Request& request) const {
-  try {
-    if (roots_.outputs.output(request.job.output) == request.job.output &&
-        file_identity(request.job.output) == request.identity)
-      return;
-  } catch (const Error&) {  // its folder is gone, or it is a link by now
+bool JobPictures::has_result(const Request& request) const {
+  return is_as_made(roots_.outputs, request.job.output, request.identity, roots_.seal);
+}
+
+// By what the maps that the job was given are told from others; of one that is not there any more a word.
+std::string JobPictures::sources_of(const Job& job) const {
+  std::string text;
+  if (job.type != "bake") return text;
+  const nlohmann::json parameters = nlohmann::json::parse(job.parameters);
+  for (const char* parameter : {"input", "albedo"}) {
+    if (!parameters.contains(parameter)) continue;
+    std::string identity = "gone";
+    try {
+      identity = file_identity(roots_.inputs.input(path_of_text(parameters.at(parameter).get<std::string>())));
+    } catch (const Error&) {
+    }
+    text += fmt::format("{} {}\n", parameter, identity);
   }
-  refuse("its result was changed or taken away since");
+  return text;
+}
+
+bool JobPictures::is_made(const Request& request) const {
+  std::ifstream file(request.folder + "/" + kSources, std::ios::binary);
+  const std::string sources{std::istreambuf_iterator<char>(file), {}};
+  return !file.fail() && sources == sources_of(request.job);
+}
+
+void JobPictures::remove_folder(const std::string& folder) {
+  const std::int64_t bytes = bytes_on_disk(folder);
+  std::error_code error;
+  if (fs::remove_all(folder, error) > 0 && !error) data_.give_back(bytes);
 }
 
 void JobPictures::make(const Request& request) {
-  const Job& job = request.job;
-  check_result(request);
-  if (fs::exists(request.folder)) return;
+  const auto check_result = [&] {
+    if (!has_result(request)) refuse("its result was changed or taken away since");
+  };
+  check_result();
+  if (is_made(request)) return;
+  remove_folder(request.folder);  // of other maps
+  data_.check_room(1);
+  make_folder(folder_);  // somebody may have removed it
   const std::string unfinished = folder_ + "/unfinished";
-  fs::remove_all(unfinished);
-  fs::create_directory(unfinished);
-  const std::vector<std::string> words = command(request, unfinished);
+  std::error_code error;
+  fs::remove_all(unfinished, error);
+  fs::create_directory(unfinished, error);
+  if (error) throw Error(ErrorCode::kEnvironment, unfinished + ": cannot be made: " + error.message());
+  try {
+    run(request, unfinished);
+    check_result();
+    publish(unfinished, request.folder);
+  } catch (...) {
+    fs::remove_all(unfinished, error);
+    throw;
+  }
+  if (request.is_look) remove_old_looks();
+}
+
+void JobPictures::publish(const std::string& unfinished, const std::string& folder) {
+  const std::int64_t bytes = bytes_on_disk(unfinished);
+  data_.take_room(bytes);
+  std::error_code error;
+  fs::rename(unfinished, folder, error);
+  if (!error) return;
+  data_.give_back(bytes);
+  throw Error(ErrorCode::kEnvironment, folder + ": cannot be given its name: " + error.message());
+}
+
+void JobPictures::run(const Request& request, const std::string& folder) {
+  const Job& job = request.job;
+  write_text_file(folder + "/" + kSources, sources_of(job));  // before they are read: what changes then is made again
+  const std::vector<std::string> words = command(request, folder);
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};
   limits.is_cancelled = [this] { return is_ending_.load(); };
   const ChildResult result = run_child(words, limits);
@@ -251,30 +309,26 @@ void JobPictures::make(const Request& request) {
                            return word.starts_with("--source=");
                          });
   if (!has_input && result.exit_code == 0) said += "\nits input is not there any more";
-  write_text_file(unfinished + "/" + kSaid, said + "\n");
-  if (result.exit_code != 0)
-    service_log(LogSeverity::kWarning, job.id, "pictures: " + last_line(unfinished + "/" + kSaid));
-  check_result(request);
-  fs::rename(unfinished, request.folder);
-  if (request.is_look) remove_old_looks();
+  write_text_file(folder + "/" + kSaid, said + "\n");
+  if (result.exit_code != 0) service_log(LogSeverity::kWarning, job.id, "pictures: " + last_line(folder + "/" + kSaid));
 }
 
-void JobPictures::remove_old_looks() const {
+void JobPictures::remove_old_looks() {
   std::vector<std::pair<fs::file_time_type, fs::path>> looks;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
     if (entry.path().filename().string().ends_with(kLookEnding))
       looks.emplace_back(entry.last_write_time(ignored), entry.path());
   std::sort(looks.rbegin(), looks.rend());
-  for (std::size_t i = kLooksMax; i < looks.size(); ++i) fs::remove_all(looks[i].second, ignored);
+  for (std::size_t i = kLooksMax; i < looks.size(); ++i) remove_folder(looks[i].second.string());
 }
 
-void JobPictures::remove(const std::vector<std::int64_t>& ids) const {
+void JobPictures::remove(const std::vector<std::int64_t>& ids) {
   if (ids.empty()) return;
   const std::set<std::int64_t> gone(ids.begin(), ids.end());
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
-    if (gone.contains(id_of(entry.path().filename()))) fs::remove_all(entry.path(), ignored);
+    if (gone.contains(id_of(entry.path().filename()))) remove_folder(entry.path().string());
 }
 
 void JobPictures::sweep(QueueThread& ledger) {

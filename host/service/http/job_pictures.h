@@ -6,9 +6,11 @@
 //   DATA/pictures/ID-IDENTITY/   input.png  render.png  error.png   those that could be made
 //                                player.html                        of a pack
 //                                said.txt                           what the child said; how it ended, if not well
+//                                sources.txt                        identities of the maps that it was given
 //   DATA/pictures/ID-IDENTITY-look/   look.html  said.txt             of a bake of lobes, with the map that was baked
 //
-// IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown. Look
+// IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown, and
+// those that show a map are made again when it has changed. All of it counts against data_max. Look
 // pages are large, as maps are: those made last are kept, the others are made again when they are asked for.
 #pragma once
 
@@ -23,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "host/service/files/data_folder.h"
 #include "host/service/files/path_roots.h"
 #include "host/service/http/http_server.h"
 #include "host/service/ledger/job.h"
@@ -33,7 +36,7 @@ namespace multum {
 class JobPictures {
  public:
   /// `data`: the daemon's. Answers on the thread of `io`; files and children are for threads of its own.
-  JobPictures(boost::asio::io_context& io, const std::string& data, const JobRoots& roots);
+  JobPictures(boost::asio::io_context& io, DataFolder& data, const JobRoots& roots);
   /// Ends the child that is at work.
   ~JobPictures();
   JobPictures(const JobPictures&) = delete;
@@ -41,11 +44,11 @@ class JobPictures {
 
   /// `name`: "input.png", "render.png", "error.png", "player.html" or "look.html"; `identity`: of the job's result when
   /// it was published. Many may ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with
-  /// the reason.
+  /// the reason, 507 "quota" where data_max has no room for them.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string identity, std::string name);
 
   /// Blocks.
-  void remove(const std::vector<std::int64_t>& ids) const;
+  void remove(const std::vector<std::int64_t>& ids);
   /// Removes those of jobs that are in no ledger any more: a daemon may have died between purging and removing, or
   /// pictures may have been in the making.
   void sweep(QueueThread& ledger);
@@ -58,12 +61,18 @@ class JobPictures {
   };
   boost::asio::awaitable<void> made(Request request);
   void make(const Request& request);
-  void check_result(const Request& request) const;
+  void run(const Request& request, const std::string& folder);
+  void publish(const std::string& unfinished, const std::string& folder);
+  void remove_folder(const std::string& folder);
+  std::string sources_of(const Job& job) const;
+  bool has_result(const Request& request) const;
+  bool is_made(const Request& request) const;
   std::vector<std::string> command(const Request& request, const std::string& folder) const;
   std::vector<std::string> look_command(const Job& job, const std::string& folder) const;
-  void remove_old_looks() const;
+  void remove_old_looks();
 
   boost::asio::io_context& io_;
+  DataFolder& data_;
   const std::string folder_;
   const JobRoots& roots_;
   std::atomic<bool> is_ending_ = false;

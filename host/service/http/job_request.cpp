@@ -9,6 +9,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/base/path_text.h"
 #include "host/service/http/http_reply.h"
 #include "host/service/workers/job_types.h"
 
@@ -57,6 +58,19 @@ std::string output_of(const std::string& named, const JobRoots& roots) {
   return roots.results.output(roots.results.roots().front() + "/" + named);
 }
 
+// No name or text here has one, and who reads it as C does would see its beginning alone.
+void refuse_nul(const Json& json) {
+  const auto check = [](const std::string& text) {
+    if (text.find('\0') != std::string::npos)
+      throw Refusal{400, "usage", fmt::format("{} holds a NUL, expected a text without", shortened(text))};
+  };
+  if (json.is_string()) check(json.get_ref<const std::string&>());
+  if (json.is_object())
+    for (const auto& [key, value] : json.items()) check(key);
+  if (json.is_structured())
+    for (const Json& child : json) refuse_nul(child);
+}
+
 // 4.0 is a whole number in JSON Schema.
 void make_integers(Json& json) {
   if (json.is_number_float()) {
@@ -97,6 +111,7 @@ Json parse_body(const HttpRequest& request) {
   }
   Json json = deepest <= 64 ? Json::parse(request.body, nullptr, false) : Json(Json::value_t::discarded);
   if (json.is_discarded()) throw Refusal{400, "usage", "the body is not valid JSON"};
+  refuse_nul(json);
   make_integers(json);
   return json;
 }
@@ -119,12 +134,13 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   parameters = with_current_names(type, parameters);
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
-      parameters[parameter.name] = roots.inputs.input(parameters[parameter.name].get<std::string>());
+      parameters[parameter.name] =
+          text_of_path(roots.inputs.input(path_of_text(parameters[parameter.name].get<std::string>())));
   check_is_one_map(type, parameters);
   s.parameters = parameters.dump();
   s.output = value_of<std::string>(json, "output", "", is_text, "a path");
   if (s.output.empty() && type.needs_output) throw Refusal{400, "usage", "output is missing, expected a path"};
-  if (!s.output.empty()) s.output = output_of(s.output, roots);
+  if (!s.output.empty()) s.output = output_of(path_of_text(s.output), roots);
   if (!s.output.ends_with(type.output_extension))
     throw Refusal{400, "usage",
                   fmt::format("output is {}, expected a name ending in {}", s.output, type.output_extension)};
@@ -191,7 +207,7 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
   const Json parameters = request.parameters();
   for (const Parameter& parameter : find_job_type(job.type).table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
-      check("parameters." + parameter.name, parameters[parameter.name].get<std::string>());
+      check("parameters." + parameter.name, path_of_text(parameters[parameter.name].get<std::string>()));
 }
 
 std::string parse_retry(const Json& json) {

@@ -22,8 +22,8 @@ std::vector<std::string> split_path(const std::string& path);
 /// The body; {} when there is none.
 nlohmann::json parse_body(const HttpRequest& request);
 
-/// Request of POST /v1/jobs. Files are held to `roots`, and given by their canonical names; those that a scene names in
-/// it are for check_input_files().
+/// Request of POST /v1/jobs. Files are held to `roots`, and given by their canonical names, in the parameters as texts
+/// (path_text.h); those that a scene names in it are for check_input_files().
 struct SubmitRequest {
   JobSubmission job;  // without its key
   nlohmann::json parameters() const;
@@ -34,11 +34,11 @@ SubmitRequest parse_submit(const nlohmann::json& body, const JobRoots& roots, co
 /// The query of GET /v1/jobs.
 JobFilter parse_filter(const HttpRequest& request);
 
-/// The queue of POST /v1/retry; "": all.
 /// The part that is to be cancelled, "3/8"; "": all of the job.
 std::string parse_cancel(const nlohmann::json& json);
 /// Throws Refusal for a job that nodes of Slurm's are to do, with files in the daemon's data.
 void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots);
+/// The queue of POST /v1/retry; "": all.
 std::string parse_retry(const nlohmann::json& body);
 
 /// POST /v1/purge: jobs, or all that finished so many seconds ago.

@@ -10,6 +10,8 @@
 #include <cstring>
 
 #include "host/base/error.h"
+#include "host/base/files/content_hash.h"
+#include "host/base/path_text.h"
 #include "host/service/files/result_listing.h"
 
 namespace multum {
@@ -67,8 +69,9 @@ bool is_ascii(const std::string& text) {
 
 }  // namespace
 
-ResultArchive::ResultArchive(OpenFile folder, std::string name) : folder_(std::move(folder)), name_(std::move(name)) {
-  for (auto& [path, state] : published_files(folder_, name_)) {
+ResultArchive::ResultArchive(OpenFile folder, std::string name, const ResultSeal& seal)
+    : folder_(std::move(folder)), name_(std::move(name)) {
+  for (auto& [path, state] : published_files(folder_, name_, seal)) {
     open_published(folder_, path, state);
     files_.push_back({path, state});
     const std::uint64_t size = size_and_time(state).first;
@@ -77,6 +80,10 @@ ResultArchive::ResultArchive(OpenFile folder, std::string name) : folder_(std::m
   if (files_.empty())
     throw Error(ErrorCode::kUsage, fmt::format("{}: holds nothing that this service has published", name_));
   bytes_ += 2 * kBlock;
+  // The bytes follow from these.
+  std::string states = name_ + '\n';
+  for (const File& file : files_) states += file.state + ' ' + file.path + '\n';
+  etag_ = '"' + hash_text(states).substr(0, 32) + '"';
 }
 
 std::size_t ResultArchive::memory() const {
@@ -91,6 +98,7 @@ std::string ResultArchive::header(const File& file) const {
   const auto [size, nanoseconds] = size_and_time(file.state);
   const std::int64_t seconds = nanoseconds / 1000000000;
   std::string records;
+  if (text_of_message(name) != name) records += pax_record("hdrcharset", "BINARY");
   if (name.size() > kTarNameMax || !is_ascii(name)) records += pax_record("path", name);
   if (size > kOctalSizeMax) records += pax_record("size", std::to_string(size));
   std::string text;
@@ -125,29 +133,48 @@ void ResultArchive::end_file() {
   pending_.assign(padding_of(size_and_time(file.state).first), '\0');
 }
 
-std::size_t ResultArchive::read(char* to, std::size_t bytes_max) {
-  std::size_t filled = 0;
-  while (filled < bytes_max) {
+// Its next bytes, as many as come from one place: headers, padding or a file; 0: it is at its end. Null: they are
+// passed over.
+std::size_t ResultArchive::advance(char* to, std::uint64_t bytes_max) {
+  for (;;) {
     if (sent_ < pending_.size()) {
-      const std::size_t count = std::min(bytes_max - filled, pending_.size() - sent_);
-      std::memcpy(to + filled, pending_.data() + sent_, count);
+      const std::size_t count = std::min<std::uint64_t>(bytes_max, pending_.size() - sent_);
+      if (to != nullptr) std::memcpy(to, pending_.data() + sent_, count);
       sent_ += count;
-      filled += count;
-    } else if (left_ > 0) {
-      const ssize_t count = ::read(open_.descriptor(), to + filled, std::min<std::uint64_t>(bytes_max - filled, left_));
+      return count;
+    }
+    if (left_ > 0) {
+      const std::uint64_t wanted = std::min(bytes_max, left_);
+      const off_t moved = to == nullptr ? ::lseek(open_.descriptor(), static_cast<off_t>(wanted), SEEK_CUR) : 0;
+      const ssize_t count =
+          to == nullptr ? (moved < 0 ? -1 : static_cast<ssize_t>(wanted)) : ::read(open_.descriptor(), to, wanted);
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) throw Error(ErrorCode::kUsage, fmt::format("{}: cannot be read on", files_[next_ - 1].path));
       left_ -= static_cast<std::uint64_t>(count);
-      filled += static_cast<std::size_t>(count);
-    } else if (is_open_) {
-      end_file();
-    } else if (!is_ended_) {
-      begin_next();
-    } else {
-      break;
+      return static_cast<std::size_t>(count);
     }
+    if (is_open_) end_file();
+    else if (!is_ended_) begin_next();
+    else return 0;
+  }
+}
+
+std::size_t ResultArchive::read(char* to, std::size_t bytes_max) {
+  std::size_t filled = 0;
+  while (filled < bytes_max) {
+    const std::size_t count = advance(to + filled, bytes_max - filled);
+    if (count == 0) break;
+    filled += count;
   }
   return filled;
+}
+
+void ResultArchive::skip(std::uint64_t bytes) {
+  while (bytes > 0) {
+    const std::size_t count = advance(nullptr, bytes);
+    if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("{}: is shorter than was said", name_));
+    bytes -= count;
+  }
 }
 
 }  // namespace multum

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/files/open_file.h"
+#include "host/service/files/result_seal.h"
 #include "host/service/http/http_server.h"
 
 namespace multum {
@@ -17,23 +18,26 @@ class ResultArchive : public HttpBody {
  public:
   /// Blocks. Of an open folder, whose files are named NAME/... in the archive. Throws Error(kUsage) when it was not
   /// published, or a file of it is not as it was; Error(kEnvironment) when that cannot be known.
-  ResultArchive(OpenFile folder, std::string name);
+  ResultArchive(OpenFile folder, std::string name, const ResultSeal& seal);
 
   std::uint64_t bytes() const override { return bytes_; }
   std::size_t memory() const override;
   /// Blocks. Throws as the constructor, when a file has changed meanwhile: what was promised cannot be sent.
   std::size_t read(char* to, std::size_t bytes_max) override;
+  std::string etag() const override { return etag_; }
+  void skip(std::uint64_t bytes) override;
 
  private:
   struct File {
     std::string path, state;
   };
   std::string header(const File& file) const;
+  std::size_t advance(char* to, std::uint64_t bytes_max);
   void begin_next();
   void end_file();
 
   OpenFile folder_, open_;  // `open_`: the file that is being sent
-  std::string name_;
+  std::string name_, etag_;
   std::vector<File> files_;
   std::size_t next_ = 0;
   std::uint64_t bytes_ = 0, left_ = 0;  // `left_`: of the open file

@@ -17,7 +17,7 @@ class UploadFile {
   /// In this folder. Throws Error(kEnvironment).
   explicit UploadFile(const std::string& folder);
 
-  /// Blocks. Throws Error(kEnvironment) when the disk is full.
+  /// Blocks. Throws NoSpaceError when the disk is full, Error(kEnvironment) where it fails otherwise.
   void write(std::string_view bytes);
   std::int64_t bytes() const { return bytes_; }
   /// Blocks: syncs it, and names it so; a file that has the name already stays as it is. Readable, not writable.

@@ -11,7 +11,8 @@
 
 namespace multum {
 
-/// Lists what lies in the daemon's own folders because of a ledger: nothing else there may be removed.
+/// Lists what lies in the daemon's own folders because of a ledger: nothing else there may be removed. Paths are
+/// texts in the ledger (path_text.h).
 class FileNotes {
  public:
   explicit FileNotes(SqliteDatabase& database) : database_(database) {}

@@ -5,6 +5,8 @@
 
 #include <ctime>
 
+#include "host/base/path_text.h"
+
 namespace multum {
 namespace {
 
@@ -35,7 +37,7 @@ nlohmann::json job_json(const Job& job) {
           {"priority", job.priority},
           {"label", job.label},
           {"parameters", nlohmann::json::parse(job.parameters)},
-          {"output", job.output},
+          {"output", text_of_path(job.output)},
           {"needs", job.needs},
           {"attempt", job.attempt},
           {"attempt_max", job.attempt_max},
@@ -51,9 +53,7 @@ nlohmann::json job_json(const Job& job) {
           {"reused_from", or_null(job.reused_from)}};
 }
 
-std::string job_text(const Job& job) {
-  return job_json(job).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string job_text(const Job& job) { return job_json(job).dump(); }
 
 nlohmann::json part_json(const SlurmPart& part) {
   return {{"part", part.share},

@@ -9,8 +9,9 @@
 
 namespace multum {
 
+/// Paths are texts (path_text.h), in `parameters` too, as they were submitted.
 nlohmann::json job_json(const Job& job);
-/// A job as events have it, in one line; bytes of names that are no UTF-8 are replaced.
+/// A job as events have it, in one line.
 std::string job_text(const Job& job);
 /// A part as the ledger has it.
 nlohmann::json part_json(const SlurmPart& part);

@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <fstream>
 
 #include "host/base/error.h"
+#include "host/base/path_text.h"
+#include "host/service/files/no_space.h"
 #include "host/service/ledger/ledger_schema.h"
 
 namespace multum {
@@ -67,7 +70,12 @@ void JobQueue::reserve(std::int64_t id) {
   const std::string fresh = numbers_ + ".new";
   std::ofstream file(fresh);
   file << last << "\n" << std::flush;
-  if (!file || std::rename(fresh.c_str(), numbers_.c_str()) != 0) fail_by_errno(numbers_, "cannot be written");
+  if (!file || std::rename(fresh.c_str(), numbers_.c_str()) != 0) {
+    const int error = errno;
+    std::remove(fresh.c_str());
+    errno = error;
+    fail_to_write(numbers_, "cannot be written");
+  }
   reserved_ = last;
 }
 
@@ -106,7 +114,7 @@ SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact,
         "WHERE key = ? AND output = ? AND state < 5 AND key <> '' AND (stop_asked = '' OR state = 4) ORDER BY id DESC "
         "LIMIT 1");
     SqliteStatement& same = statement(sql.c_str());
-    same.bind(1, s.key).bind(2, s.output);
+    same.bind(1, s.key).bind(2, text_of_path(s.output));
     if (same.step()) {
       const Job job = job_from_row(same);
       same.reset();
@@ -126,7 +134,11 @@ SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact,
       "INSERT INTO jobs (type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, "
       "output, key, inputs, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   insert.bind(1, s.type).bind(2, s.parameters).bind(3, s.queue).bind(4, s.label).bind(5, s.priority);
-  insert.bind(6, s.attempt_max).bind(7, s.deadline).bind(8, s.memory_bytes).bind(9, s.device).bind(10, s.output);
+  insert.bind(6, s.attempt_max)
+      .bind(7, s.deadline)
+      .bind(8, s.memory_bytes)
+      .bind(9, s.device)
+      .bind(10, text_of_path(s.output));
   insert.bind(11, s.key).bind(12, s.inputs);
   insert.bind(13, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
   insert.bind(14, needs_left).bind(15, now).run();
@@ -513,7 +525,7 @@ std::vector<std::int64_t> JobQueue::purge(const std::vector<std::int64_t>& wante
     const bool is_ours = !results_.empty() && job->output.starts_with(results_ + "/");
     statement("INSERT OR REPLACE INTO left_overs (job, output, identity) VALUES (?, ?, ?)")
         .bind(1, id)
-        .bind(2, is_ours ? job->output : "")
+        .bind(2, is_ours ? text_of_path(job->output) : "")
         .bind(3, identity)
         .run();
     purged.push_back(id);

@@ -48,7 +48,8 @@ const RescuedTable kJobs = {
      "exit_code",    "message",
      "reused_from",  "result_identity",
      "stop_asked"},
-    "CASE WHEN json_valid(parameters) THEN json_type(parameters) = 'object' ELSE 0 END AND typeof(type) = 'text' AND "
+    "CASE WHEN typeof(parameters) = 'text' AND json_valid(parameters) THEN json_type(parameters) = 'object' ELSE 0 END "
+    "AND typeof(type) = 'text' AND "
     "typeof(queue) = 'text' AND typeof(label) = 'text' AND typeof(output) = 'text' AND typeof(key) = 'text' AND "
     "typeof(priority) = 'integer' AND attempt_max BETWEEN 1 AND 100 AND typeof(memory_bytes) = 'integer' AND state "
     "BETWEEN 0 AND 6 AND attempt BETWEEN 0 AND 1000000000 AND typeof(attempts_counted) = 'integer' AND "
@@ -88,8 +89,8 @@ bool reads(Read read) {
   try {
     read();
     return true;
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::kInput) throw;
+  } catch (const SqliteError& error) {
+    if (!error.is_of_content()) throw;
     return false;
   }
 }
@@ -116,14 +117,20 @@ class Rescue {
   }
 
   std::int64_t highest() const { return highest_; }
+  /// Was nothing seen that is damaged?
+  bool is_whole() const { return is_whole_; }
 
  private:
   static constexpr std::int64_t kHighest = std::int64_t{1} << 52;
   static constexpr std::int64_t kProbesMax = 2000000;  // numbers between two readable parts: seconds
 
   bool has_table(const char* name) {  // of version 4 on
-    SqliteStatement query(old_, "SELECT 1 FROM sqlite_master WHERE name = ?");
-    return query.bind(1, name).step();
+    bool is_there = false;
+    reads([&] {
+      SqliteStatement query(old_, "SELECT 1 FROM sqlite_master WHERE name = ?");
+      is_there = query.bind(1, name).step();
+    });
+    return is_there;
   }
 
   // Of all rows that may be there: from the first and from the last up to what is damaged, and all between.
@@ -143,6 +150,7 @@ class Rescue {
     };
     const auto [is_whole, first_reached] = scan("ASC");
     if (is_whole) return numbers;
+    is_whole_ = false;
     const std::int64_t last_reached = scan("DESC").second;
     const std::int64_t end = last_reached > 0 ? last_reached : highest_ + 1;
     for (std::int64_t id = first_reached + 1; id < std::min(end, first_reached + kProbesMax); ++id) numbers.insert(id);
@@ -159,36 +167,44 @@ class Rescue {
       marks += marks.empty() ? "?" : ", ?";
     }
     Ids saved;
-    reads([&] {
+    const bool is_known = reads([&] {
       SqliteStatement rows(
           old_, fmt::format("SELECT {}, ({}) FROM {} WHERE {} = ?", names, table.is_whole, table.name, table.number));
       SqliteStatement insert(ledger_,
                              fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})", table.name, names, marks));
       for (const std::int64_t number : numbers) {
         const bool is_read = reads([&] {
+          rows.reset();
           rows.bind(1, number);
           while (rows.step()) {
-            if (copy_row(rows, static_cast<int>(table.columns.size()), insert)) {
-              ++report.saved;
-              saved.insert(number);
-            } else {
-              ++report.damaged;
-            }
+            const bool is_saved = copy_row(table, rows, insert);
+            ++(is_saved ? report.saved : report.damaged);
+            if (is_saved) saved.insert(number);
           }
         });
         if (!is_read) ++report.damaged;
       }
     });
+    is_whole_ = is_whole_ && is_known && report.damaged == 0;
     return saved;
   }
 
-  static bool copy_row(const SqliteStatement& row, int columns, SqliteStatement& insert) {
-    if (row.integer(columns) != 1) return false;
-    for (int c = 0; c < columns; ++c) {
-      if (row.is_text(c) && !is_text(row.text(c))) return false;
-      insert.bind(c + 1, row, c);
-    }
-    return insert.run() > 0;
+  // False: it is damaged, or holds what the ledger does not take.
+  static bool copy_row(const RescuedTable& table, const SqliteStatement& row, SqliteStatement& insert) {
+    if (row.integer(static_cast<int>(table.columns.size())) != 1) return false;
+    bool is_inserted = false;
+    const bool is_taken = reads([&] {
+      insert.reset();
+      for (int c = 0; c < static_cast<int>(table.columns.size()); ++c) {
+        // A message may quote a name that is no UTF-8, as earlier versions noted it.
+        const bool is_message = table.columns[static_cast<std::size_t>(c)] == std::string_view("message");
+        if (row.is_text(c) && !is_message && !is_text(row.text(c))) return;
+        if (row.is_text(c)) insert.bind(c + 1, row.text(c));
+        else insert.bind(c + 1, row, c);
+      }
+      is_inserted = insert.run() > 0;
+    });
+    return is_taken && is_inserted;
   }
 
   void copy_uploads() {
@@ -198,10 +214,14 @@ class Rescue {
       const bool is_whole = reads([&] {
         SqliteStatement rows(old_, fmt::format("SELECT path FROM uploads ORDER BY path {}", order));
         SqliteStatement insert(ledger_, "INSERT OR IGNORE INTO uploads (path) VALUES (?)");
-        while (rows.step())
-          if (is_text(rows.text(0))) report.saved += insert.bind(1, rows.text(0)).run();
+        while (rows.step()) {
+          const std::string path = rows.text(0);
+          if (!rows.is_text(0) || !is_text(path)) ++report.damaged;
+          else report.saved += insert.bind(1, path).run();
+        }
       });
       if (is_whole) return;
+      is_whole_ = false;
     }
     ++report.damaged;
   }
@@ -228,11 +248,34 @@ class Rescue {
   SqliteDatabase& ledger_;
   std::int64_t highest_;  // that a job may have
   std::vector<RescueReport::Table> tables_;
+  bool is_whole_ = true;
 };
 
 void remove_database(const std::string& path) {
-  for (const char* part : {"", "-wal", "-shm", "-journal"}) fs::remove(path + part);
+  std::error_code ignored;
+  for (const char* part : {"", "-wal", "-shm", "-journal"}) fs::remove(path + part, ignored);
 }
+
+void copy_database(const std::string& from, const std::string& to) {
+  remove_database(to);
+  for (const char* part : {"", "-wal"}) {
+    std::error_code error;
+    if (*part != '\0' && !fs::exists(from + part, error)) continue;
+    fs::copy_file(from + part, to + part, error);
+    if (error)
+      throw Error(ErrorCode::kEnvironment,
+                  fmt::format("{}{}: cannot be copied to {}{}: {}", from, part, to, part, error.message()));
+  }
+}
+
+// Removes what a rescue makes on its way, however it ends.
+struct Scaffold {
+  std::string copy, fresh;
+  ~Scaffold() {
+    remove_database(copy);
+    remove_database(fresh);
+  }
+};
 
 bool has_tables(const std::string& path) {
   return reads([&] {
@@ -289,42 +332,84 @@ std::string free_name(const std::string& path) {
 
 }  // namespace
 
-RescueReport rescue_ledger(const std::string& data) {
-  const std::string path = data + "/jobs.sqlite";
-  if (!fs::is_regular_file(path)) throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
-  const std::unique_ptr<DataLock> lock = DataLock::take(data);
-  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is at work there; end it first");
-  // On a copy: to look at a database is to write to it.
-  const std::string copy = path + ".copy", fresh = path + ".rescued";
-  remove_database(copy);
-  remove_database(fresh);
-  fs::copy_file(path, copy);
-  if (fs::exists(path + "-wal")) fs::copy_file(path + "-wal", copy + "-wal");
-  LedgerSettings settings;
-  settings.path = fresh;
-  settings.instance = read_instance(data);
+namespace {
+
+struct Rescued {
+  std::vector<RescueReport::Table> tables;
+  bool is_whole = false;
+  std::int64_t jobs() const { return tables.empty() ? 0 : tables.front().saved; }
+};
+
+// From `copy` into a new ledger, `settings.path`.
+Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, const std::string& data,
+                    bool is_list_lent) {
+  remove_database(settings.path);
   { const JobQueue made(settings); }
-  const bool is_list_lent = !has_tables(copy);
-  if (is_list_lent) lend_table_list(fresh, copy);
-  RescueReport report;
-  try {
-    JobQueue ledger(settings);
+  Rescued rescued;
+  if (is_list_lent) lend_table_list(settings.path, copy);
+  JobQueue ledger(settings);
+  reads([&] {
     SqliteDatabase old(copy);
     old.execute("PRAGMA cell_size_check = ON");
     Rescue rescue(old, ledger.database(), DataFolder(data, 0).highest_number());
-    report.tables = rescue.run(is_list_lent);
+    rescued.tables = rescue.run(is_list_lent);
+    rescued.is_whole = rescue.is_whole() && !is_list_lent;
     ledger.number_above(rescue.highest());
-    if (report.tables.front().saved == 0) throw Error(ErrorCode::kInput, path + ": no job can be read of it");
-  } catch (const Error&) {
-    remove_database(copy);
-    remove_database(fresh);
-    throw;
+  });
+  return rescued;
+}
+
+// The old one gets another name, the new one its.
+std::string take_place(const std::string& path, const std::string& fresh) {
+  const std::string kept = free_name(path);
+  std::error_code error;
+  if (fs::exists(fresh + "-wal", error))  // what is in it would be lost
+    throw Error(ErrorCode::kEnvironment, fresh + ": cannot be finished; is the disk full?");
+  fs::rename(path, kept, error);
+  if (error)
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be kept as {}: {}", path, kept, error.message()));
+  if (fs::exists(path + "-wal", error)) fs::rename(path + "-wal", kept + "-wal", error);
+  if (!error) fs::rename(fresh, path, error);
+  if (!error) return kept;
+  const std::string why = error.message();
+  if (fs::exists(kept + "-wal", error)) fs::rename(kept + "-wal", path + "-wal", error);
+  fs::rename(kept, path, error);
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: the rescued ledger cannot take its place: {}", path, why));
+}
+
+}  // namespace
+
+RescueReport rescue_ledger(const std::string& data) {
+  const std::string path = data + "/jobs.sqlite";
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
+  const std::unique_ptr<DataLock> lock = DataLock::take(data);
+  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is at work there; end it first");
+  if (fs::file_size(path, error) == 0 && !fs::exists(path + "-wal", error))
+    throw Error(ErrorCode::kInput, path +
+                                       ": is empty, so that there is nothing to rescue; move it away, and start once "
+                                       "with 'multum serve --new-ledger'");
+  // On a copy: to look at a database is to write to it.
+  const Scaffold scaffold{path + ".copy", path + ".rescued"};
+  LedgerSettings settings;
+  settings.path = scaffold.fresh;
+  settings.instance = read_instance(data);
+  Rescued rescued;
+  copy_database(path, scaffold.copy);
+  if (has_tables(scaffold.copy)) rescued = rescue_copy(settings, scaffold.copy, data, false);
+  if (rescued.jobs() == 0 && !rescued.is_whole) {
+    copy_database(path, scaffold.copy);
+    rescued = rescue_copy(settings, scaffold.copy, data, true);
   }
-  remove_database(copy);
-  report.kept = free_name(path);
-  fs::rename(path, report.kept);
-  if (fs::exists(path + "-wal")) fs::rename(path + "-wal", report.kept + "-wal");
-  fs::rename(fresh, path);
+  if (rescued.jobs() == 0 && !rescued.is_whole)
+    throw Error(ErrorCode::kInput,
+                path +
+                    ": no job can be read of it, and all is left as it was; put a backup in its place, or move it "
+                    "away and start once with 'multum serve --new-ledger'");
+  RescueReport report;
+  report.tables = std::move(rescued.tables);
+  report.kept = take_place(path, scaffold.fresh);
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/path_text.h"
 
 namespace multum {
 namespace {
@@ -184,7 +185,7 @@ Job job_from_row(const SqliteStatement& row) {
   job.deadline = row.optional_integer(c++);
   job.memory_bytes = row.integer(c++);
   job.device = row.text(c++);
-  job.output = row.text(c++);
+  job.output = path_of_text(row.text(c++));
   job.key = row.text(c++);
   job.inputs = row.text(c++);
   job.state = static_cast<JobState>(row.integer(c++));

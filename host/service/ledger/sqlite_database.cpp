@@ -9,8 +9,24 @@
 
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/path_text.h"
+#include "host/service/files/no_space.h"
 
 namespace multum {
+
+bool SqliteError::is_of_content() const {
+  switch (result_ & 0xff) {
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+    case SQLITE_TOOBIG:
+    case SQLITE_FORMAT:
+    case SQLITE_ERROR:       // a function does not take such a value, or a table is not there
+    case SQLITE_MISMATCH:    // of a type that a column cannot have
+    case SQLITE_CONSTRAINT:  // nor of that value
+    case SQLITE_SCHEMA: return true;
+    default: return result_ == SQLITE_IOERR_SHORT_READ || result_ == SQLITE_IOERR_CORRUPTFS;
+  }
+}
 
 SqliteStatement::SqliteStatement(SqliteDatabase& database, std::string_view sql) : database_(database) {
   check(sqlite3_prepare_v3(database.handle_, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
@@ -28,7 +44,9 @@ SqliteStatement& SqliteStatement::bind(int number, std::int64_t value) {
   return *this;
 }
 
-SqliteStatement& SqliteStatement::bind(int number, std::string_view text) {
+// Messages may quote names of files that are no UTF-8; paths come as texts (path_text.h).
+SqliteStatement& SqliteStatement::bind(int number, std::string_view bytes) {
+  const std::string text = text_of_message(bytes);
   check(sqlite3_bind_text64(statement_, number, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
   return *this;
 }
@@ -170,12 +188,19 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_NOTADB:
     case SQLITE_TOOBIG:  // a length that was damaged
     case SQLITE_CORRUPT:
-      throw Error(
+      throw SqliteError(
           ErrorCode::kInput,
-          fmt::format("{}: is damaged or no database of jobs: {}; docs/SERVICE.md says what can be done", path_, what));
-    case SQLITE_READONLY: check_may_change(); [[fallthrough]];
-    default: throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));
+          fmt::format("{}: is damaged or no database of jobs: {}; docs/SERVICE.md says what can be done", path_, what),
+          result);
+    case SQLITE_READONLY: check_may_change(); break;
+    case SQLITE_FULL: throw NoSpaceError(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));
+    case SQLITE_IOERR:
+      errno = sqlite3_system_errno(handle_);
+      if (is_no_space(errno)) fail_to_write(path_, what);
+      break;
+    default: break;
   }
+  throw SqliteError(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what), result);
 }
 
 SqliteTransaction::~SqliteTransaction() {

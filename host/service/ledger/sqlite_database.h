@@ -10,12 +10,26 @@
 #include <string_view>
 #include <vector>
 
+#include "host/base/error.h"
+
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace multum {
 
 class SqliteDatabase;
+
+/// An error that SQLite has for a statement or for what it reads. No other is thrown for damage in a file.
+class SqliteError : public Error {
+ public:
+  SqliteError(ErrorCode code, const std::string& message, int result) : Error(code, message), result_(result) {}
+  /// Can what is in the file be the reason: it is damaged, or holds what no ledger does? Else it is the disk, or
+  /// memory.
+  bool is_of_content() const;
+
+ private:
+  int result_;  // of SQLite, an extended code
+};
 
 /// A statement that is prepared once and run often: bind everything, then step() until it is false, or run().
 class SqliteStatement {
@@ -25,7 +39,7 @@ class SqliteStatement {
   SqliteStatement(const SqliteStatement&) = delete;
   SqliteStatement& operator=(const SqliteStatement&) = delete;
 
-  /// Numbers of `?` from 1. A text is copied.
+  /// Numbers of `?` from 1. A text is copied, and is UTF-8 in the database: as text_of_message() has it.
   SqliteStatement& bind(int number, std::int64_t value);
   SqliteStatement& bind(int number, int value) { return bind(number, static_cast<std::int64_t>(value)); }
   SqliteStatement& bind(int number, std::string_view text);

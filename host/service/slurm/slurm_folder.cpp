@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/path_text.h"
 #include "host/service/files/path_roots.h"
 
 namespace multum {
@@ -37,31 +38,41 @@ std::optional<Json> read_json(const std::string& path) {
   return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
 }
 
+// Nor is one whose values are of other types.
+template <typename Value, typename Read>
+std::optional<Value> read_as(const std::string& path, const Read& read) {
+  try {
+    if (const std::optional<Json> json = read_json(path)) return read(*json);
+  } catch (const Json::exception&) {
+  }
+  return std::nullopt;
+}
+
 Json work_json(const WorkOrder& work) {
   return {{"job", work.job},
           {"attempt", work.attempt},
-          {"arguments", work.arguments},
-          {"output", work.output},
-          {"folder", work.folder},
+          {"arguments", texts_of_paths(work.arguments)},
+          {"output", text_of_path(work.output)},
+          {"folder", text_of_path(work.folder)},
           {"type", work.type},
           {"parameters", work.parameters},
           {"inputs", work.inputs},
-          {"copy_from", work.copy_from},
-          {"copy_to", work.copy_to}};
+          {"copy_from", text_of_path(work.copy_from)},
+          {"copy_to", text_of_path(work.copy_to)}};
 }
 
 WorkOrder work_of(const Json& json) {
   WorkOrder work;
   work.job = json.at("job");
   work.attempt = json.at("attempt");
-  work.arguments = json.at("arguments").get<std::vector<std::string>>();
-  work.output = json.at("output");
-  work.folder = json.at("folder");
+  work.arguments = paths_of_texts(json.at("arguments").get<std::vector<std::string>>());
+  work.output = path_of_text(json.at("output").get<std::string>());
+  work.folder = path_of_text(json.at("folder").get<std::string>());
   work.type = json.at("type");
   work.parameters = json.at("parameters");
   work.inputs = json.at("inputs");
-  work.copy_from = json.at("copy_from");
-  work.copy_to = json.at("copy_to");
+  work.copy_from = path_of_text(json.at("copy_from").get<std::string>());
+  work.copy_to = path_of_text(json.at("copy_to").get<std::string>());
   return work;
 }
 
@@ -83,7 +94,7 @@ void SlurmBatchFolder::write_order(const SlurmOrder& order) const {
     items.back()["item"] = item.number;
   }
   write_text_file(path_ + "/order.json", order_text({{"is_array", order.is_array},
-                                                     {"roots", order.roots},
+                                                     {"roots", texts_of_paths(order.roots)},
                                                      {"threads", order.threads},
                                                      {"lease_ms", order.lease.count()},
                                                      {"no_progress_ms", order.no_progress.count()},
@@ -100,7 +111,7 @@ SlurmOrder SlurmBatchFolder::read_order() const {
   if (!json) throw Error(ErrorCode::kEnvironment, path_ + "/order.json: is not there: the daemon has withdrawn it");
   SlurmOrder order;
   order.is_array = json->at("is_array");
-  order.roots = json->at("roots").get<std::vector<std::string>>();
+  order.roots = paths_of_texts(json->at("roots").get<std::vector<std::string>>());
   order.threads = json->at("threads");
   order.lease = milliseconds(json->at("lease_ms").get<std::int64_t>());
   order.no_progress = milliseconds(json->at("no_progress_ms").get<std::int64_t>());
@@ -140,25 +151,25 @@ void SlurmBatchFolder::write_status(int item, const SlurmStatus& status) const {
 
 void SlurmBatchFolder::write_end(int item, const SlurmEnd& end) const {
   write_text_file(path_ + "/" + end_name(item), order_text({{"exit_code", end.result.exit_code},
-                                                            {"message", end.result.message},
+                                                            {"message", text_of_message(end.result.message)},
                                                             {"inputs_changed", end.result.have_inputs_changed},
                                                             {"node", end.node}}));
 }
 
 std::optional<SlurmStatus> SlurmBatchFolder::status(int item) const {
-  const std::optional<Json> json = read_json(path_ + "/" + status_name(item));
-  if (!json) return std::nullopt;
-  return SlurmStatus{
-      json->value("beat", std::uint64_t{0}),
-      json->value("node", ""),
-      {json->value("stage", ""), json->value("done", std::uint64_t{0}), json->value("total", std::uint64_t{0})}};
+  return read_as<SlurmStatus>(path_ + "/" + status_name(item), [](const Json& json) {
+    return SlurmStatus{
+        json.value("beat", std::uint64_t{0}),
+        json.value("node", ""),
+        {json.value("stage", ""), json.value("done", std::uint64_t{0}), json.value("total", std::uint64_t{0})}};
+  });
 }
 
 std::optional<SlurmEnd> SlurmBatchFolder::end(int item) const {
-  const std::optional<Json> json = read_json(path_ + "/" + end_name(item));
-  if (!json) return std::nullopt;
-  return SlurmEnd{{json->value("exit_code", 4), json->value("message", ""), json->value("inputs_changed", true)},
-                  json->value("node", "")};
+  return read_as<SlurmEnd>(path_ + "/" + end_name(item), [](const Json& json) {
+    return SlurmEnd{{json.value("exit_code", 4), json.value("message", ""), json.value("inputs_changed", true)},
+                    json.value("node", "")};
+  });
 }
 
 std::string SlurmBatchFolder::make_work_folder(int item) const {

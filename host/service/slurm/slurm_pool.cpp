@@ -333,7 +333,7 @@ SlurmPool::Sent SlurmPool::submit(const Sending& sending, std::map<std::int64_t,
   }
   try {
     folder_.batch(sending.number).write_order(sending.order);
-  } catch (const Error& unwritten) {
+  } catch (const std::exception& unwritten) {
     service_log(LogSeverity::kWarning, 0, std::string("cannot be sent to Slurm yet: ") + unwritten.what());
     return one;
   }
@@ -483,7 +483,7 @@ void SlurmPool::stop_item(std::int64_t batch, int item) {
   beside(commands_thread_, [this, batch, item]() -> std::function<void()> {
     try {
       folder_.batch(batch).stop(item);
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       service_log(LogSeverity::kWarning, 0, error.what());
     }
     return [] {};
@@ -495,7 +495,7 @@ void SlurmPool::cancel_tasks(std::vector<SlurmTarget> targets) {
   beside(commands_thread_, [this, targets = std::move(targets)]() -> std::function<void()> {
     try {
       commands_.cancel(targets);
-    } catch (const Error& error) {  // it is tried again as long as Slurm has them
+    } catch (const std::exception& error) {  // it is tried again as long as Slurm has them
       service_log(LogSeverity::kWarning, 0, error.what());
     }
     return [] {};

@@ -119,16 +119,17 @@ class Task {
   }
 
   void tick() {
+    // First: whatever fails in this one, another comes.
+    timer_.expires_after(kTaskTick);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (!error) tick();
+    });
     if (!is_stopping_) {
       if (!folder_.has_order()) stop();
       else if (ended_) note_end(WorkResult(*ended_));
       else look_for_stops();
       if (++ticks_ % kTicksABeat == 0) write_status();
     }
-    timer_.expires_after(kTaskTick);
-    timer_.async_wait([this](const boost::system::error_code& error) {
-      if (!error) tick();
-    });
   }
 
   void look_for_stops() {

@@ -50,11 +50,12 @@ void SlurmPool::look() {
     }
     return [this, number, seen] {
       is_looking_ = false;
-      digest(number, seen);
+      // First: whatever fails about this look, another comes.
       timer_.expires_after(batches_.empty() ? kIdleFactor * settings_.slurm.poll : settings_.slurm.poll);
       timer_.async_wait([this](const boost::system::error_code& error) {
         if (!error) look();
       });
+      digest(number, seen);
     };
   });
 }

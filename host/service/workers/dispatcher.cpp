@@ -10,7 +10,6 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/machine.h"
-#include "host/service/files/staging.h"
 #include "host/service/ledger/job_json.h"
 #include "host/service/service_log.h"
 #include "host/service/workers/job_types.h"
@@ -74,9 +73,9 @@ TimeMs wall_clock_ms() {
       .count();
 }
 
-bool is_result_intact(JobQueue& queue, const Job& job) {
+bool is_result_intact(JobQueue& queue, const JobRoots& roots, const Job& job) {
   try {
-    return job.output.empty() || is_as_made(job.output, queue.result_identity(job.id));
+    return job.output.empty() || is_as_made(roots.outputs, job.output, queue.result_identity(job.id), roots.seal);
   } catch (const Error&) {  // it cannot be looked at for now
     return false;
   }
@@ -215,7 +214,7 @@ void Dispatcher::claim(Claims& claims, std::vector<std::string> owners, ClaimLim
   claims = {.is_under_way = true, .is_wanted = false};
   const auto outcome = std::make_shared<Outcome>();
   ledger_.run(
-      [outcome, owners, limits = std::move(limits)](JobQueue& queue) { settle(queue, limits, owners, *outcome); },
+      [this, outcome, owners, limits = std::move(limits)](JobQueue& queue) { settle(queue, limits, owners, *outcome); },
       [=, this, &claims](const std::exception_ptr& error) {
         claims.is_under_way = false;
         if (error) {
@@ -232,6 +231,11 @@ bool Dispatcher::uses_slurm(const std::string& queue) const { return slurm_ && h
 
 bool Dispatcher::goes_to_slurm(const std::string& queue, const std::string& type) const {
   return uses_slurm(queue) && (settings_.slurm.types.empty() || has(settings_.slurm.types, type));
+}
+
+bool Dispatcher::bakes_here() const {
+  return !settings_.slurm.types.empty() ||
+         std::any_of(limits_.queues.begin(), limits_.queues.end(), [&](const auto& q) { return !uses_slurm(q.first); });
 }
 
 ClaimLimits Dispatcher::limits_here() const {
@@ -268,7 +272,7 @@ std::vector<std::string> Dispatcher::reserve(const std::vector<std::string>& own
 }
 
 void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
-                        Outcome& outcome) {
+                        Outcome& outcome) const {
   outcome = Outcome{};
   outcome.touched = jobs_of(queue, queue.take_changed());
   for (const std::string& owner : owners) {
@@ -294,10 +298,10 @@ void Dispatcher::end_drain_if_idle() {
 }
 
 // A result that is there already is not made again.
-Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) {
+Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) const {
   Claimed claimed{std::move(job), ""};
   for (const Job& other : queue.succeeded_with_key(claimed.job.key)) {
-    if (other.output.empty() || !is_result_intact(queue, other)) continue;
+    if (other.output.empty() || !is_result_intact(queue, roots_, other)) continue;
     claimed.copy_from = other.output;
     queue.set_reused_from(claimed.job.id, other.id);
     break;
@@ -344,7 +348,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
     // Nodes do not see what lies in the daemon's data.
     if (!claimed.copy_from.empty() && !(is_for_slurm && roots_.results.is_inside(claimed.copy_from))) {
       order.copy_from = claimed.copy_from;
-      order.copy_to = staged_name(job.output);
+      order.copy_to = made;
       ++counters_.reused;
     }
   } catch (const Error& error) {
@@ -384,7 +388,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
   const Job job = running_.at(id).job;
   std::string identity;
   try {
-    identity = StagedResult(roots_.outputs, job.output, instance_, id).identity();
+    identity = staged(job).identity();
   } catch (const Error& moved) {
     return note_end(id, owner, attempt, result_of(moved));
   }
@@ -434,8 +438,7 @@ void Dispatcher::finish_publishing(const Job& job, const std::string& identity) 
 }
 
 void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<void()> done) {
-  ++unsettled_;
-  ledger_.run(work, [=, this](const std::exception_ptr& error) {
+  const auto settled = [this, id, work, done](const std::exception_ptr& error) {
     --unsettled_;
     if (!error) return done();
     if (ledger_.is_lost()) {  // it has said so; the ledger that is put back finds the job cut off
@@ -452,11 +455,17 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
       --unsettled_;
       note(id, work, done);
     });
-  });
+  };
+  ledger_.run(work, settled);
+  ++unsettled_;  // only now: what throws will not give it back
+}
+
+StagedResult Dispatcher::staged(const Job& job) const {
+  return {roots_.outputs, job.output, instance_, job.id, roots_.seal};
 }
 
 void Dispatcher::publish(const Job& job, const std::string& identity) const {
-  const std::string kept = StagedResult(roots_.outputs, job.output, instance_, job.id).publish(identity);
+  const std::string kept = staged(job).publish(identity);
   data_.count_result(job.output);
   if (!kept.empty())
     service_log(LogSeverity::kWarning, job.id,
@@ -465,7 +474,7 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
 
 void Dispatcher::remove_staging(const Job& job) const {
   try {
-    StagedResult(roots_.outputs, job.output, instance_, job.id).remove();
+    staged(job).remove();
   } catch (const Error&) {  // its folder is gone, or elsewhere: the next start looks again
   }
 }
@@ -488,7 +497,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
   const std::vector<std::string> owners = reserve({owner});
   note(
       id,
-      [=, limits = limits_here()](JobQueue& queue) {
+      [=, this, limits = limits_here()](JobQueue& queue) {
         queue.take_changed();
         queue.ended(id, owner, attempt, result, wall_clock_ms());
         const std::optional<Job> job = queue.find(id);
@@ -560,6 +569,7 @@ void Dispatcher::wake_at(std::optional<TimeMs> due) {
 }
 
 void Dispatcher::on_due() {
+  wake_at(wall_clock_ms() + 5000);  // should what follows fail
   const auto overdue = std::make_shared<JobQueue::Overdue>();
   const auto due = std::make_shared<std::optional<TimeMs>>();
   ledger_.run(

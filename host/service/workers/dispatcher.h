@@ -12,6 +12,7 @@
 
 #include "host/service/files/data_folder.h"
 #include "host/service/files/path_roots.h"
+#include "host/service/files/staging.h"
 #include "host/service/http/event_hub.h"
 #include "host/service/ledger/job_queue.h"
 #include "host/service/ledger/queue_thread.h"
@@ -24,7 +25,7 @@ namespace multum {
 TimeMs wall_clock_ms();
 
 /// Is a succeeded job's result as it was published?
-bool is_result_intact(JobQueue& queue, const Job& job);
+bool is_result_intact(JobQueue& queue, const JobRoots& roots, const Job& job);
 
 class Dispatcher {
  public:
@@ -62,6 +63,8 @@ class Dispatcher {
   SlurmPool* slurm() const { return slurm_.get(); }
   bool uses_slurm(const std::string& queue) const;  // for some types at least
   bool goes_to_slurm(const std::string& queue, const std::string& type) const;
+  /// Does any job run on this machine? No: all go to Slurm.
+  bool bakes_here() const;
   const ClaimLimits& limits() const { return limits_; }
   bool is_draining() const { return is_draining_; }
   std::string log_path(std::int64_t id) const;
@@ -82,8 +85,8 @@ class Dispatcher {
     std::optional<TimeMs> due;
   };
   /// In the ledger: notes what has changed, and claims for these workers.
-  static void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
-                     Outcome& outcome);
+  void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
+              Outcome& outcome) const;
   /// Back from it: tells those who listen, and starts what was claimed.
   void take(const std::vector<std::string>& owners, const Outcome& outcome);
   void end_drain_if_idle();
@@ -114,7 +117,8 @@ class Dispatcher {
   void on_progress(std::int64_t id, const JobProgress& progress);
   void wake_at(std::optional<TimeMs> due);
   void on_due();
-  static Claimed with_reuse(JobQueue& queue, Job job);
+  Claimed with_reuse(JobQueue& queue, Job job) const;
+  StagedResult staged(const Job& job) const;
 
   boost::asio::io_context& io_;
   QueueThread& ledger_;

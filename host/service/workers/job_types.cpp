@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/nearest_name.h"
+#include "host/base/path_text.h"
 #include "host/parameters/bake_parameters.h"
 #include "host/parameters/export_parameters.h"
 #include "host/parameters/infer_parameters.h"
@@ -149,6 +150,13 @@ bool is_accepted(const Parameter& parameter, const Json& json) {
     case Kind::kFile: return !text->empty() && text->size() < 4096 && text->find('\0') == std::string::npos;
     default: return true;
   }
+}
+
+// As a command line has it: a file by its bytes.
+std::string argument_text(const Parameter& parameter, const Json& value) {
+  if (!value.is_string()) return value.dump();
+  const std::string text = value.get<std::string>();
+  return parameter.kind == Kind::kFile ? path_of_text(text) : text;
 }
 
 // A choice's former names are taken beside those of today, which alone are its `enum`.
@@ -301,14 +309,14 @@ std::vector<std::string> job_arguments(const JobType& type, const Json& paramete
     if (value.is_boolean()) {
       if (value.get<bool>()) arguments.push_back(option);
     } else {
-      arguments.push_back(option + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+      arguments.push_back(option + "=" + argument_text(type.table->at(name), value));
     }
   }
   arguments.insert(arguments.end(), type.fixed_options.begin(), type.fixed_options.end());
   if (!output.empty()) arguments.push_back("--output=" + output);
   if (!type.input.empty()) {
     arguments.push_back("--");  // nor is a file's name
-    arguments.push_back(parameters.at(type.input).get<std::string>());
+    arguments.push_back(path_of_text(parameters.at(type.input).get<std::string>()));
   }
   return arguments;
 }
@@ -317,7 +325,7 @@ std::vector<std::string> input_files(const JobType& type, const Json& parameters
   std::vector<std::string> files;
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == Kind::kFile && parameters.contains(parameter.name))
-      files.push_back(parameters.at(parameter.name).get<std::string>());
+      files.push_back(path_of_text(parameters.at(parameter.name).get<std::string>()));
   if (type.input_names_files) {
     const std::vector<std::string> named = type.command == "infer"  ? animation_job_files(files.front())
                                            : type.command == "pack" ? inferred_field_files(files.front())
@@ -331,7 +339,8 @@ std::string input_identity(const JobType& type, const Json& parameters) {
   if (type.input.empty()) return "";
   Json identities = Json::array();
   try {
-    for (const std::string& file : input_files(type, parameters)) identities.push_back({file, file_identity(file)});
+    for (const std::string& file : input_files(type, parameters))
+      identities.push_back({text_of_path(file), file_identity(file)});
   } catch (const Error& unreadable) {
     identities.push_back(unreadable.what());
   }

@@ -55,6 +55,8 @@ void check_is_one_map(const JobType& type, const nlohmann::json& parameters);
 /// and no property that forms and documents show.
 nlohmann::json parameters_schema(const JobType& type);
 
+/// In parameters files are texts (path_text.h), in what follows they are paths.
+
 /// The command line of `multum` that makes `output` of checked parameters.
 std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json& parameters,
                                        const std::string& output);

@@ -19,6 +19,8 @@
 #include <thread>
 
 #include "host/base/error.h"
+#include "host/base/files/open_file.h"
+#include "host/base/path_text.h"
 #include "host/service/files/path_roots.h"
 #include "host/service/files/result_copy.h"
 #include "host/service/files/staging.h"
@@ -59,27 +61,31 @@ class LogRedirection {
  public:
   explicit LogRedirection(const std::string& path) {
     if (path.empty()) return;
-    const int log = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-    if (log < 0) throw Error(ErrorCode::kEnvironment, path + ": cannot be written");
+    const int log = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644);
+    if (log < 0) fail_by_errno(path, "cannot be written");
+    const OpenFile file(log);
     for (const int stream : {1, 2}) {
-      kept_[stream - 1] = ::dup(stream);
-      ::dup2(log, stream);
+      OpenFile& kept = kept_[stream - 1];
+      kept = OpenFile(::fcntl(stream, F_DUPFD_CLOEXEC, 0));
+      if (kept.is_open() && ::dup2(log, stream) == stream) continue;
+      const int error = errno;
+      put_back();  // the destructor will not
+      errno = error;
+      fail_by_errno(path, "the job's output cannot be led there");
     }
-    ::close(log);
   }
-  ~LogRedirection() {
-    std::fflush(stdout);
-    for (const int stream : {1, 2})
-      if (kept_[stream - 1] >= 0) {
-        ::dup2(kept_[stream - 1], stream);
-        ::close(kept_[stream - 1]);
-      }
-  }
+  ~LogRedirection() { put_back(); }
   LogRedirection(const LogRedirection&) = delete;
   LogRedirection& operator=(const LogRedirection&) = delete;
 
  private:
-  int kept_[2] = {-1, -1};
+  // Nothing can be done where that fails, which it does for no descriptor that is open.
+  void put_back() {
+    std::fflush(stdout);
+    for (const int stream : {1, 2})
+      if (kept_[stream - 1].is_open()) ::dup2(kept_[stream - 1].descriptor(), stream);
+  }
+  OpenFile kept_[2];
 };
 
 class Worker {
@@ -169,17 +175,17 @@ class Worker {
     std::string message;
     bool have_inputs_changed = true;
     try {
-      const LogRedirection log(command.at("log").get<std::string>());
-      const auto arguments = command.at("arguments").get<std::vector<std::string>>();
+      const LogRedirection log(path_in(command, "log"));
+      const auto arguments = paths_of_texts(command.at("arguments").get<std::vector<std::string>>());
       check_place(command);
-      const WorkingFolder working(roots_, command.at("folder").get<std::string>());
+      const WorkingFolder working(roots_, path_in(command, "folder"));
       check_inputs(command);
       have_inputs_changed = !has_inputs(command);
-      const auto copy_from = command.at("copy_from").get<std::string>();
+      const std::string copy_from = path_in(command, "copy_from");
       if (copy_from.empty() || have_inputs_changed) {
         code = run_arguments(arguments, callback);
       } else {
-        copy_result(copy_from, command.at("copy_to").get<std::string>());
+        copy_result(roots_, copy_from, path_in(command, "copy_to"));
         code = 0;
       }
       have_inputs_changed = have_inputs_changed || !has_inputs(command);
@@ -194,16 +200,20 @@ class Worker {
     send({{"ended", id},
           {"attempt", command.at("attempt")},
           {"exit_code", code},
-          {"message", message},
+          {"message", text_of_message(message)},
           {"inputs_changed", have_inputs_changed}});
+  }
+
+  static std::string path_in(const Json& command, const char* key) {
+    return path_of_text(command.at(key).get<std::string>());
   }
 
   // What its result could not be published over is said before the work.
   void check_place(const Json& command) const {
-    const auto output = command.at("output").get<std::string>();
+    const std::string output = path_in(command, "output");
     if (output.empty()) return;
     const JobType& type = find_job_type(command.at("type").get<std::string>());
-    StagedResult(roots_, output, "", 0).check_place(type.output_is_folder);
+    StagedResult(roots_, output, "", 0, {}).check_place(type.output_is_folder);
   }
 
   // A file that names others may name more than when it was submitted. What the system would refuse to open

@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -83,6 +84,11 @@ class WorkerPool {
   void spawn();
   void read(const std::shared_ptr<Worker>& worker);
   void take_lines(Worker& worker);
+  void take_line(Worker& worker, const nlohmann::json& said);
+  static void end_process(Worker& worker);
+  static void reap_soon(Worker& worker, const char* why);
+  void look_after(const std::shared_ptr<Worker>& worker, std::chrono::steady_clock::time_point now);
+  void arm();
   void send(const std::shared_ptr<Worker>& worker, const std::string& line);
   void write_next(const std::shared_ptr<Worker>& worker);
   void reap(const std::shared_ptr<Worker>& worker, const std::string& why);
@@ -97,7 +103,7 @@ class WorkerPool {
   std::uint64_t started_ = 0, lost_ = 0;
   int failures_ = 0;  // of workers that died before they were ready, one after the other
   std::chrono::steady_clock::time_point not_before_;
-  bool is_closing_ = false;
+  bool is_closing_ = false, is_armed_ = false;
 };
 
 }  // namespace multum

@@ -25,7 +25,7 @@ from fuzz import Fuzzer  # noqa: E402
 from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, fail, process_state  # noqa: E402
 
-STATUSES = {100, 200, 201, 202, 304, 400, 401, 403, 404, 405, 408, 409, 413, 431, 501, 503, 507}
+STATUSES = {100, 200, 201, 202, 206, 304, 400, 401, 403, 404, 405, 408, 409, 413, 416, 431, 501, 503, 507}
 HEADERS = (b"Host: localhost", b"Host: evil", b"Host:", b"Origin: http://localhost", b"Origin: null",
            b"Expect: 100-continue", b"Connection: close", b"Connection: keep-alive", b"Connection: Upgrade",
            b"Upgrade: h2c", b"Content-Length: 0", b"Content-Length: 5", b"Content-Length: -1",

@@ -3,9 +3,15 @@
 #include "host/base/processes/child_process.h"
 #include "host/base/processes/sanitizers.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <fstream>
+#include <thread>
 
 #include "tests/unit/base/test_folder.h"
 
@@ -76,6 +82,47 @@ TEST(ChildProcessTest, LimitedChildrenAreNicerAndHaveLessMemory) {
   EXPECT_NE(run_child({"sh", "-c", "sleep 0.2; exec dd if=/dev/zero of=/dev/null bs=200M count=1"}, limits).exit_code,
             0);
 #endif
+}
+
+// A child whose parent was killed (-9) ends too, and so does what it was by exec.
+TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
+  for (const bool is_limited : {false, true}) {
+    int pipe_ends[2];
+    ASSERT_EQ(::pipe(pipe_ends), 0);
+    const pid_t starter = ::fork();
+    if (starter == 0) {
+      ::dup2(pipe_ends[1], STDERR_FILENO);  // the child says its number where nobody collects it
+      const std::vector<std::string> command = {
+          "sh", "-c", "echo $$ > /proc/" + std::to_string(::getpid()) + "/fd/2; exec sleep 60"};
+      if (is_limited) run_child(command, ChildLimits{std::chrono::minutes(2)});
+      else run_child(command);
+      ::_exit(0);
+    }
+    std::string said(20, '\0');
+    const ssize_t count = ::read(pipe_ends[0], said.data(), said.size());
+    ASSERT_GT(count, 0);
+    const int child = std::stoi(said);
+    ::kill(starter, SIGKILL);
+    ::waitpid(starter, nullptr, 0);
+    ::close(pipe_ends[0]);
+    ::close(pipe_ends[1]);
+    // Gone, or a zombie of whoever adopted it.
+    const auto is_there = [&] {
+      std::ifstream in("/proc/" + std::to_string(child) + "/stat");
+      std::string pid, name, state;
+      return static_cast<bool>(in >> pid >> name >> state) && state != "Z" && state != "X";
+    };
+    for (int tries = 0; tries < 250 && is_there(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_FALSE(is_there()) << is_limited;
+    ::kill(child, SIGKILL);
+  }
+}
+
+TEST(ChildProcessTest, AChildHasNoFilesOfItsParent) {
+  std::vector<int> opened;
+  for (int i = 0; i < 20; ++i) opened.push_back(::open("/dev/null", O_RDONLY));
+  EXPECT_EQ(run_child({"sh", "-c", "ls /proc/self/fd | wc -l"}).output, "4\n");  // three, and the folder
+  for (const int one : opened) ::close(one);
 }
 
 TEST(ChildProcessTest, AMissingProgramIsNamed) {

@@ -126,8 +126,8 @@ TEST_F(DataFolderTest, WhatItsLedgerIsFinishedWithGoesAndNothingElse) {
                     foreign = made("results/foreign.exr"), foreign_below = made("results/sub/foreign.exr"),
                     folder = made("results/scene/a.exr"), other_log = made("logs/77.log"),
                     elsewhere = made("elsewhere.exr");
-  write_result_listing(fs::path(folder).parent_path().string());
-  write_result_listing(fs::path(added).parent_path().string());
+  write_result_listing(fs::path(folder).parent_path().string(), data.seal());
+  write_result_listing(fs::path(added).parent_path().string(), data.seal());
   made("results/scene2/by_hand.txt");
   std::vector<std::int64_t> gone;
   job(kept);

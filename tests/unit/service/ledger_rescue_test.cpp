@@ -24,14 +24,14 @@ constexpr std::size_t kPageBytes = 4096;
 constexpr int kJobs = 3000;
 
 // Jobs in all states, as a folder that a daemon has used.
-std::map<std::int64_t, Job> make_ledger(const std::string& data) {
+std::map<std::int64_t, Job> make_ledger(const std::string& data, int job_count = kJobs) {
   fs::create_directory(data);
   QueueThread ledger(find_ledger(data, {}, false), [](const std::function<void()>& task) { task(); });
   take_up_ledger(ledger, DataFolder(data, 0), data);
   std::map<std::int64_t, Job> jobs;
   ledger.run_now([&](JobQueue& queue) {
     const ClaimLimits limits = {{{"default", {}}}, {}, 0};
-    for (int i = 0; i < kJobs; ++i) {
+    for (int i = 0; i < job_count; ++i) {
       JobSubmission submission;
       submission.type = "bake";
       submission.label = "job " + std::to_string(i);
@@ -39,14 +39,14 @@ std::map<std::int64_t, Job> make_ledger(const std::string& data) {
       if (i % 7 == 6) submission.needs = {i, i - 3};
       queue.submit(submission, nullptr, 1);
     }
-    for (int i = 0; i < kJobs / 2; ++i) {
+    for (int i = 0; i < job_count / 2; ++i) {
       const Job job = *queue.claim(limits, "worker", 2);
       if (i % 5 == 4) continue;
       const AttemptOutcome outcome = i % 11 == 3 ? AttemptOutcome::kRefused : AttemptOutcome::kSucceeded;
       queue.ended(job.id, "worker", job.attempt, {outcome, 0, "said"}, 3);
     }
     queue.files().note_upload("/uploads/a");
-    for (std::int64_t id = 1; id <= kJobs; ++id) jobs[id] = *queue.find(id);
+    for (std::int64_t id = 1; id <= job_count; ++id) jobs[id] = *queue.find(id);
   });
   return jobs;
 }
@@ -59,14 +59,14 @@ void damage(const std::string& path, const std::vector<std::size_t>& pages, std:
 }
 
 // What is there by now, as a daemon would go on with it.
-std::map<std::int64_t, Job> open_rescued(const std::string& data) {
+std::map<std::int64_t, Job> open_rescued(const std::string& data, int job_count = kJobs) {
   JobQueue queue(find_ledger(data, {}, false));
   EXPECT_EQ(queue.database().damage(), "");
   std::map<std::int64_t, Job> jobs;
-  for (std::int64_t id = 1; id <= kJobs; ++id)
+  for (std::int64_t id = 1; id <= job_count; ++id)
     if (const std::optional<Job> job = queue.find(id)) jobs[id] = *job;
   const SqliteTransaction transaction(queue.database());  // or each row would wait for the disk
-  EXPECT_GT(queue.submit({}, nullptr, 4).id, kJobs) << "a number was used again";
+  EXPECT_GT(queue.submit({}, nullptr, 4).id, job_count) << "a number was used again";
   queue.recover(5);
   for (const auto& [queue_name, states] : queue.counts()) EXPECT_FALSE(states.contains(JobState::kRunning));
   return jobs;
@@ -137,6 +137,120 @@ TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
   EXPECT_GT(sum, before.size() * kTries * 9 / 10);
 }
 
+void expect_nothing_left(const std::string& data) {
+  for (const char* made : {".copy", ".rescued"})
+    for (const char* part : {"", "-wal", "-shm", "-journal"})
+      EXPECT_FALSE(fs::exists(data + "/jobs.sqlite" + made + part)) << made << part;
+}
+
+// One of many ways in which files are damaged: by bytes, bits, pages and ends.
+std::string damaged(std::string bytes, std::mt19937& random) {
+  const auto below = [&](std::size_t end) { return static_cast<std::size_t>(random() % end); };
+  const std::size_t pages = bytes.size() / kPageBytes, page = below(pages) * kPageBytes,
+                    other = below(pages) * kPageBytes;
+  switch (random() % 7) {
+    case 0:
+      for (std::size_t i = 0, count = 1 + below(200); i < count; ++i)
+        bytes[below(bytes.size())] = static_cast<char>(random());
+      break;
+    case 1:
+      for (std::size_t i = 0, count = 1 + below(400); i < count; ++i)
+        bytes[below(bytes.size())] ^= static_cast<char>(1 << below(8));
+      break;
+    case 2: std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(page), kPageBytes, '\0'); break;
+    case 3:
+      std::swap_ranges(bytes.begin() + static_cast<std::ptrdiff_t>(page),
+                       bytes.begin() + static_cast<std::ptrdiff_t>(page + kPageBytes),
+                       bytes.begin() + static_cast<std::ptrdiff_t>(other));
+      break;
+    case 4: bytes.resize(1 + below(bytes.size())); break;
+    case 5:
+      for (std::size_t i = 0; i < 100; ++i) bytes[below(120)] = static_cast<char>(random());  // the header of all
+      break;
+    default:
+      for (std::size_t i = 0; i < 30; ++i) bytes[page + below(16)] = static_cast<char>(random());  // of a page
+  }
+  return bytes;
+}
+
+TEST(LedgerRescue, AnyDamageIsRescuedOrRefusedClearly) {
+  constexpr int kFew = 300;
+  const TemporaryFolder folder;
+  const std::map<std::int64_t, Job> before = make_ledger(folder / "whole", kFew);
+  const std::string whole = testing::read_bytes(folder / "whole/jobs.sqlite");
+  int rescued = 0;
+  constexpr int kSeeds = 80;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const std::string data = folder / std::to_string(seed);
+    fs::copy(folder / "whole", data, fs::copy_options::recursive);
+    const std::string bytes = damaged(whole, random);
+    testing::write_bytes(data + "/jobs.sqlite", bytes);
+    try {
+      const RescueReport report = rescue_ledger(data);
+      EXPECT_EQ(testing::read_bytes(report.kept), bytes);
+      EXPECT_EQ(static_cast<std::int64_t>(open_rescued(data, kFew).size()), report.tables.front().saved);
+      ++rescued;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInput) << error.what();
+      testing::expect_says(error.what(), {"jobs.sqlite", "--new-ledger"});
+      EXPECT_EQ(testing::read_bytes(data + "/jobs.sqlite"), bytes);
+    }
+    expect_nothing_left(data);
+    fs::remove_all(data);
+    if (::testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(rescued, kSeeds * 3 / 4);
+}
+
+// Values that no ledger takes, or that a function of SQLite ends with an error for: one row each.
+TEST(LedgerRescue, OneBadRowCostsThatRow) {
+  for (const char* damage :
+       {"UPDATE jobs SET parameters = x'7b00ff7d' WHERE id = 5", "UPDATE jobs SET state = 99 WHERE id = 5",
+        "UPDATE jobs SET parameters = '{\"a\":' WHERE id = 5", "UPDATE jobs SET queue = x'00' WHERE id = 5",
+        "UPDATE jobs SET label = CAST(x'ff' AS TEXT) WHERE id = 5"}) {
+    SCOPED_TRACE(damage);
+    const TemporaryFolder folder;
+    make_ledger(folder / "d", 20);
+    {
+      SqliteDatabase ledger(folder / "d/jobs.sqlite");
+      ledger.execute("PRAGMA ignore_check_constraints = ON");
+      ledger.execute(damage);
+    }
+    const RescueReport report = rescue_ledger(folder / "d");
+    EXPECT_EQ(report.tables.front().saved, 19);
+    EXPECT_EQ(report.tables.front().damaged, 1);
+    EXPECT_FALSE(open_rescued(folder / "d", 20).contains(5));
+    expect_nothing_left(folder / "d");
+  }
+}
+
+TEST(LedgerRescue, AnEmptyLedgerLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  make_ledger(folder / "d", 1);
+  {
+    SqliteDatabase ledger(folder / "d/jobs.sqlite");
+    ledger.execute("DELETE FROM jobs; DELETE FROM uploads");
+  }
+  // Of no jobs, and whole.
+  const RescueReport report = rescue_ledger(folder / "d");
+  EXPECT_EQ(report.tables.front().saved, 0);
+  EXPECT_EQ(report.tables.front().damaged, 0);
+  expect_nothing_left(folder / "d");
+  EXPECT_TRUE(open_rescued(folder / "d", 1).empty());
+  // Of no bytes, and of no tables.
+  testing::write_bytes(folder / "d/jobs.sqlite", "");
+  expect_error(ErrorCode::kInput, {folder / "d/jobs.sqlite", "empty", "--new-ledger"},
+               [&] { rescue_ledger(folder / "d"); });
+  expect_nothing_left(folder / "d");
+  EXPECT_EQ(testing::read_bytes(folder / "d/jobs.sqlite"), "");
+  fs::remove(folder / "d/jobs.sqlite");
+  { SqliteDatabase(folder / "d/jobs.sqlite").execute("CREATE TABLE other (a)"); }
+  expect_error(ErrorCode::kInput, {folder / "d/jobs.sqlite", "no job"}, [&] { rescue_ledger(folder / "d"); });
+  expect_nothing_left(folder / "d");
+}
+
 TEST(LedgerRescue, RefusesWithoutTouchingAnything) {
   const TemporaryFolder folder;
   expect_error(ErrorCode::kInput, {folder / "none/jobs.sqlite", "missing"}, [&] { rescue_ledger(folder / "none"); });
@@ -145,7 +259,7 @@ TEST(LedgerRescue, RefusesWithoutTouchingAnything) {
   testing::write_bytes(folder / "data/jobs.sqlite", std::string(9000, 'x'));
   expect_error(ErrorCode::kInput, {folder / "data/jobs.sqlite"}, [&] { rescue_ledger(folder / "data"); });
   EXPECT_EQ(testing::read_bytes(folder / "data/jobs.sqlite"), std::string(9000, 'x'));
-  EXPECT_FALSE(fs::exists(folder / "data/jobs.sqlite.rescued"));
+  expect_nothing_left(folder / "data");
   const auto lock = DataLock::take(folder / "data");
   expect_error(ErrorCode::kEnvironment, {folder / "data", "daemon"}, [&] { rescue_ledger(folder / "data"); });
 }

@@ -81,6 +81,44 @@ TEST_F(PathRootsTest, WhatIsNoFileIsNotWaitedFor) {
   refused(ErrorCode::kUsage, [&] { roots.open_input(root_ + "/../outside/map.png"); });
 }
 
+// Whether something is there outside of the roots is told by no message: by a path, by a link, by a folder that is one.
+TEST_F(PathRootsTest, NothingIsToldOfWhatIsOutside) {
+  const PathRoots roots({root_});
+  const auto message = [&](const std::string& path, bool is_output) {
+    try {
+      is_output ? roots.output(path) : roots.input(path);
+    } catch (const Error& error) {
+      const std::string text = error.what();
+      EXPECT_TRUE(text.starts_with(path + ": ")) << text;
+      return text.substr(path.size());
+    }
+    return std::string("not refused");
+  };
+  std::string words[2];
+  for (const char* name : {"map.png", "nothing.png"}) {
+    const std::string target = outside_ + "/" + name, link = root_ + "/link";
+    fs::create_symlink(target, link);
+    fs::create_symlink("../outside/" + std::string(name), root_ + "/relative");
+    fs::create_symlink("link", root_ + "/twice");
+    fs::create_directory_symlink(outside_, root_ + "/door");
+    for (const std::string& path : {target, link, root_ + "/relative", root_ + "/twice", root_ + "/door/" + name,
+                                    root_ + "/sub/../door/" + name, root_ + "/../outside/" + name}) {
+      const std::string found = message(path, false);
+      EXPECT_NE(found.find("not below a folder"), std::string::npos) << path << found;
+      if (words[0].empty()) words[0] = found;
+      EXPECT_EQ(found, words[0]) << path;
+    }
+    for (const std::string& path : {target + "/a", root_ + "/door/" + name + "/a", link + "/a"}) {
+      const std::string found = message(path, true);
+      EXPECT_NE(found.find("not below a folder"), std::string::npos) << path << found;
+    }
+    for (const char* made : {"link", "relative", "twice", "door"}) fs::remove(root_ + "/" + made);
+  }
+  // What is inside is told of.
+  fs::create_symlink(root_ + "/sub/nothing.png", root_ + "/link");
+  EXPECT_NE(message(root_ + "/link", false).find("no such file"), std::string::npos);
+}
+
 // Unmounted, as a rule, with an empty folder in its place.
 TEST_F(PathRootsTest, ARootThatIsAnotherFolderIsNotUsed) {
   const PathRoots roots({root_});

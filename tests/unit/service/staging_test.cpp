@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/service/files/data_lock.h"
+#include "host/service/files/result_copy.h"
 #include "host/service/files/result_listing.h"
 #include "tests/unit/base/test_folder.h"
 
@@ -27,7 +28,7 @@ using testing::TemporaryFolder;
 class StagingTest : public ::testing::Test {
  protected:
   StagingTest() { fs::create_directory(root_); }
-  StagedResult staged(std::int64_t id) const { return {roots_, output_, "0123abcd", id}; }
+  StagedResult staged(std::int64_t id) const { return {roots_, output_, "0123abcd", id, seal_}; }
   // A folder of results, made for this job; returns its identity.
   std::string make_folder_of(std::int64_t id, const std::vector<std::string>& names) const {
     const std::string made = make_staging(id);
@@ -65,6 +66,7 @@ class StagingTest : public ::testing::Test {
   TemporaryFolder folder_;
   const std::string root_ = fs::canonical(folder_ / "").string() + "/root";
   const std::string output_ = root_ + "/result";
+  const ResultSeal seal_ = {"a key"};
   const PathRoots roots_ = [this] {
     fs::create_directory(root_);
     return PathRoots({root_});
@@ -82,7 +84,7 @@ TEST_F(StagingTest, AFolderTakesThePlaceOfAnEarlierResultWhole) {
 TEST_F(StagingTest, TemporaryFilesThatWereLeftAreNoResults) {
   EXPECT_EQ(staged(1).publish(make_folder_of(1, {"a", "sub/.multum-tmp-4711-3-b.exr", "sub/b.exr"})), "");
   EXPECT_EQ(names(output_), (std::set<std::string>{"a", "sub/b.exr"}));
-  EXPECT_TRUE(is_as_made(output_, file_identity(output_)));
+  EXPECT_TRUE(is_as_made(roots_, output_, file_identity(output_), seal_));
 }
 
 TEST_F(StagingTest, AnEmptyFolderIsRoom) {
@@ -168,7 +170,7 @@ TEST_F(StagingTest, WhatCannotBePutAsideGoesBack) {
 }
 
 TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
-  const auto is_intact = [&](const std::string& identity) { return is_as_made(output_, identity); };
+  const auto is_intact = [&](const std::string& identity) { return is_as_made(roots_, output_, identity, seal_); };
   const std::string identity = make_folder_of(1, {"a", "sub/b"});
   staged(1).publish(identity);
   EXPECT_TRUE(is_intact(identity));
@@ -181,7 +183,7 @@ TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
   EXPECT_FALSE(is_intact(identity));
   fs::remove_all(output_);
   EXPECT_FALSE(is_intact(identity));
-  EXPECT_FALSE(is_as_made(output_, "")) << "nothing is no result";
+  EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "nothing is no result";
 }
 
 // While it is removed, a folder in it becomes a link to the user's: again and again, by a thread of its own.
@@ -196,7 +198,7 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
   fill(mine);
   for (int i = 0; i < 50; ++i) {
     fill(sub);
-    write_result_listing(output_);
+    write_result_listing(output_, seal_);
     std::atomic<int> swaps = 0;
     std::atomic<bool> is_over = false;
     std::thread swapper([&] {
@@ -211,12 +213,104 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
       }
     });
     while (swaps == 0) std::this_thread::yield();  // on a busy machine it may begin when all is over
-    EXPECT_NO_THROW(remove_listed(output_));
+    EXPECT_NO_THROW(remove_listed(output_, seal_));
     is_over = true;
     swapper.join();
     for (const std::string& left : {aside, output_}) fs::remove_all(left);
   }
   EXPECT_EQ(names(mine), all);
+}
+
+// Moved away, and a link to it put in its place: nothing may be taken by that name, or written through it.
+TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
+  const std::string identity = make_folder_of(1, {"a"});
+  staged(1).publish(identity);
+  fs::rename(output_, root_ + "/moved");
+  fs::create_directory_symlink(root_ + "/moved", output_);
+  EXPECT_EQ(result_identity(roots_, output_), "");
+  EXPECT_FALSE(is_as_made(roots_, output_, identity, seal_));
+  EXPECT_TRUE(is_as_made(roots_, root_ + "/moved", identity, seal_));
+  // A file.
+  const std::string file = root_ + "/file.exr", moved = root_ + "/moved.exr";
+  write_text_file(file, "pixels");
+  const std::string of_file = result_identity(roots_, file);
+  EXPECT_TRUE(is_as_made(roots_, file, of_file, seal_));
+  fs::rename(file, moved);
+  fs::create_symlink(moved, file);
+  EXPECT_FALSE(is_as_made(roots_, file, of_file, seal_));
+  // A folder above it.
+  fs::create_directory(root_ + "/above");
+  fs::rename(moved, root_ + "/above/file.exr");
+  fs::rename(root_ + "/above", root_ + "/elsewhere");
+  fs::create_directory_symlink(root_ + "/elsewhere", root_ + "/above");
+  EXPECT_FALSE(is_as_made(roots_, root_ + "/above/file.exr", of_file, seal_));
+}
+
+TEST_F(StagingTest, CopiesAreOfFilesAndFoldersAlone) {
+  const std::string mine = folder_ / "mine.txt";
+  write_text_file(mine, "mine");
+  staged(1).publish(make_folder_of(1, {"a", "sub/b"}));
+  fs::create_directory(root_ + "/to");
+  copy_result(roots_, output_, root_ + "/to/copy");
+  EXPECT_EQ(names(root_ + "/to/copy"), (std::set<std::string>{"a", "sub/b"}));
+  EXPECT_FALSE(fs::exists(root_ + "/to/copy/.multum-result")) << "the copy gets its own";
+  copy_result(roots_, output_ + "/a", root_ + "/to/a");
+  EXPECT_EQ(testing::read_bytes(root_ + "/to/a"), "a1");
+  // What an attempt before has left is replaced, and a link in its place is not followed.
+  fs::remove(root_ + "/to/a");
+  fs::create_symlink(mine, root_ + "/to/a");
+  copy_result(roots_, output_ + "/a", root_ + "/to/a");
+  EXPECT_FALSE(fs::is_symlink(root_ + "/to/a"));
+  EXPECT_EQ(testing::read_bytes(mine), "mine");
+  for (const std::string& made : {root_ + "/link", output_ + "/sub/link"}) {
+    fs::create_symlink(mine, made);
+    EXPECT_THROW(copy_result(roots_, made.find("sub") == std::string::npos ? made : output_, root_ + "/to/c"), Error);
+    fs::remove(made);
+  }
+}
+
+// Who writes to a folder can write a listing into it: of a user's files, with a line more, or of another folder.
+TEST_F(StagingTest, AForgedListingIsNone) {
+  fs::create_directory(output_);
+  write_text_file(output_ + "/mine.txt", "weeks of work");
+  write_result_listing(output_, {});  // without a seal
+  refused(1, make_folder_of(1, {"a"}), "mine.txt");
+  write_result_listing(output_, {"another key"});
+  refused(1, staged(1).identity(), "mine.txt");
+  EXPECT_EQ(names(output_), std::set<std::string>{"mine.txt"});
+  fs::remove_all(output_);
+  staged(1).publish(staged(1).identity());
+  EXPECT_EQ(unlisted_in(output_, seal_), "");
+  // A line more.
+  const std::string listing = output_ + "/.multum-result", whole = testing::read_bytes(listing);
+  write_text_file(output_ + "/mine.txt", "added");
+  const std::string own =
+      "5 " + file_identity(output_ + "/mine.txt").substr(file_identity(output_ + "/mine.txt").rfind(':') + 1);
+  for (const std::string& text : {own + " mine.txt\n" + whole, whole + own + " mine.txt\n",
+                                  whole.substr(0, whole.rfind("seal ")) + own + " mine.txt\n"}) {
+    testing::write_bytes(listing, text);
+    EXPECT_NE(unlisted_in(output_, seal_), "") << text;
+    EXPECT_FALSE(remove_listed(output_, seal_));
+    EXPECT_TRUE(fs::exists(output_ + "/mine.txt"));
+  }
+  // Another folder's listing, with the same files.
+  fs::remove(output_ + "/mine.txt");
+  testing::write_bytes(listing, whole);
+  EXPECT_TRUE(is_as_published(output_, seal_));
+  fs::copy(output_, root_ + "/other", fs::copy_options::recursive);
+  fs::last_write_time(root_ + "/other/a", fs::last_write_time(output_ + "/a"));
+  EXPECT_FALSE(is_as_published(root_ + "/other", seal_));
+  EXPECT_EQ(unlisted_in(root_ + "/other", {}), "") << "but for the seal it is the same";
+}
+
+TEST_F(StagingTest, TheKeyIsMadeOnceAndItsOwnersAlone) {
+  const std::string path = folder_ / "seal";
+  const ResultSeal first = take_up_seal(path);
+  EXPECT_EQ(first.key.size(), 64u);
+  EXPECT_EQ(take_up_seal(path).key, first.key);
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  testing::write_bytes(path, "cut");
+  EXPECT_NE(take_up_seal(path).key, first.key);
 }
 
 TEST_F(StagingTest, ALinkIsNoResult) {

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds whether this machine has an OpenCL device that jobs could use, when somebody asks. A child looks, since drivers
+// crash and hang.
+#pragma once
+
+#include <atomic>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace multum {
+
+class DriverProbe {
+ public:
+  struct Finding {
+    bool has_device = false;
+    std::string message;  // why not
+  };
+
+  /// `command`: ends with exit code 0 where there is a device, else says last why not. Answers on the thread of `io`.
+  DriverProbe(boost::asio::io_context& io, std::vector<std::string> command);
+  /// Ends the child that is at work.
+  ~DriverProbe();
+  DriverProbe(const DriverProbe&) = delete;
+  DriverProbe& operator=(const DriverProbe&) = delete;
+
+  /// What was found last; the first to ask waits. What is old is looked at again meanwhile: after ten minutes, or half
+  /// a minute where there was none.
+  boost::asio::awaitable<Finding> look();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Finding ask_child() const;
+
+  boost::asio::io_context& io_;
+  const std::vector<std::string> command_;
+  std::optional<Finding> found_;
+  Clock::time_point good_until_;
+  bool is_under_way_ = false;
+  std::atomic<bool> is_ending_ = false;
+  boost::asio::thread_pool pool_{1};
+};
+
+}  // namespace multum
