@@ -12,6 +12,7 @@
 
 #include "host/base/error.h"
 #include "host/base/progress.h"
+#include "host/base/system_failure.h"
 #include "host/export/one_lobe_fit.h"
 #include "host/gltf/level_file.h"
 #include "host/gltf/material_plan.h"
@@ -46,7 +47,8 @@ template <typename Body>
 auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file, const Body& body) {
   try {
     return body();
-  } catch (const Error& error) {
+  } catch (...) {
+    const Error error = caught_error(file);
     std::string message = error.what();
     const std::string name = fmt::format("{}: image {}", asset.path, image);
     if (const std::size_t at = message.find(file); at != std::string::npos) message.replace(at, file.size(), name);

@@ -65,7 +65,8 @@ class KernelCaches {
     const std::lock_guard lock(mutex_);
     if (std::exchange(is_prepared_, true)) return;
     pocl_failure_.clear();
-    if (!replace(folders_.programs, "MULTUM_CACHE_DIR", "programs").empty()) set_program_cache_folder(folders_.programs);
+    if (!replace(folders_.programs, "MULTUM_CACHE_DIR", "programs").empty())
+      set_program_cache_folder(folders_.programs);
     const std::string why_no_pocl = replace(folders_.pocl, "POCL_CACHE_DIR", "pocl");
     if (private_ == nullptr) pocl_failure_ = why_no_pocl;
   }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes that run out of something: disk in mid-bake, memory, a folder to write to. A clear error, an exit code, and
-// nothing half-written.
+// Commands that run out of something: disk in mid-bake, memory, open files, a folder to write to, a name. A clear
+// error, an exit code, no signal, and nothing half-written.
 #include <sys/mount.h>
 
+#include "host/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {
@@ -19,6 +20,12 @@ class LimitsTest : public CliTest {
         "bake", path("map_normal.png"), "-o", path("out/map.ndf.exr"), "--no-measure", "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum_command(arguments);
+  }
+  // A command under a limit of bash's ulimit: "-f 16".
+  static ProgramResult limited(const std::string& limit, const std::vector<std::string>& command) {
+    std::vector<std::string> shell = {"bash", "-c", "ulimit " + limit + "; exec \"$@\"", "bash"};
+    shell.insert(shell.end(), command.begin(), command.end());
+    return run_program(shell);
   }
   // Compilers write files too, PoCL whenever a program is not in a file.
   void build_kernels() const {
@@ -40,25 +47,18 @@ TEST_F(LimitsTest, FilesThatCannotGrow) {
   build_kernels();
   for (const int kibibytes : {780, 800, 820}) {
     SCOPED_TRACE(std::to_string(kibibytes) + " KiB");
-    std::vector<std::string> shell = {"bash", "-c",
-                                      "trap '' XFSZ; ulimit -f " + std::to_string(kibibytes) + "; exec \"$@\"", "bash"};
-    for (const std::string& word : bake()) shell.push_back(word);
-    expect_failed(run_program(shell), {path("out"), "File too large"});
+    expect_failed(limited("-f " + std::to_string(kibibytes), bake()), {path("out"), "File too large"});
   }
 }
 
 TEST_F(LimitsTest, PicturesThatCannotGrow) {
-  const ProgramResult result =
-      run_program({"bash", "-c", "trap '' XFSZ; ulimit -f 16; exec \"$@\"", "bash",
-                   std::string(MULTUM_BIN_DIR) + "/multum", "testmap", path("out/picture"), "--size", "256"});
+  const ProgramResult result = limited("-f 16", multum_command({"testmap", path("out/picture"), "--size", "256"}));
   expect_failed(result, {path("out/picture"), ".png: writing failed: File too large"});
 }
 
 // The memory that the decoding child shares counts as a file.
 TEST_F(LimitsTest, SharedMemoryThatCannotGrow) {
-  std::vector<std::string> shell = {"bash", "-c", "trap '' XFSZ; ulimit -f 16; exec \"$@\"", "bash"};
-  for (const std::string& word : bake()) shell.push_back(word);
-  expect_failed(run_program(shell), {"shared memory of", "File too large", "ulimit -f"});
+  expect_failed(limited("-f 16", bake()), {"shared memory of", "File too large", "ulimit -f"});
 }
 
 TEST_F(LimitsTest, ADiskThatIsFull) {
@@ -73,6 +73,70 @@ TEST_F(LimitsTest, TooLittleMemoryNamesWhatIsNeeded) {
   expect_failed(run_program(bake({"--memory", "100M"})), {"--memory", "100 MiB", "at least 288 MiB"});
   expect_failed(run_program(bake({"--memory", "much"})), {"--memory", "much"});
 }
+
+// Too long for a file, whatever the command would do with it: nothing is tried, and no other machine would take it.
+TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
+  const std::string name(256, 'x');
+  std::string deep;
+  while (deep.size() < 4096) deep += "folder/";
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"bake", path("map_normal.png"), "-o", path("out/" + name + ".ndf.exr")},
+           {"bake", path(name + ".png"), "-o", path("out/map.ndf.exr")},
+           {"bake", path("map_normal.png"), "-o", path("out/map.ndf.exr"), "--report=" + path(name)},
+           {"export", path("map_normal.png"), "-o", path("out/" + deep + "a")},
+           {"mip", path("map_albedo.png"), "-o", path("out/" + name + ".exr")},
+           {"info", path(name)},
+           {"verify", name},
+           {"testmap", path("out/" + name)},
+           {"plan", path(name + ".toml")},
+           {"serve", "--data", path(name)}}) {
+    SCOPED_TRACE(command.front());
+    const ProgramResult result = multum(command);
+    EXPECT_EQ(result.exit_code, kUsage) << result.err;
+    expect_says(result.err, {"too long", "found", "expected at most"});
+    EXPECT_TRUE(std::filesystem::is_empty(path("out")));
+  }
+  const std::string view = std::string(MULTUM_BIN_DIR) + "/multum-view";
+  if (std::filesystem::exists(view)) {
+    EXPECT_EQ(run_program({view, path(name), "-o", path("a.png")}).exit_code, kUsage);
+  }
+  const std::string longest = path("out/" + std::string(251, 'x') + ".png");
+  EXPECT_EQ(multum({"info", longest}).exit_code, kInput) << "not there, but a file might be";
+}
+
+// Neither PoCL's cache nor that of this project's programs can be made in a home like this one, not even by root.
+TEST_F(LimitsTest, KernelsThatCannotBeKeptAreCompiledInAPrivateFolder) {
+  std::filesystem::create_directory(path("tmp"));
+  std::vector<std::string> command = {"env",
+                                      "-u",
+                                      "MULTUM_CACHE_DIR",
+                                      "-u",
+                                      "POCL_CACHE_DIR",
+                                      "-u",
+                                      "XDG_CACHE_HOME",
+                                      "HOME=" + path("map_normal.png"),
+                                      "TMPDIR=" + path("tmp")};
+  for (const std::string& word : multum_command({"devices"})) command.push_back(word);
+  const ProgramResult result = run_program(command);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  expect_says(result.err, {path("map_normal.png/.cache/multum"), "Not a directory", "MULTUM_CACHE_DIR",
+                           path("map_normal.png/.cache/pocl/kcache"), "POCL_CACHE_DIR"});
+  EXPECT_TRUE(std::filesystem::is_empty(path("tmp"))) << "it goes with the program";
+}
+
+#ifndef MULTUM_SHADOW_MEMORY  // which takes terabytes
+// The file is none the worse for it: another machine may read it.
+TEST_F(LimitsTest, TooLittleMemoryToDecodeIsOfTheMachine) {
+  for (const char* limit : {"-v 200000", "-v 330000", "-d 20000", "-d 100000"}) {
+    SCOPED_TRACE(limit);
+    const ProgramResult result =
+        limited(limit, multum_command({"mip", path("map_albedo.png"), "-o", path("out/a.exr")}));
+    EXPECT_EQ(result.signal, 0);
+    EXPECT_EQ(result.exit_code, kEnvironment) << result.err;
+    expect_says(result.err, {"memory"});
+  }
+}
+#endif
 
 TEST_F(LimitsTest, ScratchMustBeAFolder) {
   expect_failed(run_program(bake({"--scratch", path("none"), "--memory", "300M"})), {path("none")});

@@ -11,6 +11,7 @@
 #include "host/base/log.h"
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
+#include "host/base/system_failure.h"
 #include "host/target/chosen_bake.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
@@ -100,7 +101,8 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
       const BakeReport report = bake_file(job, nullptr, device, progress.get());
       print_report(job, printing(o), report);
       unchanged += report.unchanged ? 1 : 0;
-    } catch (const Error& error) {
+    } catch (...) {
+      const Error error = caught_error(job.input);
       print_shown(stderr, "multum: %s\n", error.what());
       if (code == 0) code = exit_code(error.code());
       ++failed;

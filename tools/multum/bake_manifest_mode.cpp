@@ -7,6 +7,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/base/stopwatch.h"
+#include "host/base/system_failure.h"
 #include "host/manifest/manifest_report.h"
 #include "host/parameters/bake_parameters.h"
 #include "tools/command_line/parameter_options.h"
@@ -52,8 +53,8 @@ MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& 
   try {
     const auto progress = make_progress(common);
     result = run_manifest_map(map, o.run, device, progress.get());
-  } catch (const Error& error) {
-    result = failed_map(map, error);
+  } catch (...) {
+    result = failed_map(map, caught_error(map.job.input));
   }
   result.seconds = stopwatch.seconds();
   print_result(map, printing, result, o.run.check);

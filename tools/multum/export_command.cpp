@@ -12,6 +12,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
+#include "host/base/system_failure.h"
 #include "host/base/work_shard.h"
 #include "host/export/baked_lobes.h"
 #include "host/export/batch/export_batch.h"
@@ -99,7 +100,8 @@ int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& comm
     try {
       const auto progress = make_progress(common);
       print_export(jobs[i], common, export_file(jobs[i], device, progress.get()));
-    } catch (const Error& error) {
+    } catch (...) {
+      const Error error = caught_error(jobs[i].input);
       print_shown(stderr, "multum: %s\n", error.what());
       if (code == 0) code = exit_code(error.code());
       ++failed;
@@ -140,7 +142,8 @@ int run_export_manifest(const ExportOptions& o) {
     openjd_part(i, maps.size());
     try {
       export_of_manifest(maps[i], o, device, counts);
-    } catch (const Error& error) {
+    } catch (...) {
+      const Error error = caught_error(maps[i].job.input);
       print_shown(stderr, "multum: %s\n", error.what());
       // A setting that does not fit its map is the manifest's, and that is a file, not the command line.
       if (code == 0) code = exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code());

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_line/long_names.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <filesystem>
+#include <string>
+
+#include "host/base/error.h"
+
+namespace multum {
+namespace {
+
+// Texts that are no names of files; in JSON and addresses no part may be shorter than a name's limit.
+bool is_name(const CLI::Option& option, const std::string& value) {
+  return !option.check_lname("label") && value.find_first_of("{\n") == std::string::npos &&
+         value.find("://") == std::string::npos;
+}
+
+void check(const CLI::Option& option, const std::string& value) {
+  struct stat status = {};
+  if (value.size() <= NAME_MAX || !is_name(option, value)) return;
+  if (::lstat(value.c_str(), &status) == 0 || errno != ENAMETOOLONG) return;
+  std::size_t longest = 0;
+  for (const std::filesystem::path& part : std::filesystem::path(value))
+    longest = std::max(longest, part.native().size());
+  const bool is_part = longest > NAME_MAX;
+  throw Error(ErrorCode::kUsage, fmt::format("{} {}: the name is too long: found {} of {} bytes, expected at most {}",
+                                             option.get_name(), value, is_part ? "a part" : "a path",
+                                             is_part ? longest : value.size(), is_part ? NAME_MAX : PATH_MAX - 1));
+}
+
+void check_values(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& value : option->results()) check(*option, value);
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App* one) { return one->parsed(); }))
+    check_values(*command);
+}
+
+}  // namespace
+
+void refuse_long_names(CLI::App& app) {
+  app.parse_complete_callback([&app] { check_values(app); });
+}
+
+}  // namespace multum
