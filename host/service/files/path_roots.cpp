@@ -15,14 +15,13 @@
 #include <iterator>
 
 #include "host/base/error.h"
+#include "host/base/files/own_folder.h"
 
 namespace multum {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr std::size_t kNameMax = 200;  // bytes of a result's name: temporary names beside it are up to 50 longer
 
 // glibc 2.36 has no function for it. A name with a link anywhere is none: links were resolved when the path was
 // checked.
@@ -162,9 +161,7 @@ std::string PathRoots::output(const std::string& path) const {
   const std::string name = named.filename().string();
   if (name.empty() || name == ".." || name.starts_with(".multum-"))
     throw Error(ErrorCode::kUsage, fmt::format("{}: is not a name for a result", path));
-  if (name.size() > kNameMax)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: its name has {} bytes, expected at most {}", path, name.size(), kNameMax));
+  check_name_length(path, name);
   std::error_code error;
   const fs::path folder = fs::canonical(named.parent_path(), error);
   if (error) {
