@@ -27,7 +27,14 @@ std::size_t announced_length(std::uint32_t first) {
   return first >= 0xf0 && first <= 0xf4 ? 4 : 0;
 }
 
-// Of the character that begins at `begin`; 0: none does.
+bool is_control(std::string_view character) {
+  const std::uint32_t first = byte_at(character, 0);
+  if (first == 0xc2) return byte_at(character, 1) < 0xa0;
+  return (first < 0x20 && first != '\t' && first != '\n') || first == 0x7f;
+}
+
+}  // namespace
+
 std::size_t character_length(std::string_view text, std::size_t begin) {
   const std::uint32_t first = byte_at(text, begin);
   const std::size_t length = announced_length(first);
@@ -41,14 +48,6 @@ std::size_t character_length(std::string_view text, std::size_t begin) {
   const bool is_beyond = first == 0xf4 && second > 0x8f;
   return is_over_long || is_surrogate || is_beyond ? 0 : length;
 }
-
-bool is_control(std::string_view character) {
-  const std::uint32_t first = byte_at(character, 0);
-  if (first == 0xc2) return byte_at(character, 1) < 0xa0;
-  return (first < 0x20 && first != '\t' && first != '\n') || first == 0x7f;
-}
-
-}  // namespace
 
 std::string shown_text(std::string_view text) {
   std::string shown;

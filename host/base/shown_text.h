@@ -23,6 +23,9 @@ void write_shown(std::FILE* stream, std::string_view text);
 /// Escapes JSON: DEL and C1, which may stand in its texts alone, as \u escapes. To a reader of JSON it is the same.
 std::string escaped_json(std::string_view json);
 
+/// Bytes of the UTF-8 character that begins at `begin`, which is in the text (RFC 3629); 0: none begins there.
+std::size_t character_length(std::string_view text, std::size_t begin);
+
 /// Bytes of `text` but for a UTF-8 character at its end that is not whole yet.
 std::size_t whole_characters(std::string_view text);
 
