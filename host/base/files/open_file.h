@@ -23,6 +23,8 @@ class OpenFile {
 
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
+  /// Hands it over: who has it now closes it.
+  int release() { return std::exchange(descriptor_, -1); }
 
  private:
   int descriptor_;
