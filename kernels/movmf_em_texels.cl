@@ -7,9 +7,8 @@
 //   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           movmf_start; on return those of the last
 //                                                                      E-step, for movmf_features
-//   alignment_vectors [lobe][window_rows * width][4]                            written: what neighbours' priors are
-//   made of level   [lobe][window_rows * width]                                written: r and amplitude of each texel's
-//   lobes
+//   alignment_vectors [lobe][window_rows * width][4]                   written: what neighbours' priors are made of
+//   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
 // Sums run over the samples in their order, and a texel that has settled keeps its lobes whatever the others of its
 // group still do: the same bytes from both variants, and from a team (below). Compute bound: about 26 operations a
 // lobe and sample; 12 or 16 bytes of samples a texel, from cache after the first iteration.

@@ -18,7 +18,10 @@ int thread_count(int threads) { return threads > 0 ? threads : processor_count()
 
 BakedReader::BakedReader(const std::string& path, int threads) : path_(path), threads_(thread_count(threads)) {
   check_exr_headers(path, "not a readable baked file");
-  guarded([&] { file_ = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), threads_); });
+  guarded([&] {
+    stream_ = std::make_unique<ExrInputStream>(path);
+    file_ = std::make_unique<Imf::MultiPartInputFile>(*stream_, threads_);
+  });
 }
 
 void BakedReader::expect(const BakedHeader& header, std::vector<BakedPart> parts) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/asset/baked_header.h"
+#include "host/asset/exr/exr_input.h"
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 
@@ -49,6 +50,7 @@ class BakedReader {
  private:
   const std::string path_;
   const int threads_;
+  std::unique_ptr<ExrInputStream> stream_;  // of the file, and outlives it
   std::unique_ptr<Imf::MultiPartInputFile> file_;
   int tile_size_ = 1;
   BakedHeader header_;

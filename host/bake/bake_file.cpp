@@ -98,9 +98,9 @@ BakeJob with_region(BakeJob job, const BakeSource& source) {
 }
 
 // Lobes that roughness has shortened are as wide for diffuse light. The shader divides the mean of c out
-// (kernels/device/ vmf_shading.clh, without_roughness), which leaves what a texel's c differs from it by: nothing where
-// roughness varies little, and of a map with polished and dull parts more than averaged normals have at fine levels
-// (docs/READING.md has the measurements).
+// (without_roughness in kernels/device/vmf_shading.clh), which leaves what a texel's c differs from it by: nothing
+// where roughness varies little, and of a map with polished and dull parts more than averaged normals have at fine
+// levels (docs/READING.md has the measurements).
 constexpr double kDiffuseErrorNoted = 0.02;
 constexpr int kFineLevels = 2;
 

@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include "host/accuracy/accuracy_table.h"
+#include "host/base/files/json_file.h"
+#include "host/base/path_text.h"
 
 namespace multum {
 namespace {
@@ -61,10 +63,10 @@ void add_former_names(Json& json) {
 
 std::string BakeReport::to_json() const {
   Json json;
-  json["source"] = source;
+  json["source"] = text_of_path(source);
   if (!shard.empty()) json["shard"] = shard;
   json["unchanged"] = unchanged;
-  if (unchanged) return json.dump(2) + "\n";
+  if (unchanged) return json_text(json, 2) + "\n";
   json["device"] = device;
   json["input"] = {{"format", input.format},
                    {"encoding", input.encoding},
@@ -120,7 +122,7 @@ std::string BakeReport::to_json() const {
   json["measured_error"] = accuracy_json(accuracy);
   if (!choice.empty()) json["choice"] = choice;
   add_former_names(json);
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 double BakeReport::bake_seconds() const {

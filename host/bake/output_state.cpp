@@ -14,6 +14,7 @@
 #include "host/bake/ndf_bake.h"
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/json_file.h"
 #include "host/base/version.h"
 #include "host/image/material_maps.h"
 #include "host/image/normals/reading_settings.h"
@@ -112,7 +113,7 @@ std::string all_settings_json(const BakeJob& job) {
   }
   if (!job.chosen_for.empty()) json["target"] = job.chosen_for;
   json["kernels"] = kernel_sources_hash().substr(0, 16);
-  return json.dump();
+  return json_text(json);
 }
 
 OutputState find_output_state(const BakeJob& job, const std::string& settings) {

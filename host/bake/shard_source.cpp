@@ -11,6 +11,7 @@
 
 #include "host/bake/output_state.h"
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/pyramid/row_window.h"
 
 namespace multum {
@@ -46,8 +47,8 @@ std::vector<Store*> stores_of(Source& source) {
 
 // The source of a note, whose planes have no rows yet: normals are read where they are.
 BakeSource source_of(const NoteJson& note, const std::string& share, const SpillPolicy& spill) {
-  const int width = note.at("width").get<int>(), height = note.at("height").get<int>(),
-            weight_count = note.at("weights").get<int>();
+  const int width = json_int(note, "width"), height = json_int(note, "height"),
+            weight_count = json_int(note, "weights");
   if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
     throw Error(ErrorCode::kEnvironment, share + ": says nothing of its map");
   BakeSource source{{PlaneStore(width, height, ScratchFile::to_read(share)), note.at("report").get<NormalMapReport>()},
@@ -145,7 +146,7 @@ std::string shard_note(const BakeJob& job, const BakeSource& source) {
     const InputHashes::FileState state = job.hashes->state(file);
     note["files"].push_back({state.size, state.modified_ns, job.hashes->hash(file)});
   }
-  return note.dump(-1, ' ', false, NoteJson::error_handler_t::replace);
+  return json_text(note);
 }
 
 void write_map_rows(const BakeSource& source, ShardWriter& writer) {

@@ -10,6 +10,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/byte_file.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 
 namespace multum {
@@ -55,7 +56,7 @@ std::string ShareName::remedy() const { return fmt::format(": --shard {}/{} make
 void write_share_record(const ShareName& share, const std::string& key, const nlohmann::json& content) {
   const nlohmann::json json = {{"multumShare", 1},  {"kind", share.kind}, {"share", share.index},
                                {"of", share.count}, {"key", key},         {"content", content}};
-  const std::string line = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string line = json_text(json);
   make_folder(std::filesystem::path(share.path()).parent_path().string());
   write_text_file(share.path(), line + "\n" + hash_text(line) + "\n");
 }

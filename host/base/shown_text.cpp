@@ -30,8 +30,10 @@ std::size_t announced_length(std::uint32_t first) {
 bool is_control(std::string_view character) {
   const std::uint32_t first = byte_at(character, 0);
   if (first == 0xc2) return byte_at(character, 1) < 0xa0;
-  return (first < 0x20 && first != '\t' && first != '\n') || first == 0x7f;
+  return first < 0x20 || first == 0x7f;
 }
+
+bool is_shown(std::string_view character) { return !is_control(character) || character == "\t" || character == "\n"; }
 
 }  // namespace
 
@@ -56,7 +58,7 @@ std::string shown_text(std::string_view text) {
     const std::size_t length = character_length(text, at);
     const std::string_view character = text.substr(at, std::max<std::size_t>(length, 1));
     at += character.size();
-    if (length > 0 && !is_control(character)) {
+    if (length > 0 && is_shown(character)) {
       shown += character;
       continue;
     }
@@ -102,6 +104,21 @@ std::string escaped_json(std::string_view json) {
     escaped += kHexDigits[byte_at(json, at) & 15];
   }
   return escaped;
+}
+
+bool is_utf8(std::string_view text) {
+  for (std::size_t at = 0, length = 0; at < text.size(); at += length)
+    if (length = character_length(text, at); length == 0) return false;
+  return true;
+}
+
+bool holds_control(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = character_length(text, at);
+    if (length > 0 && is_control(text.substr(at, length))) return true;
+    at += std::max<std::size_t>(length, 1);
+  }
+  return false;
 }
 
 std::size_t whole_characters(std::string_view text) {

@@ -26,6 +26,11 @@ std::string escaped_json(std::string_view json);
 /// Bytes of the UTF-8 character that begins at `begin`, which is in the text (RFC 3629); 0: none begins there.
 std::size_t character_length(std::string_view text, std::size_t begin);
 
+/// Is all of it UTF-8?
+bool is_utf8(std::string_view text);
+/// Does it hold a control character: C0 with tab and newline, DEL, C1? Bytes that are not UTF-8 are none.
+bool holds_control(std::string_view text);
+
 /// Bytes of `text` but for a UTF-8 character at its end that is not whole yet.
 std::size_t whole_characters(std::string_view text);
 

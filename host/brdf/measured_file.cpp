@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <numbers>
 #include <sstream>
@@ -17,6 +15,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
+#include "host/base/files/regular_file.h"
 #include "host/brdf/measured_factors.h"
 
 namespace multum {
@@ -131,7 +131,7 @@ double merl_theta_h(int i) {
 constexpr std::size_t kMerlCount = std::size_t{kThetaCount} * kThetaCount * kPhiCount;
 constexpr std::uintmax_t kMerlBytes = 12 + 3 * sizeof(double) * kMerlCount;
 
-void read_merl(const std::string& path, std::ifstream& in, BrdfCells& cells) {
+void read_merl(const std::string& path, std::istream& in, BrdfCells& cells) {
   std::vector<double> values(3 * kMerlCount);
   in.seekg(12);
   if (!in.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(double))))
@@ -186,6 +186,7 @@ glm::dvec3 evaluate(const std::vector<Layer>& layers, std::vector<double> x) {
 void read_network(const std::string& path, const std::string& text, BrdfCells& cells) {
   std::vector<Layer> layers;
   try {
+    refuse_nul(text, path);
     layers = network_layers(path, nlohmann::json::parse(text));
   } catch (const nlohmann::json::exception& error) {
     refuse_file(path, std::string("expected JSON with layers of kernel and bias: ") + error.what());
@@ -209,10 +210,10 @@ void read_network(const std::string& path, const std::string& text, BrdfCells& c
 }  // namespace
 
 MeasuredBrdf read_measured_brdf(const std::string& path) {
-  std::error_code code;
-  const std::uintmax_t size = std::filesystem::is_regular_file(path, code) ? std::filesystem::file_size(path, code) : 0;
-  std::ifstream in(path, std::ios::binary);
-  if (code || !in || size < 12) refuse_file(path, "no such file, or not a measured BRDF");
+  RegularFileStream in(path);
+  const auto size = in.seekg(0, std::ios::end) ? static_cast<std::uintmax_t>(std::streamoff(in.tellg())) : 0;
+  if (size < 12) refuse_file(path, "no such file, or not a measured BRDF");
+  in.seekg(0);
   std::array<std::int32_t, 3> sizes{};
   in.read(reinterpret_cast<char*>(sizes.data()), sizeof(sizes));
   BrdfCells cells;

@@ -11,6 +11,7 @@
 #include "host/asset/inferred/manifest_json.h"
 #include "host/asset/inferred/matrix_json.h"
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/codec/byte_writer.h"
 #include "host/codec/decoder/byte_reader.h"
 #include "host/codec/decoder/parameter_pyramid.h"
@@ -113,15 +114,20 @@ std::string inflated(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
+std::size_t index_of(const json& value, const char* what) {
+  return static_cast<std::size_t>(json_integer_of(value, what, 0, INT32_MAX));
+}
+
 void read_samples(const json& description, InferredManifest& field) {
   std::vector<glm::dmat4> views;
   for (const json& view : description.at("views")) views.push_back(matrix_from_json(view));
   for (const json& entry : description.at("samples")) {
     InferredSample sample;
     sample.name = entry.at(0).get<std::string>();
-    sample.at = entry.at(1).get<std::vector<int>>();
-    sample.world_to_clip = views.at(entry.at(2).get<std::size_t>());
-    for (const auto& [name, matrix] : description.at("moves").at(entry.at(3).get<std::size_t>()).items())
+    sample.at = json_ints_of(entry.at(1), "at");
+    sample.world_to_clip = views.at(index_of(entry.at(2), "the view of a sample"));
+    for (const auto& [name, matrix] :
+         description.at("moves").at(index_of(entry.at(3), "the moves of a sample")).items())
       sample.object_to_world[name] = matrix_from_json(matrix);
     field.samples.push_back(std::move(sample));
   }
@@ -129,8 +135,8 @@ void read_samples(const json& description, InferredManifest& field) {
 }
 
 FieldBlock block_from(const json& entry, const SampleGrid& grid) {
-  FieldBlock block{entry.at(0).get<std::vector<int>>(), entry.at(1).get<std::vector<int>>(),
-                   entry.at(2).get<std::vector<std::size_t>>()};
+  FieldBlock block{json_ints_of(entry.at(0), "a block's begin"), json_ints_of(entry.at(1), "a block's size"), {}};
+  for (const json& dimension : entry.at(2)) block.varying.push_back(index_of(dimension, "a block's dimension"));
   const std::size_t dimensions = grid.sizes.size();
   bool fits = block.begin.size() == dimensions && block.size.size() == dimensions &&
               std::ssize(block.varying) <= kBlockDimensionsMax;
@@ -148,7 +154,7 @@ PackedLayer layer_from(const json& entry, std::size_t object, const InferredMani
   PackedLayer layer;
   layer.object = object;
   layer.name = entry.at("name").get<std::string>();
-  layer.unseen = entry.at("unseen").get<std::vector<int>>();
+  layer.unseen = json_ints(entry, "unseen");
   std::vector<bool> covered(field.samples.size(), false);
   std::size_t count = 0;
   for (const json& block : entry.at("blocks")) {
@@ -175,7 +181,7 @@ void read_objects(const json& description, FieldDescription& result) {
     object.mesh = entry.at("mesh").get<std::string>();
     object.anisotropy = anisotropy_from_json(entry.at("anisotropy"));
     for (const json& mapping : entry.at("mappings")) object.mappings.push_back(mapping_from(mapping));
-    object.mapping_of_sample = entry.at("mappingOfSample").get<std::vector<int>>();
+    object.mapping_of_sample = json_ints(entry, "mappingOfSample");
     check_mappings(field, object);
     for (const json& layer : entry.at("layers"))
       result.layers.push_back(layer_from(layer, field.objects.size(), field, result.grid));
@@ -204,7 +210,7 @@ std::vector<std::uint8_t> encode_description(const FieldDescription& description
   json object = scene_keys_json(field);
   object["objects"] = objects_json(description);
   object["samples"] = poses_json(field, object);
-  const std::string text = object.dump();
+  const std::string text = json_text(object);
   std::vector<Bytef> packed(compressBound(static_cast<uLong>(text.size())));
   auto length = static_cast<uLongf>(packed.size());
   MULTUM_CHECK(compress2(packed.data(), &length, reinterpret_cast<const Bytef*>(text.data()),
@@ -219,7 +225,9 @@ FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
   const auto refuse = [](const std::string& what) { throw Error(ErrorCode::kInput, "its description " + what); };
   FieldDescription result;
   try {
-    const json object = json::parse(inflated(bytes));
+    const std::string text = inflated(bytes);
+    if (holds_nul(text)) refuse_description("holds NUL in a text");
+    const json object = json::parse(text);
     read_scene_keys(object, result.field);
     read_samples(object, result.field);
     read_objects(object, result);

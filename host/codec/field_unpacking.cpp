@@ -10,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/regular_file.h"
 #include "host/base/processes/parallel.h"
 #include "host/base/vector_clones.h"
 #include "host/codec/decoder/mip_levels.h"
@@ -43,16 +44,11 @@ std::string coder_text(const TextureChunkFormat& format) {
 
 }  // namespace
 
-bool is_packed_field(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string magic(4, '\0');
-  return file.read(magic.data(), 4) && magic == "MPTF";
-}
+bool is_packed_field(const std::string& path) { return first_bytes(path, 4) == "MPTF"; }
 
-PackedFieldFile::PackedFieldFile(const std::string& path) : path_(path), stream_(path, std::ios::binary) {
-  std::error_code error;
-  if (!stream_ || !std::filesystem::is_regular_file(path, error)) refuse_file(path, "cannot be read");
-  size_ = std::filesystem::file_size(path, error);
+PackedFieldFile::PackedFieldFile(const std::string& path) : path_(path), stream_(path) {
+  if (!stream_.seekg(0, std::ios::end)) refuse_file(path, "cannot be read");
+  size_ = static_cast<std::uint64_t>(std::streamoff(stream_.tellg()));
   read_index();
   const PackedSection* section = index_.find(SectionKind::kDescription, 0, 0);
   if (section == nullptr) refuse_file(path, "has no description");

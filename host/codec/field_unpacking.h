@@ -4,11 +4,11 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/base/files/regular_file.h"
 #include "host/base/progress.h"
 #include "host/codec/decoder/packed_index.h"
 #include "host/codec/decoder/texture_chunk.h"
@@ -16,7 +16,8 @@
 
 namespace multum {
 
-/// Whether the file begins as packed fields do. False also when it cannot be read.
+/// Whether the file begins as packed fields do. False also when it cannot be read. Throws Error(kInput) for what
+/// first_bytes() refuses.
 bool is_packed_field(const std::string& path);
 
 /// Index and description of a file; chunks are read as they are asked for. Not for two threads at once.
@@ -48,7 +49,7 @@ class PackedFieldFile {
   void read_index();
 
   std::string path_;
-  std::ifstream stream_;
+  RegularFileStream stream_;
   std::uint64_t size_ = 0;
   PackedIndex index_;
   FieldDescription description_;

@@ -9,10 +9,7 @@ namespace multum {
 
 FileRanges::FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words,
                        std::vector<BytePatch> patches)
-    : IOProxy(path, Read),
-      stream_(path, std::ios::binary),
-      byte_words_(std::move(byte_words)),
-      patches_(std::move(patches)) {
+    : IOProxy(path, Read), stream_(path), byte_words_(std::move(byte_words)), patches_(std::move(patches)) {
   for (const ByteRange& range : ranges) {
     pieces_.push_back({size_, range});
     size_ += range.end - range.begin;

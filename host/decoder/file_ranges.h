@@ -6,13 +6,13 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include <OpenImageIO/filesystem.h>
 
+#include "host/base/files/regular_file.h"
 #include "host/image/files/image_container.h"
 
 namespace multum {
@@ -37,7 +37,7 @@ class FileRanges : public OIIO::Filesystem::IOProxy {
     std::int64_t offset;  // where it is presented
     ByteRange range;      // where it lies in the file
   };
-  std::ifstream stream_;
+  RegularFileStream stream_;
   std::mutex mutex_;  // of the stream
   std::vector<Piece> pieces_;
   std::int64_t size_ = 0;

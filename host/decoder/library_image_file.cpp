@@ -9,10 +9,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 #include "host/decoder/file_ranges.h"
 #include "host/image/files/number_type.h"
 #include "host/sandbox/damaged_file.h"
@@ -31,7 +31,7 @@ static_assert(number_type::kDouble == OIIO::TypeDesc::DOUBLE);
 // The byte ranges of a file, joined: the file without its metadata.
 std::vector<unsigned char> joined_ranges(const std::string& path, const std::vector<ByteRange>& ranges) {
   std::vector<unsigned char> bytes;
-  std::ifstream stream(path, std::ios::binary);
+  RegularFileStream stream(path);
   for (const ByteRange& range : ranges) {
     const std::size_t offset = bytes.size();
     bytes.resize(offset + static_cast<std::size_t>(range.end - range.begin));

@@ -10,6 +10,8 @@
 #include <exception>
 #include <mutex>
 
+#include "host/base/files/regular_file.h"
+#include "host/decoder/model_files.h"
 #include "host/mesh/gltf_check.h"
 #include "host/sandbox/damaged_file.h"
 
@@ -54,7 +56,9 @@ void rethrow_hunger(const std::string& path, const std::exception_ptr& thrown) {
 }  // namespace
 
 MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std::make_unique<Assimp::Importer>()) {
+  open_regular_file(path);  // assimp would only say that it cannot open it
   check_gltf_file(path);
+  importer_->SetIOHandler(new ModelFiles(path));  // which it owns
   static std::mutex log_mutex;
   const std::lock_guard<std::mutex> lock(log_mutex);
   const ImportLog log;

@@ -9,9 +9,11 @@
 #include "host/asset/baked_file.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/files/work_folder.h"
 #include "host/base/log.h"
+#include "host/base/path_text.h"
 #include "host/base/stopwatch.h"
 #include "host/export/export_key.h"
 #include "host/export/export_source.h"
@@ -85,7 +87,7 @@ std::unique_ptr<FitJournal> open_journal(const ExportJob& job, InputHashes& hash
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
   if (job.resume)
-    return FitJournal::open(name, fit_key(job, [&](const std::string& file) { return hashes.hash(file); }).dump());
+    return FitJournal::open(name, json_text(fit_key(job, [&](const std::string& file) { return hashes.hash(file); })));
   WorkFolder::drop(partial_folder_of(name));
   return nullptr;
 }
@@ -111,6 +113,12 @@ void make_files(const ExportJob& job, const ExportSource& source, const Material
   progress_stage(progress, "write");
   writer->commit();
   report.seconds.emplace_back("write", stopwatch.lap());
+}
+
+std::vector<std::string> texts_of(const std::vector<std::string>& paths) {
+  std::vector<std::string> texts;
+  for (const std::string& path : paths) texts.push_back(text_of_path(path));
+  return texts;
 }
 
 }  // namespace
@@ -146,13 +154,13 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"surface", map_surface_name(job.surface)},
                                  {"rows_resumed", rows_resumed},
                                  {"device", device},
-                                 {"files", files},
+                                 {"files", texts_of(files)},
                                  {"launches", launches}};
   if (job.roughness.empty()) json["base_roughness"] = job.lobe.base_roughness;
   if (roughness) json["roughness"] = roughness->to_text();
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
   if (job.measure) json["accuracy"] = nlohmann::ordered_json::parse(accuracy.to_json());
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 ExportReport export_file(const ExportJob& job, Device& device, Progress* progress) {

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <utility>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/mesh/gltf_document.h"
+#include "host/mesh/gltf_indices.h"
 
 namespace multum {
 namespace {
@@ -17,17 +17,6 @@ namespace {
 // 12 bytes of header ("glTF", version, length), then chunks of (length, type, data).
 constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-
-std::string read_whole_file(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    refuse_file(path, std::filesystem::exists(path, error) ? "is not a file" : "No such file");
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) refuse_file(path, "cannot be read");
-  return std::move(text).str();
-}
 
 std::uint32_t number_at(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -73,6 +62,7 @@ GlbParts split_chunks(std::string_view bytes, const std::string& path) {
 GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   if (text.size() > kGltfJsonBytesMax)
     refuse_file(path, fmt::format("has {} bytes of JSON, expected at most {}", text.size(), kGltfJsonBytesMax));
+  refuse_nul(text, path);
   std::size_t count = 0;
   const auto check = [&](int depth, nlohmann::detail::parse_event_t, GltfJson&) {
     if (depth > kGltfDepthMax)
@@ -90,12 +80,10 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   }
 }
 
-// A URI's bytes: its own, or a file's.
-std::string uri_bytes(const GltfAsset& asset, const GltfJson& uri, const std::string& what) {
+// A URI's bytes, up to a number: its own, or a file's.
+std::string bytes_of_uri(const GltfAsset& asset, const GltfJson& uri, const std::string& what, std::uint64_t byte_max) {
   if (!uri.is_string()) asset.refuse(what + " has a URI that is no text");
-  std::string bytes;
-  if (decode_data_uri(uri.get_ref<const std::string&>(), asset.path, bytes)) return bytes;
-  return read_whole_file(uri_path(asset.path, uri.get_ref<const std::string&>()));
+  return uri_bytes(asset.path, uri.get_ref<const std::string&>(), byte_max);
 }
 
 void read_buffers(GltfAsset& asset, bool is_glb, std::optional<std::string_view> binary) {
@@ -103,8 +91,10 @@ void read_buffers(GltfAsset& asset, bool is_glb, std::optional<std::string_view>
     const std::string what = fmt::format("buffer {}", asset.buffers.size());
     const auto length = unsigned_at(buffer, "byteLength");
     if (!length) asset.refuse(what + " has no byteLength");
+    if (*length > kModelBytesMax)
+      asset.refuse(fmt::format("{} says that it has {} bytes, expected less than 4 GiB", what, *length));
     std::optional<std::string> bytes;
-    if (buffer.contains("uri")) bytes = uri_bytes(asset, buffer.at("uri"), what);
+    if (buffer.contains("uri")) bytes = bytes_of_uri(asset, buffer.at("uri"), what, *length);
     else if (is_glb && asset.buffers.empty() && binary) bytes = std::string(*binary);
     else if (!buffer.contains("extensions")) asset.refuse(what + " has neither a URI nor bytes in the file");
     if (bytes && bytes->size() < *length)
@@ -138,6 +128,8 @@ void check_images(const GltfAsset& asset) {
         asset.refuse(what + " lies in a buffer that has no bytes in the file");
     } else if (!image.contains("uri") || !image.at("uri").is_string()) {
       asset.refuse(what + " has neither a URI nor a buffer view");
+    } else if (const auto& uri = image.at("uri").get_ref<const std::string&>(); !uri.starts_with("data:")) {
+      uri_path(asset.path, uri);
     }
   }
 }
@@ -157,7 +149,7 @@ std::size_t GltfAsset::index(const GltfJson& object, const char* key, const char
   const std::size_t count = array(name).size();
   if (!found || *found >= count)
     refuse(fmt::format("{} is {}, expected a number below {}, the length of {}", key,
-                       object.contains(key) ? object.at(key).dump().substr(0, 40) : "missing", count, name));
+                       object.contains(key) ? json_text(object.at(key)).substr(0, 40) : "missing", count, name));
   return static_cast<std::size_t>(*found);
 }
 
@@ -171,7 +163,7 @@ std::string_view GltfAsset::view_bytes(std::size_t view) const {
 
 GltfAsset read_gltf_asset(const std::string& path) {
   if (!is_gltf_name(path)) refuse_file(path, "expected a glTF file, *.gltf or *.glb");
-  const std::string bytes = read_whole_file(path);
+  const std::string bytes = read_model_file(path);
   const bool is_glb = bytes.starts_with("glTF") || path.ends_with(".glb");
   GlbParts parts;
   if (is_glb) parts = split_chunks(bytes, path);
@@ -180,8 +172,8 @@ GltfAsset read_gltf_asset(const std::string& path) {
   asset.path = path;
   asset.json = parse_gltf_json(parts.json, path);
   asset.other_chunks = std::string(parts.others);
-  for (const char* name :
-       {"accessors", "animations", "buffers", "bufferViews", "images", "materials", "meshes", "samplers", "textures"}) {
+  for (const char* name : {"accessors", "animations", "buffers", "bufferViews", "images", "materials", "meshes",
+                           "nodes", "samplers", "scenes", "skins", "textures"}) {
     const GltfJson& all = asset.array(name);
     if (!all.is_array() || !std::all_of(all.begin(), all.end(), [](const GltfJson& one) { return one.is_object(); }))
       asset.refuse(fmt::format("is damaged: {} is not an array of objects", name));
@@ -192,6 +184,7 @@ GltfAsset read_gltf_asset(const std::string& path) {
   const std::string version = has_version ? about->at("version").get<std::string>() : "";
   if (!version.starts_with("2."))
     asset.refuse(fmt::format("is glTF of version '{}', expected 2.0", version.substr(0, 20)));
+  check_gltf_indices(asset.json, path);
   read_buffers(asset, is_glb, parts.binary);
   check_views(asset);
   check_images(asset);
@@ -202,7 +195,9 @@ GltfImageBytes read_gltf_image(const GltfAsset& asset, std::size_t image) {
   const GltfJson& object = asset.array("images").at(image);
   if (object.contains("bufferView"))
     return {std::string(asset.view_bytes(asset.index(object, "bufferView", "bufferViews"))), false};
-  return {uri_bytes(asset, object.at("uri"), fmt::format("image {}", image)), true};
+  std::string bytes = bytes_of_uri(asset, object.at("uri"), fmt::format("image {}", image), kModelBytesMax + 1);
+  if (bytes.size() > kModelBytesMax) asset.refuse(fmt::format("image {} has 4 GiB or more", image));
+  return {std::move(bytes), true};
 }
 
 std::string gltf_image_type(std::string_view bytes) {

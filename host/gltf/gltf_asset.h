@@ -43,8 +43,8 @@ constexpr std::size_t kGltfValuesMax = 8'000'000;
 constexpr int kGltfDepthMax = 64;
 
 /// A .glb is read as GLB, everything else as JSON. Checks the frame of the file, and every buffer, buffer view and
-/// image. Throws Error(kInput): unreadable, damaged, another version, a file named that does not lie beside it or
-/// below.
+/// image, and every index. Throws Error(kInput): unreadable, damaged, another version, NUL in a text, a file named that
+/// is not a regular one beside it or below.
 GltfAsset read_gltf_asset(const std::string& path);
 
 /// An image's bytes, and whether they lie outside the file's buffers: in a file beside it, or a data URI.

@@ -11,9 +11,11 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/input_hashes.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/files/work_folder.h"
 #include "host/base/log.h"
+#include "host/base/path_text.h"
 #include "host/base/stopwatch.h"
 #include "host/gltf/gltf_rewrite.h"
 #include "host/gltf/source_fit.h"
@@ -211,8 +213,8 @@ int GltfReport::fitted_count() const {
 }
 
 std::string GltfReport::to_json(const GltfJob& job) const {
-  nlohmann::ordered_json json = {{"input", job.input},
-                                 {"output", job.output},
+  nlohmann::ordered_json json = {{"input", text_of_path(job.input)},
+                                 {"output", text_of_path(job.output)},
                                  {"format", format_name(job.format)},
                                  {"anisotropy", job.is_anisotropic},
                                  {"lobes", job.has_lobes},
@@ -236,7 +238,7 @@ std::string GltfReport::to_json(const GltfJob& job) const {
     json["textures"].push_back(
         {{"width", one.width}, {"height", one.height}, {"levels", one.level_count}, {"bytes", one.bytes}});
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress) {

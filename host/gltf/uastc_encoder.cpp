@@ -11,6 +11,7 @@
 #include "host/asset/baked_file.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/processes/child_process.h"
 #include "host/export/texel_format.h"
 #include "host/gltf/gltf_scripts.h"
@@ -39,7 +40,7 @@ bool wants_to_stop(Progress* progress) {
 void run_script(const UastcSettings& settings, const nlohmann::json& plan, Progress* progress) {
   const std::string script = settings.folder + "/encode_uastc.mjs", plan_file = settings.folder + "/uastc_plan.json";
   write_text_file(script, gltf_scripts().at("encode_uastc.mjs"));
-  write_text_file(plan_file, plan.dump());
+  write_text_file(plan_file, json_text(plan));
   ChildLimits limits;
   limits.time_max = std::chrono::hours(24);
   bool is_cancelled = false;

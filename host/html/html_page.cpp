@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 
 namespace multum {
 namespace {
@@ -17,10 +18,10 @@ std::string both(const std::string& name, std::string_view own) {
 }  // namespace
 
 // Without '<' neither "</script" nor "<!--" can end or change the element, and with escapes alone beyond ASCII no
-// U+2028 ends a line. What is no UTF-8, in the name of a file, becomes U+FFFD.
+// U+2028 ends a line.
 std::string script_json(const nlohmann::ordered_json& data) {
   std::string html;
-  for (const char c : data.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace))
+  for (const char c : json_text(data, -1, true))
     if (c == '<') html += "\\u003c";
     else html += c;
   return html;

@@ -16,6 +16,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/files/work_folder.h"
 #include "host/base/log.h"
+#include "host/base/path_text.h"
 #include "host/brdf/ggx_lobe.h"
 #include "host/export/export_job.h"
 #include "host/export/lobes/lobe_export.h"
@@ -134,8 +135,9 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
   if (report.width != header.width || report.height != header.height)
     refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {}, of which {} was baked", report.width,
                                         report.height, header.width, header.height, map.input));
-  return {{"title", std::filesystem::path(map.input).filename().string()},
-          {"about", fmt::format("{}, GGX of roughness {:.2g}", header.provenance.source_name, job.base_roughness)},
+  return {{"title", text_of_path(std::filesystem::path(map.input).filename().string())},
+          {"about",
+           fmt::format("{}, GGX of roughness {:.2g}", text_of_path(header.provenance.source_name), job.base_roughness)},
           {"lobes", base64_of_file(lobes.output)},
           {"normals", base64_of_file(stem + "_normal.ktx2")},
           {"roughness", base64_of_file(stem + "_roughness.ktx2")}};

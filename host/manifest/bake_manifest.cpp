@@ -137,8 +137,8 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
     entry.table.refuse("first_level", "is 0 with surface = \"interpolated\", expected 1 or more");
   BakeJob job = pattern;
   apply(values, job);
-  job.input = path_beside(path, entry.table.text("input"));
-  job.output = path_beside(path, entry.table.text("output"));
+  job.input = path_beside(path, entry.table.path("input"));
+  job.output = path_beside(path, entry.table.path("output"));
   for (std::string BakeJob::*map : kMaterialMaps) job.*map = path_beside(path, job.*map);
   check_paths(entry.table, job);
   const BakeTarget target = target_of(entry.table, path, values);

@@ -10,6 +10,8 @@
 #include <array>
 #include <cstdint>
 
+#include "host/base/path_text.h"
+
 namespace multum {
 namespace {
 
@@ -36,7 +38,8 @@ std::size_t character_length(const std::string& text, std::size_t at) {
 
 // Characters as they are but for those of one byte, for which `escape` says what to write.
 template <typename Escape>
-std::string escaped(const std::string& text, const Escape& escape) {
+std::string escaped(const std::string& name_or_reason, const Escape& escape) {
+  const std::string text = text_of_path(name_or_reason);  // without bytes that are not UTF-8
   std::string result;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = character_length(text, at);

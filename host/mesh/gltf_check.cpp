@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/mesh/gltf_document.h"
 
 namespace multum {
@@ -16,11 +17,26 @@ bool leaves_geometry_alone(const std::string& extension) {
   return false;
 }
 
+// assimp opens what buffers name; it says little of why it did not.
+void check_buffers(const nlohmann::json& json, const std::string& path) {
+  const auto buffers = json.find("buffers");
+  if (buffers == json.end() || !buffers->is_array()) return;
+  for (const nlohmann::json& buffer : *buffers) {
+    if (!buffer.is_object() || !buffer.contains("uri")) continue;
+    const nlohmann::json& uri = buffer.at("uri");
+    if (!uri.is_string()) refuse_file(path, "is damaged: a buffer's URI is not a text");
+    if (!uri.get_ref<const std::string&>().starts_with("data:")) uri_path(path, uri.get_ref<const std::string&>());
+    const bool has_length = buffer.contains("byteLength");
+    if (has_length) json_integer(buffer, "byteLength", 0, static_cast<std::int64_t>(kModelBytesMax));
+  }
+}
+
 }  // namespace
 
 void check_gltf_file(const std::string& path) {
   if (!is_gltf_name(path)) return;
   const nlohmann::json json = read_gltf_document(path).json;
+  check_buffers(json, path);
   const auto required = json.find("extensionsRequired");
   if (required == json.end() || !required->is_array()) return;
   for (const auto& name : *required)

@@ -7,7 +7,8 @@
 
 namespace multum {
 
-/// Does nothing for other file types. Throws Error(kInput) naming the file: unreadable, damaged, or requiring an
+/// Does nothing for other file types. Throws Error(kInput) naming the file: unreadable, damaged, buffers in files that
+/// are elsewhere, or requiring an
 /// extension that changes geometry and cannot be read, by its name (KHR_draco_mesh_compression, ...).
 void check_gltf_file(const std::string& path);
 

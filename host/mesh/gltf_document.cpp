@@ -3,14 +3,18 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <optional>
-#include <sstream>
+#include <utility>
 
 #include "host/base/base64.h"
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
+#include "host/base/files/regular_file.h"
+#include "host/mesh/gltf_indices.h"
 
 namespace multum {
 namespace {
@@ -23,12 +27,39 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) refuse_file(path, "cannot be read");
-  return text.str();
+// As many of the bytes as there are, up to `byte_max`.
+std::string read_from(OpenFile opened, const std::string& path, std::uint64_t byte_max) {
+  if (!opened.is_open()) refuse_file(path, std::string("cannot be read: ") + std::strerror(errno));
+  RegularFileStream file(std::move(opened));
+  file.seekg(0, std::ios::end);
+  const auto size = static_cast<std::uint64_t>(std::streamoff(file.tellg()));
+  std::string bytes(static_cast<std::size_t>(std::min(size, byte_max)), '\0');
+  file.seekg(0);
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) refuse_file(path, "cannot be read");
+  return bytes;
+}
+
+std::string folder_of_model(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
+
+// The name that a URI has beside the model.
+std::string decoded_uri(const std::string& path, const std::string& uri) {
+  if (uri.empty()) refuse_file(path, "names a file by an empty URI, expected the name of a file beside it");
+  if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file beside it");
+  std::string name;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const bool is_code = uri[i] == '%' && i + 2 < uri.size() &&
+                         std::isxdigit(static_cast<unsigned char>(uri[i + 1])) != 0 &&
+                         std::isxdigit(static_cast<unsigned char>(uri[i + 2])) != 0;
+    name += is_code ? static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
+    if (is_code) i += 2;
+  }
+  if (name.find('\0') != std::string::npos)
+    refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file beside it");
+  // A model that came from somebody else must not bring in files of this machine.
+  const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
+  if (relative.is_absolute() || *relative.begin() == "..")
+    refuse_file(path, "names " + name + ", which is not in its folder; expected a file beside it or below");
+  return (std::filesystem::path(path).parent_path() / relative).string();
 }
 
 std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
@@ -64,11 +95,13 @@ bool is_gltf_name(const std::string& path) {
 
 GltfDocument read_gltf_document(const std::string& path) {
   GltfDocument document{path, {}, ""};
-  std::string bytes = read_file(path), json;
+  std::string bytes = read_model_file(path), json;
   if (lower_extension(path) == "glb") split_glb(bytes, path, json, document.binary);
   else json = std::move(bytes);
+  refuse_nul(json, path);
   document.json = nlohmann::json::parse(json, nullptr, false);
   if (!document.json.is_object()) refuse_file(path, "is damaged: its glTF JSON cannot be parsed");
+  check_gltf_indices(document.json, path);
   return document;
 }
 
@@ -83,37 +116,47 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
   return true;
 }
 
+std::string read_model_file(const std::string& path) {
+  std::string bytes = read_from(open_regular_file(path), path, kModelBytesMax + 1);
+  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, which is more than a GLB holds");
+  return bytes;
+}
+
 std::string uri_path(const std::string& path, const std::string& uri) {
-  if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file beside it");
-  std::string name;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    const bool is_code = uri[i] == '%' && i + 2 < uri.size() &&
-                         std::isxdigit(static_cast<unsigned char>(uri[i + 1])) != 0 &&
-                         std::isxdigit(static_cast<unsigned char>(uri[i + 2])) != 0;
-    name += is_code ? static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
-    if (is_code) i += 2;
+  std::string name = decoded_uri(path, uri);
+  open_file_beneath(folder_of_model(path), name);
+  return name;
+}
+
+std::string uri_bytes(const std::string& path, const std::string& uri, std::uint64_t byte_max) {
+  std::string bytes;
+  if (decode_data_uri(uri, path, bytes)) {
+    bytes.resize(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), byte_max)));
+    return bytes;
   }
-  // A model that came from somebody else must not bring in files of this machine.
-  const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
-  if (relative.is_absolute() || *relative.begin() == "..")
-    refuse_file(path, "names " + name + ", which is not in its folder; expected a file beside it or below");
-  return (std::filesystem::path(path).parent_path() / relative).string();
+  const std::string name = decoded_uri(path, uri);
+  return read_from(open_file_beneath(folder_of_model(path), name), name, byte_max);
 }
 
 std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
   const std::string what = "buffer view " + std::to_string(view);
   try {
     const nlohmann::json& json = document.json.at("bufferViews").at(view);
-    const auto buffer = json.at("buffer").get<std::size_t>();
-    const auto offset = json.value("byteOffset", std::size_t{0}), length = json.at("byteLength").get<std::size_t>();
+    const auto buffer = static_cast<std::size_t>(json_integer(json, "buffer", 0, INT32_MAX));
+    constexpr auto kLengthMax = static_cast<std::int64_t>(kModelBytesMax);
+    const auto offset =
+        static_cast<std::size_t>(json.contains("byteOffset") ? json_integer(json, "byteOffset", 0, kLengthMax) : 0);
+    const auto length = static_cast<std::size_t>(json_integer(json, "byteLength", 0, kLengthMax));
     const nlohmann::json& from = document.json.at("buffers").at(buffer);
-    std::string bytes;
-    if (!from.contains("uri")) bytes = document.binary;
-    else if (const auto uri = from.at("uri").get<std::string>(); !decode_data_uri(uri, document.path, bytes))
-      bytes = read_file(uri_path(document.path, uri));
+    const std::string bytes = from.contains("uri")
+                                  ? uri_bytes(document.path, from.at("uri").get<std::string>(), offset + length)
+                                  : document.binary;
     if (offset > bytes.size() || length > bytes.size() - offset)
       refuse_file(document.path, what + " goes beyond its buffer");
     return bytes.substr(offset, length);
+  } catch (const Error& error) {
+    if (std::string_view(error.what()).starts_with(document.path)) throw;
+    refuse_file(document.path, what + " is damaged: " + error.what());
   } catch (const nlohmann::json::exception&) {
     refuse_file(document.path, what + " is not there, or damaged");
   }

@@ -10,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/mesh/gltf_document.h"
 
 namespace multum {
@@ -52,12 +53,18 @@ class MaterialReader {
     return found == document_.json.end() ? kEmpty : *found;
   }
 
+  static std::size_t index_at(const json& object, const char* key) {
+    return static_cast<std::size_t>(json_integer(object, key, 0, INT32_MAX));
+  }
+  static int uv_set_of(const json& info) {
+    return info.contains("texCoord") ? static_cast<int>(json_integer(info, "texCoord", 0, INT32_MAX)) : 0;
+  }
+
   GltfImage read_image(const json& image, std::set<std::string>& names) const {
     GltfImage made;
     const std::string number = fmt::format("image_{}", names.size());
     const std::string uri = image.value("uri", "");
-    if (image.contains("bufferView"))
-      made.bytes = buffer_view_bytes(document_, image.at("bufferView").get<std::size_t>());
+    if (image.contains("bufferView")) made.bytes = buffer_view_bytes(document_, index_at(image, "bufferView"));
     else if (uri.empty()) refuse(number + " has neither a URI nor a buffer view");
     else if (!decode_data_uri(uri, document_.path, made.bytes)) made.file = uri_path(document_.path, uri);
     made.name = unique(image.value("name", "").empty() ? number : safe_file_name(image.value("name", "")), names);
@@ -102,9 +109,9 @@ class MaterialReader {
     if (!in.contains(key)) return std::nullopt;
     const json& info = in.at(key);
     GltfTexture made;
-    made.uv_set = info.value("texCoord", 0);
+    made.uv_set = uv_set_of(info);
     check_transform(info, key, material);
-    const auto index = info.at("index").get<std::size_t>();
+    const std::size_t index = index_at(info, "index");
     const json& textures = array("textures");
     if (index >= textures.size())
       refuse(fmt::format("material '{}' names texture {} of {}", material, index, textures.size()));
@@ -112,14 +119,14 @@ class MaterialReader {
     std::size_t image = result_.images.size();
     if (texture.contains("extensions"))
       if (const json& more = texture.at("extensions"); more.contains("EXT_texture_webp"))
-        image = more.at("EXT_texture_webp").at("source").get<std::size_t>();
-    if (image == result_.images.size() && texture.contains("source")) image = texture.at("source").get<std::size_t>();
+        image = index_at(more.at("EXT_texture_webp"), "source");
+    if (image == result_.images.size() && texture.contains("source")) image = index_at(texture, "source");
     if (image >= result_.images.size()) refuse(fmt::format("texture {} has no image that can be read", index));
     made.image = static_cast<int>(image);
     if (texture.contains("sampler")) {
-      const json& sampler = array("samplers").at(texture.at("sampler").get<std::size_t>());
-      made.wrap_s = wrap_name(sampler.value("wrapS", kRepeat));
-      made.wrap_t = wrap_name(sampler.value("wrapT", kRepeat));
+      const json& sampler = array("samplers").at(index_at(texture, "sampler"));
+      made.wrap_s = wrap_name(sampler.contains("wrapS") ? json_int(sampler, "wrapS") : kRepeat);
+      made.wrap_t = wrap_name(sampler.contains("wrapT") ? json_int(sampler, "wrapT") : kRepeat);
     }
     return made;
   }
@@ -131,7 +138,7 @@ class MaterialReader {
     const json zero = {0.0, 0.0}, one = {1.0, 1.0};
     const bool changes = transform.value("offset", zero) != zero || transform.value("scale", one) != one ||
                          transform.value("rotation", 0.0) != 0.0 ||
-                         transform.value("texCoord", info.value("texCoord", 0)) != info.value("texCoord", 0);
+                         (transform.contains("texCoord") && uv_set_of(transform) != uv_set_of(info));
     if (changes)
       refuse(
           fmt::format("material '{}' moves its {} by KHR_texture_transform, which cannot be read; apply it to the "
@@ -164,6 +171,9 @@ GltfMaterials read_gltf_materials(const std::string& path) {
   if (!is_gltf_name(path)) throw Error(ErrorCode::kInput, path + ": expected a glTF file, *.gltf or *.glb");
   try {
     return MaterialReader(path).read();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInput || std::string_view(error.what()).starts_with(path)) throw;
+    refuse_file(path, std::string("is damaged: ") + error.what());
   } catch (const nlohmann::json::exception& error) {
     throw Error(ErrorCode::kInput, path + ": is damaged: its materials or textures are not as glTF has them");
   }

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a child may take (host/sandbox/decoding_child.h). A corner of a triangle, 20 bytes of an OBJ file, becomes about
 // a kilobyte: assimp's vertex, its copy where a node is placed, ours, and its entry in the table that joins vertices.
-//   memory   memory_base + 64 sizes of the file and of the buffers that a glTF file names
+//   memory   memory_base + 64 sizes of the file and of what a glTF file says that its buffers have
 //   time     time_base + 1 s a MiB of them
 #include "host/mesh/mesh_source.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 #include "host/mesh/gltf_document.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_messages.h"
@@ -33,9 +35,12 @@ std::uint64_t buffer_bytes(const std::string& path) {
   std::uint64_t bytes = 0;
   try {
     const GltfDocument document = read_gltf_document(path);
-    for (const nlohmann::json& buffer : document.json.value("buffers", nlohmann::json::array()))
+    for (const nlohmann::json& buffer : document.json.value("buffers", nlohmann::json::array())) {
+      const auto length = buffer.find("byteLength");
+      if (length == buffer.end() || !length->is_number_unsigned()) continue;
       if (const std::string uri = buffer.value("uri", ""); !uri.empty() && !uri.starts_with("data:"))
-        bytes += file_bytes(uri_path(document.path, uri));
+        bytes += std::min(file_bytes(uri_path(document.path, uri)), length->get<std::uint64_t>());
+    }
   } catch (const Error&) {
   } catch (const nlohmann::json::exception&) {
   }
@@ -45,6 +50,7 @@ std::uint64_t buffer_bytes(const std::string& path) {
 template <typename Meshes>
 Meshes read_in_child(DecodingRequest kind, const std::string& path, int uv_set) {
   constexpr std::uint64_t kMemoryTimes = 64, kBytesASecond = std::uint64_t{1} << 20;
+  open_regular_file(path);  // what is none is refused without a child; what is not there the child names
   DecodedFile file(mesh_child(), path, "assimp");
   const std::uint64_t bytes = file_bytes(path) + (is_gltf_name(path) ? buffer_bytes(path) : 0);
   file.allow(kMemoryTimes * bytes, std::chrono::seconds(bytes / kBytesASecond));

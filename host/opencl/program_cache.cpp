@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/regular_file.h"
 #include "host/base/log.h"
 #include "host/base/processes/interrupt.h"
 #include "host/opencl/cl_error.h"
@@ -86,11 +86,14 @@ std::string binary_of(cl_program program) {
 
 // Empty when there is no usable one.
 std::string read_binary(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return {};  // reading a folder would throw
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return {};
-  std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  std::string bytes;
+  try {
+    RegularFileStream in(path);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  } catch (const Error& error) {  // a folder, a FIFO: save_binary() says that it cannot be written
+    log_verbose(std::string("program cache: ") + error.what());
+    return {};
+  }
   if (bytes.size() <= kDigestSize) return {};
   const std::string digest = bytes.substr(bytes.size() - kDigestSize);
   bytes.resize(bytes.size() - kDigestSize);

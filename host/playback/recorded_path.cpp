@@ -10,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/byte_file.h"
+#include "host/base/files/json_file.h"
 
 namespace multum {
 namespace {
@@ -34,6 +35,7 @@ std::vector<double> position_from(const json& list, std::size_t number, std::siz
 }  // namespace
 
 RecordedPath::RecordedPath(const std::string& text, const std::vector<std::string>& names) {
+  if (holds_nul(text)) refuse_path("holds NUL in a text");
   const json file = json::parse(text, nullptr, false);
   if (file.is_discarded()) refuse_path("is no JSON, expected a path that a player's page saved");
   if (!file.is_object() || !file.contains("multumPath")) refuse_path("is no path, expected \"multumPath\": 1");

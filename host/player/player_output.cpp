@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include <fmt/format.h>
@@ -15,6 +14,8 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/regular_file.h"
+#include "host/base/path_text.h"
 #include "host/codec/field_unpacking.h"
 #include "host/html/html_page.h"
 #include "host/html/page_script.h"
@@ -47,7 +48,7 @@ std::string_view player_file(const std::string& name) {
 }
 
 std::string file_bytes(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
+  RegularFileStream stream(path);
   std::string bytes{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw Error(ErrorCode::kInput, path + ": cannot be read");
   return bytes;
@@ -144,7 +145,7 @@ void write_player(const std::string& field, const PlayerOutput& output) {
   if (!output.is_asked_for()) return;
   check_player_output(output);
   const std::string geometry = geometry_of(field, output), bytes = file_bytes(field);
-  const std::string name = fs::path(field).filename().string(), title = fs::path(field).stem().string();
+  const std::string name = fs::path(field).filename().string(), title = text_of_path(fs::path(field).stem().string());
   if (!output.folder.empty()) write_folder(name, title, bytes, geometry, output.folder);
   if (output.page.empty()) return;
   if (bytes.size() + geometry.size() > kPlayerPageBytesMax)

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 
 namespace multum {
 namespace {
@@ -58,7 +59,7 @@ class GlbScene {
   std::string file() {
     pad(binary_, '\0');
     json_["buffers"] = json::array({{{"byteLength", binary_.size()}}});
-    std::string text = json_.dump(-1, ' ', false, json::error_handler_t::replace);
+    std::string text = json_text(json_);
     pad(text, ' ');
     std::string bytes;
     append_word(bytes, kMagic);

@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/size_of.h"
@@ -144,7 +145,7 @@ std::string MipReport::to_json() const {
       {"launches", launches},
       {"counts", {{"clamped", clamped_count}, {"limited", limited_count}}},
       {"seconds", {{"read", read_seconds}, {"average", average_seconds}, {"write", write_seconds}}}};
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 bool is_pyramid_in_place(const std::string& path, const BakedProvenance& provenance) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "host/base/path_text.h"
 #include "host/brdf/fresnel.h"
 #include "host/target/setting_choice.h"
 
@@ -127,7 +128,7 @@ Json map_json(const MapPlan& map, const SceneFiles& files) {
   Json candidates = Json::array();
   for (const BakeCandidate& c : map.candidates) candidates.push_back(candidate_json(c));
   Json json = {{"name", map.name},
-               {"input", map.job.input},
+               {"input", text_of_path(map.job.input)},
                {"width", map.width},
                {"height", map.height},
                {"seen_levels", {map.first_seen, map.last_seen}},
@@ -137,14 +138,14 @@ Json map_json(const MapPlan& map, const SceneFiles& files) {
                {"stated_difference", map.stated_difference},
                {"candidates", candidates},
                {"effects", effects_json(map.effects)},
-               {"file", fs::path(files.baked(map)).filename().string()}};
+               {"file", text_of_path(fs::path(files.baked(map)).filename().string())}};
   if (map.trials) {
     const BakeCandidate &low = map.trials->fewest, &high = map.trials->most;
     json["trials"] = {{"lobes", {low.shape.lobe_count, high.shape.lobe_count}},
                       {"bytes", {low.cost.bytes, high.cost.bytes}},
                       {"bake_ms", {low.cost.ms, high.cost.ms}}};
   }
-  if (map.mean_colours) json["colour_file"] = fs::path(files.colours(map)).filename().string();
+  if (map.mean_colours) json["colour_file"] = text_of_path(fs::path(files.colours(map)).filename().string());
   return json;
 }
 
@@ -212,19 +213,19 @@ Json view_json(const SceneDescription& scene, const SceneObject& object, const O
   // The picture's lowest point is nearest.
   const double below = std::max(tilt - 0.5 * scene.camera.fov_degrees * 0.017453292519943295, 0.0);
   const double nearest = kUnits * std::cos(tilt) / std::cos(below);
-  Json view = {{"file", fs::path(files.baked(map)).filename().string()},
+  Json view = {{"file", text_of_path(fs::path(files.baked(map)).filename().string())},
                {"size", fmt::format("{}x{}", scene.camera.width, scene.camera.height)},
                {"camera", fmt::format("0,{:.6g},{:.6g},0,30,0,{:.6g}", 30.0 - kUnits * std::sin(tilt),
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
                // What multum-view takes: beyond, no texel is to be told from the next anyway.
                {"repeat", std::clamp(kPlaneSize * object.distance_min / nearest / width, 1e-6, 1e6)}};
   // What --compare reads the reference from.
-  view["source"] = absolute(map.job.input);
+  view["source"] = text_of_path(absolute(map.job.input));
   const char* const roughness = map.job.roughness_is_gloss ? "gloss" : "roughness";
   for (const auto& [key, path] : {std::pair{"albedo", &map.job.albedo}, std::pair{roughness, &map.job.roughness},
                                   std::pair{"weights", &map.job.weights}})
-    if (!path->empty()) view[key] = absolute(*path);
-  if (map.mean_colours) view["colour_map"] = fs::path(files.colours(map)).filename().string();
+    if (!path->empty()) view[key] = text_of_path(absolute(*path));
+  if (map.mean_colours) view["colour_map"] = text_of_path(fs::path(files.colours(map)).filename().string());
   if (map.job.fitting.first_level > 0) view["stored_only"] = true;
   Json brdfs = Json::array();
   for (const std::size_t m : object.materials) {

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/asset/lobes/movmf_reader.h"
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/stopwatch.h"
 #include "host/opencl/device_counts.h"
 #include "host/target/chosen_bake.h"
@@ -158,8 +158,7 @@ nlohmann::json map_row(const SceneMapReport& map, const MapPlan& planned) {
 
 SceneMapRows earlier_rows(const std::string& path) {
   SceneMapRows rows;
-  std::ifstream file(path);
-  const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
+  const nlohmann::json report = nlohmann::json::parse(json_of_file(path).value_or(""), nullptr, false);
   if (!report.is_object() || !report.contains("maps") || !report["maps"].is_array()) return rows;
   for (const nlohmann::json& row : report["maps"])
     if (row.is_object() && row.contains("name") && row["name"].is_string()) rows[row["name"]] = row.dump();
@@ -207,16 +206,16 @@ void write_settled_plan(const SceneDescription& scene, const SceneFiles& files, 
     report.plan.cost += report.plan.maps[m].chosen.cost;
   }
   report.plan.cost_min = report.plan.cost_max = report.plan.cost;
-  if (is_settled) write_text_file(files.plan(), plan_json(scene, report.plan, files).dump(2) + "\n");
+  if (is_settled) write_text_file(files.plan(), json_text(plan_json(scene, report.plan, files), 2) + "\n");
 }
 
 SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress) {
-  write_text_file(files.plan(), plan_json(scene, plan, files).dump(2) + "\n");
+  write_text_file(files.plan(), json_text(plan_json(scene, plan, files), 2) + "\n");
   SceneReport report = bake_scene_maps(scene, plan, files, earlier_rows(files.report()), device, done, progress);
   write_settled_plan(scene, files, report);
   compare_scene_maps(scene, plan, report, device, progress);
-  write_text_file(files.report(), report.to_json().dump(2) + "\n");
+  write_text_file(files.report(), json_text(report.to_json(), 2) + "\n");
   return report;
 }
 

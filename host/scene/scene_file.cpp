@@ -85,7 +85,7 @@ SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJo
   ParameterValues values(bake_parameters());
   read_parameters(table, kInScene, values);
   apply(values, map.job);
-  map.job.input = path_beside(path, table.text("normal"));
+  map.job.input = path_beside(path, table.path("normal"));
   for (std::string BakeJob::*file : kMaterialMaps) map.job.*file = path_beside(path, map.job.*file);
   if (!reads_files) return map;
   const auto file_of = [](const std::string& text) { return parse_channel_file(text).path; };
@@ -169,7 +169,7 @@ SceneMaterial read_material(const std::string& path, const toml::table& toml, Na
   if (family->has_f0) brdf.specular = glm::vec3(1.0f);  // Schlick's term is in their specular part
   if (brdf.kind == BrdfKind::kLambert) brdf.specular = glm::vec3(0.0f);
   if (brdf.kind == BrdfKind::kMeasured) {
-    material.measured_file = path_beside(path, table.text("file"));
+    material.measured_file = path_beside(path, table.path("file"));
     if (reads_files) check_file(table, "file", material.measured_file);
   }
   if (brdf.kind == BrdfKind::kMeasured && reads_files) {
@@ -304,7 +304,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
       root.refuse("light", fmt::format("is there more than {} times of one kind", kLightCountMax));
   }
   const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWholeFile);
-  if (root.has("environment")) scene.environment = path_beside(path, environment.text("file"));
+  if (root.has("environment")) scene.environment = path_beside(path, environment.path("file"));
   if (reads_files) check_file(environment, "file", scene.environment);
   if (scene.lights.empty() && scene.environment.empty())
     root.refuse("", "has no light, expected [[light]] or [environment]");

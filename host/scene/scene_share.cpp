@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/json_file.h"
 #include "host/base/share_record.h"
 #include "host/base/version.h"
 #include "host/base/work_shard.h"
@@ -239,7 +240,7 @@ SceneReport merge_scene(const SceneRun& run, int count, Progress* progress) {
   planning.kept_bytes_max = 0;
   report.plan = plan_scene(run.scene, planning, progress);
   report.plan.plan_seconds += plan_seconds;
-  write_text_file(run.files.plan(), plan_json(run.scene, report.plan, run.files).dump(2) + "\n");
+  write_text_file(run.files.plan(), json_text(plan_json(run.scene, report.plan, run.files), 2) + "\n");
   for (RecordedMap& map : maps) {
     SceneMapReport& made = report.maps.emplace_back();
     made.name = map.name;
@@ -247,7 +248,7 @@ SceneReport merge_scene(const SceneRun& run, int count, Progress* progress) {
     made.earlier = map.row.dump();
   }
   write_settled_plan(run.scene, run.files, report);
-  write_text_file(run.files.report(), report.to_json().dump(2) + "\n");
+  write_text_file(run.files.report(), json_text(report.to_json(), 2) + "\n");
   return report;
 }
 

@@ -9,11 +9,11 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <fstream>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/regular_file.h"
 #include "host/sandbox/confinement.h"
 #include "host/service/files/data_lock.h"
 #include "host/service/files/network_disk.h"
@@ -43,7 +43,7 @@ void raise_file_limit(const ServiceSettings& settings) {
 
 std::string read_token(const std::string& path) {
   if (path.empty()) return "";
-  std::ifstream file(path);
+  RegularFileStream file(path);
   std::string token;
   if (!std::getline(file, token) || token.size() < 16)
     throw Error(ErrorCode::kInput, path + ": expected a first line of at least 16 characters, the token");

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/base64.h"
+#include "host/base/files/json_file.h"
+#include "host/base/path_text.h"
 #include "host/html/html_page.h"
 
 namespace multum {
@@ -73,7 +75,7 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
   nlohmann::ordered_json one = {{"group", row.group},
                                 {"bake", row.options},
                                 {"view", row.view},
-                                {"command", bake_command(job, row)},
+                                {"command", text_of_path(bake_command(job, row))},
                                 {"bake_seconds", row.bake_seconds},
                                 {"bake_processor_seconds", row.bake_processor_seconds},
                                 {"file_bytes", row.file_bytes},
@@ -99,7 +101,7 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
 // All but the pictures.
 nlohmann::ordered_json sweep_json(const TradeoffJob& job, const TradeoffResult& result) {
   nlohmann::ordered_json json = {{"software", std::string("multum ") + MULTUM_VERSION},
-                                 {"map", map_name(job)},
+                                 {"map", text_of_path(map_name(job))},
                                  {"width", result.width},
                                  {"height", result.height},
                                  {"brdf", job.brdf.id.text()},
@@ -127,7 +129,7 @@ bool is_shown(const TradeoffRow& row) {
 
 std::string tradeoff_page(const TradeoffJob& job, const TradeoffResult& result) {
   nlohmann::ordered_json json = sweep_json(job, result);
-  json["title"] = "What accuracy costs: " + map_name(job);
+  json["title"] = "What accuracy costs: " + text_of_path(map_name(job));
   json["setting_count"] = result.setting_count();
   json["fitting_count"] = fitting_count(result);
   json["asked"] = nlohmann::ordered_json::object();
@@ -146,8 +148,7 @@ std::string tradeoff_page(const TradeoffJob& job, const TradeoffResult& result) 
 }
 
 std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) {
-  // A name that is not UTF-8 is no reason to lose what was measured.
-  return sweep_json(job, result).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(sweep_json(job, result), 2) + "\n";
 }
 
 std::string tradeoff_markdown(const TradeoffResult& result) {

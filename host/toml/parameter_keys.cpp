@@ -16,6 +16,7 @@ ParameterValue read_value(const StrictTable& table, const std::string& key, cons
     case ParameterKind::kNumber:
       return table.number(key, {parameter.low, parameter.high, parameter.low_excluded, false, expected_text(parameter)},
                           0.0);
+    case ParameterKind::kFile: return table.path(key, "");
     default: return table.text(key, "");
   }
 }

@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 #include "host/base/nearest_name.h"
+#include "host/base/path_text.h"
 #include "host/base/shown_text.h"
 
 namespace multum {
@@ -40,7 +41,7 @@ std::string shown(const toml::node& node) {
 std::string read_text(const std::string& path, const std::string& expected, std::size_t byte_max) {
   if (std::error_code ignored; std::filesystem::is_directory(path, ignored))
     throw Error(ErrorCode::kInput, path + ": is a folder, expected " + expected);
-  std::ifstream file(path, std::ios::binary);
+  RegularFileStream file(path, StandardInput::kAllowed);
   std::string text;
   constexpr std::size_t kBlockBytes = 1 << 16;
   while (file && text.size() <= byte_max) {
@@ -52,6 +53,23 @@ std::string read_text(const std::string& path, const std::string& expected, std:
   // The end of the file sets both failbit and eofbit.
   if (!file && !file.eof()) throw Error(ErrorCode::kInput, path + ": cannot be read, expected " + expected);
   return text;
+}
+
+[[noreturn]] void refuse_nul_at(const std::string& path, std::uint32_t line) {
+  refuse_at(path, line, "holds the character NUL (\\u0000), which no text or key of it may");
+}
+
+// What takes a name ends it at NUL: two parts of a program would see two names. As deep as TomlLimits let it be.
+void refuse_nul_in(const std::string& path, const toml::node& node) {
+  if (const auto* text = node.as_string(); text != nullptr && text->get().find('\0') != std::string::npos)
+    refuse_nul_at(path, line_of(node));
+  if (const auto* array = node.as_array())
+    for (const toml::node& child : *array) refuse_nul_in(path, child);
+  if (const auto* table = node.as_table())
+    for (const auto& [key, child] : *table) {
+      if (key.str().find('\0') != std::string_view::npos) refuse_nul_at(path, key.source().begin.line);
+      refuse_nul_in(path, child);
+    }
 }
 
 std::optional<double> number_of(const toml::node& node) {
@@ -66,7 +84,9 @@ toml::table parse_toml(const std::string& path, const std::string& expected, con
   const std::string text = read_text(path, expected, limits.byte_max);
   check_toml_limits(path, text, limits);
   try {
-    return toml::parse(text);
+    toml::table table = toml::parse(text);
+    refuse_nul_in(path, table);
+    return table;
   } catch (const toml::parse_error& error) {
     refuse_at(path, error.source().begin.line, fmt::format("invalid TOML: {}", error.description()));
   }
@@ -116,6 +136,10 @@ std::string StrictTable::text(const std::string& key, const std::optional<std::s
   if (!node->is_string()) refuse_value(key, *node, "a text in quotes");
   if (!fallback && node->as_string()->get().empty()) refuse_value(key, *node, "a text that is not empty");
   return node->as_string()->get();
+}
+
+std::string StrictTable::path(const std::string& key, const std::optional<std::string>& fallback) const {
+  return path_of_text(text(key, fallback));
 }
 
 bool StrictTable::boolean(const std::string& key, bool fallback) const {

@@ -48,6 +48,8 @@ class StrictTable {
 
   /// The key's value, or what `fallback` says where the key is missing; without a fallback the key must be there.
   std::string text(const std::string& key, const std::optional<std::string>& fallback = {}) const;
+  /// The path that such a text names (host/base/path_text.h): TOML is UTF-8, names of files need not be.
+  std::string path(const std::string& key, const std::optional<std::string>& fallback = {}) const;
   bool boolean(const std::string& key, bool fallback) const;
   int whole(const std::string& key, int low, int high, std::optional<int> fallback = {}) const;
   double number(const std::string& key, const NumberRange& range, double fallback) const;

@@ -57,7 +57,7 @@ class RefusalTest : public CliTest {
 
 TEST_F(RefusalTest, InputsThatAreNoNormalMap) {
   expect_refused(path("missing.png"), {}, kInput, {"missing.png", "no such"});
-  expect_refused(path("out"), {}, kInput, {path("out"), "not a file"});
+  expect_refused(path("out"), {}, kInput, {path("out"), "is a folder"});
   expect_refused(path("map_albedo.png"), {}, kInput, {"map_albedo.png", "normal map", "height field", "unit vectors"});
 
   TestImage mask{.width = 64, .height = 64};  // areas of plain red, green, blue and black

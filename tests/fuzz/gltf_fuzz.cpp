@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kNames[] = {"input.gltf", "input.glb"};
 
 // Two materials of one image beside others that use it too, an extension that is not known, sparse accessors, several
-// buffers; of images the beginning alone is looked at.
+// buffers, a node with a skin; of images the beginning alone is looked at.
 constexpr char kModel[] =
     R"({{"asset":{{"version":"2.0"}},"extensionsUsed":["ACME_x","KHR_texture_transform"],"materials":[)"
     R"({{"normalTexture":{{"index":0,"scale":2}},"occlusionTexture":{{"index":1}},"pbrMetallicRoughness":)"
@@ -24,6 +24,8 @@ constexpr char kModel[] =
     R"("pbrMetallicRoughness":{{"baseColorTexture":{{"index":1}}}}}}],"samplers":[{{"wrapS":33071}}],)"
     R"("textures":[{{"source":0,"sampler":0}},{{"source":1,"name":"orm"}}],)"
     R"("images":[{{"bufferView":0,"mimeType":"image/png"}},{{"bufferView":1,"mimeType":"image/png"}}],)"
+    R"("scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"skin":0}}],"skins":[{{"joints":[0]}}],)"
+    R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":1}}]}}],)"
     R"("accessors":[{{"componentType":5126,"count":2,"type":"SCALAR","sparse":{{"count":1,"indices":{{"bufferView":2,)"
     R"("componentType":5123}},"values":{{"bufferView":3}}}}}}],"bufferViews":[{{"buffer":0,"byteLength":24}},)"
     R"({{"buffer":0,"byteOffset":24,"byteLength":40}},{{"buffer":0,"byteOffset":64,"byteLength":4}},)"

@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
@@ -17,6 +16,7 @@
 #include <thread>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 #include "host/base/path_text.h"
 #include "host/base/shown_text.h"
 #include "host/service/http/http_client.h"
@@ -46,7 +46,7 @@ HttpClient client_of(const ClientOptions& o) {
                                                                      : "";
   std::string token;
   if (!token_file.empty()) {
-    std::ifstream file(token_file);
+    RegularFileStream file(token_file, StandardInput::kAllowed);
     if (!std::getline(file, token)) throw Error(ErrorCode::kInput, token_file + ": cannot be read");
   }
   return HttpClient(server, token);

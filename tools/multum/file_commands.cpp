@@ -17,6 +17,8 @@
 #include "host/asset/pyramid/pyramid_file.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/codec/field_unpacking.h"
 #include "host/opencl/device.h"
@@ -207,7 +209,8 @@ int run_devices(const std::string& json_path) {
   if (!json_path.empty()) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const DeviceInfo& d : devices) json.push_back(device_json(d));
-    write_text_file(json_path, json.dump(2) + "\n");
+    check_writable(json_path);
+    write_text_file(json_path, json_text(json, 2) + "\n");
   }
   if (devices.empty())
     throw Error(ErrorCode::kEnvironment,
@@ -266,6 +269,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
   testmap->callback([options, exit_code] {
     if (options->size % 2 != 0)
       throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
+    for (const char* part : {"_normal.png", "_albedo.png"}) check_writable(options->prefix + part);
     write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter);
     const char* prefix = options->prefix.c_str();
     // Its statistics look like green down (host/testmap/four_quarter_map.cpp).

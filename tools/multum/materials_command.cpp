@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/path_text.h"
 #include "host/base/shown_text.h"
 #include "host/image/image_reader.h"
 #include "host/mesh/gltf_material.h"
@@ -30,7 +31,7 @@ std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04x}", static_cast<int>(c));
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) out += fmt::format("\\u{:04x}", static_cast<int>(c));
     else out += c;
   }
   return out + "\"";
@@ -72,7 +73,7 @@ std::string map_text(const GltfMaterials& model, const GltfMaterial& material, c
     return extract_image(model.images[static_cast<std::size_t>(texture.image)], folder);
   };
   const auto relative = [&](const std::string& path) {
-    return quoted(fs::relative(fs::absolute(path), fs::absolute(folder)).generic_string());
+    return quoted(text_of_path(fs::relative(fs::absolute(path), fs::absolute(folder)).generic_string()));
   };
   const std::string normal = path_of(*material.normal);
   std::string text = fmt::format("\n[[map]]  # {}\ninput = {}\noutput = {}\n", quoted(material.name), relative(normal),
@@ -100,7 +101,7 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
   std::string text = fmt::format(
       "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest maps.toml\n\n[defaults]\n"
       "bumpformat = \"normal\"\ngreen = \"up\"  # as glTF has it\nunsigned = true\n",
-      fs::path(o.model).filename().string());
+      quoted(text_of_path(fs::path(o.model).filename().string())));
   std::string view = fmt::format("multum-view model {} -o picture.png", o.model);
   std::size_t count = 0;
   for (std::size_t i = 0; i < model.materials.size(); ++i) {

@@ -14,6 +14,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/image/files/image_container.h"
@@ -78,7 +79,9 @@ int run_plan(const CLI::App& plan_command, const PlanOptions& o) {
   const ScenePlan plan = plan_scene(scene, settings, progress.get());
   progress_finish(progress.get());
   const fs::path folder = fs::path(o.output).parent_path();
-  const auto json = [&] { return plan_json(scene, plan, {folder.empty() ? "." : folder.string()}).dump(2) + "\n"; };
+  const auto json = [&] {
+    return json_text(plan_json(scene, plan, {folder.empty() ? "." : folder.string()}), 2) + "\n";
+  };
   if (!o.output.empty()) write_text_file(o.output, json());
   const std::string text = o.json ? json() : plan_text(scene, plan, o.width > 0 ? o.width : terminal_width());
   write_shown(stdout, text);

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
 #include <iterator>
 #include <memory>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/shown_text.h"
 #include "host/base/stopwatch.h"
 #include "host/reference/case_page.h"
@@ -29,9 +29,9 @@ struct Options {
 };
 
 NumericalRun read_run(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Error(ErrorCode::kInput, path + ": cannot be read");
-  return parse_case_json({std::istreambuf_iterator<char>(in), {}}, path);
+  const std::optional<std::string> text = json_of_file(path, StandardInput::kAllowed);
+  if (!text) throw Error(ErrorCode::kInput, path + ": cannot be read");
+  return parse_case_json(*text, path);
 }
 
 void check(const Options& options) {

@@ -12,6 +12,7 @@
 #include "host/bake/job_parameters.h"
 #include "host/bake/output_state.h"
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/base/shown_text.h"
 #include "host/image/files/image_file.h"
 #include "host/scene/share_cost.h"
@@ -98,7 +99,7 @@ int run_share_plan(const SharePlanOptions& o) {
                  {"coarse_seconds", cost.coarse_seconds},
                  {"band_seconds", cost.band_seconds},
                  {"merge_seconds", cost.merge_seconds}});
-  std::printf("%s\n", json.dump(2).c_str());
+  std::printf("%s\n", json_text(json, 2).c_str());
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include "host/asset/pyramid/reflectance_mapping.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/shown_text.h"
@@ -233,7 +234,7 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
                            {"shifts", options.shifts},
                            {"anisotropy", options.anisotropy}};
   report.update(facts);
-  write_text_file(path, report.dump(2) + "\n");
+  write_text_file(path, json_text(report, 2) + "\n");
 }
 
 }  // namespace

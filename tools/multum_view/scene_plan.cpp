@@ -6,11 +6,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
+#include "host/base/path_text.h"
 
 namespace multum {
 namespace {
@@ -49,7 +50,7 @@ class PlanView {
   }
 
  private:
-  std::string resolved(const Json& path) const { return (folder_ / path.get<std::string>()).string(); }
+  std::string resolved(const Json& path) const { return (folder_ / path_of_text(path.get<std::string>())).string(); }
   std::string file(const char* key) const { return resolved(view_.at(key)); }
   void set_file(const char* key, std::string& path) const {
     if (path.empty() && view_.contains(key)) path = file(key);
@@ -103,10 +104,10 @@ class PlanView {
 
 void apply_scene_plan(MapOptions& options) {
   const std::string& path = options.plan;
-  if (std::error_code error; !fs::is_regular_file(path, error))
+  const std::optional<std::string> text = json_of_file(path, StandardInput::kAllowed);
+  if (!text)
     throw Error(ErrorCode::kInput, path + ": no such file, expected plan.json as multum bake scene.toml writes it");
-  std::ifstream file(path);
-  const Json plan = Json::parse(file, nullptr, false);
+  const Json plan = Json::parse(*text, nullptr, false);
   if (!plan.is_object() || !plan.contains("objects"))
     throw Error(ErrorCode::kInput, path + ": is no plan, expected plan.json as multum bake scene.toml writes it");
   try {

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/brdf/measured_brdf.h"
@@ -202,14 +203,14 @@ void write_report(const PictureOptions& options, const gl::RenderScene& scene, c
   else report.update(brdf_json(scene.brdf));
   if (!options.light.environment.empty())
     report["environment_mode"] = choice_name(kEnvironmentModes, scene.environment_mode);
-  write_text_file(options.output.report, report.dump(2) + "\n");
+  write_text_file(options.output.report, json_text(report, 2) + "\n");
 }
 
 void write_shaders(const std::string& path, const std::vector<gl::ShaderVariant>& variants) {
   nlohmann::json rows = nlohmann::json::array();
   for (const gl::ShaderVariant& variant : variants)
     rows.push_back({{"flags", variant.flags}, {"fragment", variant.fragment}, {"uniforms", variant.uniforms}});
-  write_text_file(path, rows.dump(2) + "\n");
+  write_text_file(path, json_text(rows, 2) + "\n");
 }
 
 }  // namespace multum

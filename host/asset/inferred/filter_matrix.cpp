@@ -5,14 +5,15 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/asset/inferred/texture_mapping.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/checksum.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_file.h"
+#include "host/base/files/regular_file.h"
 
 namespace multum {
 namespace {
@@ -61,12 +62,18 @@ nlohmann::json full_header(const FilterMatrix& m) {
           {"checksum", checksum_of(m)}};
 }
 
+std::uint64_t count_of(const nlohmann::json& json, const char* key) {
+  const nlohmann::json& count = json.at(key);
+  if (count.is_number_unsigned()) return count.get<std::uint64_t>();
+  return static_cast<std::uint64_t>(json_integer(json, key, 0, INT64_MAX));
+}
+
 void read_header(const nlohmann::json& json, FilterMatrix& m) {
-  m.width = json.at("width").get<int>();
-  m.height = json.at("height").get<int>();
-  m.supersampling = json.at("supersampling").get<int>();
-  m.texture_width = json.at("textureWidth").get<int>();
-  m.texture_height = json.at("textureHeight").get<int>();
+  m.width = json_int(json, "width");
+  m.height = json_int(json, "height");
+  m.supersampling = json_int(json, "supersampling");
+  m.texture_width = json_int(json, "textureWidth");
+  m.texture_height = json_int(json, "textureHeight");
   m.wrap_s = parse_wrap_mode(json.at("wrapS").get<std::string>()).value();
   m.wrap_t = parse_wrap_mode(json.at("wrapT").get<std::string>()).value();
   m.anisotropy = json.at("anisotropy").get<float>();
@@ -79,7 +86,7 @@ void read_header(const nlohmann::json& json, FilterMatrix& m) {
   p.mesh_hash = json.at("meshHash").get<std::string>();
   p.view_matrix = json.at("viewMatrixHash").get<std::string>();
   p.key = json.at("key").get<std::string>();
-  m.rows_rejected = json.at("rowsRejected").get<std::uint64_t>();
+  m.rows_rejected = count_of(json, "rowsRejected");
 }
 
 // What the solver relies on without looking again.
@@ -120,7 +127,7 @@ std::string in_one_line(std::string text) {
 void write_filter_matrix(const FilterMatrix& matrix, const std::string& path) {
   AtomicFile file(path);
   OutputFile out(file);
-  const std::string head = std::string(kFirstLine) + "\n" + full_header(matrix).dump() + "\n";
+  const std::string head = std::string(kFirstLine) + "\n" + json_text(full_header(matrix)) + "\n";
   write_or_throw(out, head.data(), head.size());
   for_each_list(matrix, [&](const auto& list) { write_or_throw(out, list.data(), list.size() * 4); });
   out.close();
@@ -128,7 +135,7 @@ void write_filter_matrix(const FilterMatrix& matrix, const std::string& path) {
 }
 
 FilterMatrix read_filter_matrix(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+  RegularFileStream file(path);
   std::string first, header;
   if (!file) refuse_file(path, "cannot be read");
   if (!std::getline(file, first) || first != kFirstLine)
@@ -137,9 +144,10 @@ FilterMatrix read_filter_matrix(const std::string& path) {
   FilterMatrix m;
   std::string checksum;
   try {
+    if (holds_nul(header)) refuse_file(path, "holds NUL in its header");
     const nlohmann::json json = nlohmann::json::parse(header);
     read_header(json, m);
-    const auto rows = json.at("rows").get<std::uint64_t>(), entries = json.at("entries").get<std::uint64_t>();
+    const std::uint64_t rows = count_of(json, "rows"), entries = count_of(json, "entries");
     checksum = json.at("checksum").get<std::string>();
     const auto begin = file.tellg();
     file.seekg(0, std::ios::end);
@@ -156,6 +164,9 @@ FilterMatrix read_filter_matrix(const std::string& path) {
     m.weights.resize(entries);
   } catch (const nlohmann::json::exception& error) {
     refuse_file(path, std::string("its header is damaged: ") + error.what());
+  } catch (const Error& error) {
+    if (std::string_view(error.what()).starts_with(path)) throw;
+    refuse_file(path, std::string("its header is damaged: ") + error.what());
   } catch (const std::bad_optional_access&) {
     refuse_file(path, "its header names a wrap mode that is not known");
   }
@@ -169,7 +180,7 @@ FilterMatrix read_filter_matrix(const std::string& path) {
 }
 
 std::string filter_matrix_key(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+  RegularFileStream file(path);
   std::string first, header;
   if (!std::getline(file, first) || first != kFirstLine || !std::getline(file, header)) return "";
   const nlohmann::json json = nlohmann::json::parse(header, nullptr, false);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The manifest of inferred textures as JSON.
-#include <fstream>
 
 #include "host/asset/inferred/inferred_texture.h"
 #include "host/asset/inferred/manifest_json.h"
 #include "host/asset/inferred/matrix_json.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 
 namespace multum {
 namespace {
@@ -35,7 +35,7 @@ nlohmann::json object_json(const InferredObject& object) {
 InferredSample sample_from(const nlohmann::json& json) {
   InferredSample sample;
   sample.name = json.at("name").get<std::string>();
-  sample.at = json.at("at").get<std::vector<int>>();
+  sample.at = json_ints(json, "at");
   sample.world_to_clip = matrix_from_json(json.at("worldToClip"));
   for (const auto& [name, matrix] : json.at("objectToWorld").items())
     sample.object_to_world[name] = matrix_from_json(matrix);
@@ -47,7 +47,7 @@ InferredObject object_from(const nlohmann::json& json) {
   object.name = json.at("name").get<std::string>();
   object.mesh = json.at("mesh").get<std::string>();
   object.mappings = json.at("mappings").get<std::vector<TextureMapping>>();
-  object.mapping_of_sample = json.at("mappingOfSample").get<std::vector<int>>();
+  object.mapping_of_sample = json_ints(json, "mappingOfSample");
   object.anisotropy = anisotropy_from_json(json.at("anisotropy"));
   for (const nlohmann::json& layer : json.at("layers"))
     object.layers.push_back(
@@ -71,7 +71,7 @@ void check(const InferredManifest& manifest) {
 
 // Throws Error without the file's name, which the caller knows.
 InferredManifest manifest_from(const nlohmann::json& json) {
-  if (json.at("multumInferredTextures").get<int>() != 1) refuse("is a manifest of another version, expected 1");
+  if (json_int(json, "multumInferredTextures") != 1) refuse("is a manifest of another version, expected 1");
   InferredManifest manifest;
   read_scene_keys(json, manifest);
   for (const nlohmann::json& sample : json.at("samples")) manifest.samples.push_back(sample_from(sample));
@@ -90,14 +90,14 @@ void write_inferred_manifest(const InferredManifest& manifest, const std::string
   json["multumInferredTextures"] = 1;
   json["samples"] = std::move(samples);
   json["objects"] = std::move(objects);
-  write_text_file(path, json.dump(1) + "\n");
+  write_text_file(path, json_text(json, 1) + "\n");
 }
 
 InferredManifest read_inferred_manifest(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(ErrorCode::kInput, path + ": cannot be read");
+  const std::optional<std::string> text = json_of_file(path);
+  if (!text) throw Error(ErrorCode::kInput, path + ": cannot be read");
   try {
-    return manifest_from(nlohmann::json::parse(file));
+    return manifest_from(nlohmann::json::parse(*text));
   } catch (const Error& error) {
     throw Error(error.code(), path + ": " + error.what());
   } catch (const nlohmann::json::exception& error) {

@@ -13,6 +13,7 @@
 #include <array>
 #include <filesystem>
 
+#include "host/asset/exr/exr_input.h"
 #include "host/asset/exr/exr_output.h"
 #include "host/asset/half_value.h"
 #include "host/base/error.h"
@@ -93,7 +94,8 @@ void round_to_half(std::vector<float>& values) {
 InferredTexture read_inferred_texture(const std::string& path) {
   try {
     check_exr_headers(path, kUnreadable);
-    Imf::TiledInputFile file(path.c_str());
+    ExrInputStream stream(path);
+    Imf::TiledInputFile file(stream);
     check_is_texture(file, path);
     InferredTexture texture;
     texture.width = file.levelWidth(0);
@@ -124,7 +126,8 @@ std::string read_texture_provenance(const std::string& path) {
   if (!std::filesystem::exists(path, ignored)) return "";
   try {
     check_exr_headers(path, kUnreadable);
-    const Imf::TiledInputFile file(path.c_str());
+    ExrInputStream stream(path);
+    const Imf::TiledInputFile file(stream);
     if (!file.isComplete()) return "";
     const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(kProvenance);
     return text != nullptr ? text->value() : "";

@@ -5,23 +5,28 @@
 
 #include "host/asset/inferred/matrix_json.h"
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
+#include "host/base/path_text.h"
 
 namespace multum {
 
 nlohmann::json scene_keys_json(const InferredManifest& manifest) {
-  return {{"geometry", manifest.geometry_file}, {"geometryHash", manifest.geometry_hash},
-          {"uvSet", manifest.uv_set},           {"width", manifest.width},
-          {"height", manifest.height},          {"supersampling", manifest.supersampling},
+  return {{"geometry", text_of_path(manifest.geometry_file)},
+          {"geometryHash", manifest.geometry_hash},
+          {"uvSet", manifest.uv_set},
+          {"width", manifest.width},
+          {"height", manifest.height},
+          {"supersampling", manifest.supersampling},
           {"parameters", manifest.parameters}};
 }
 
 void read_scene_keys(const nlohmann::json& json, InferredManifest& manifest) {
-  manifest.geometry_file = json.at("geometry").get<std::string>();
+  manifest.geometry_file = path_of_text(json.at("geometry").get<std::string>());
   manifest.geometry_hash = json.at("geometryHash").get<std::string>();
-  manifest.uv_set = json.at("uvSet").get<int>();
-  manifest.width = json.at("width").get<int>();
-  manifest.height = json.at("height").get<int>();
-  manifest.supersampling = json.at("supersampling").get<int>();
+  manifest.uv_set = json_int(json, "uvSet");
+  manifest.width = json_int(json, "width");
+  manifest.height = json_int(json, "height");
+  manifest.supersampling = json_int(json, "supersampling");
   check_picture_size(manifest.width, manifest.height, manifest.supersampling);
   manifest.parameters = json.at("parameters").get<std::vector<std::string>>();
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 
 namespace multum {
 namespace {
@@ -71,12 +72,12 @@ void from_json(const nlohmann::json& json, TextureMapping& m) {
   m.cut = json.at("cut").get<std::array<double, 2>>();
   m.wrap_s = wrap_from(json.at("wrapS"));
   m.wrap_t = wrap_from(json.at("wrapT"));
-  m.width = json.at("width").get<int>();
-  m.height = json.at("height").get<int>();
+  m.width = json_int(json, "width");
+  m.height = json_int(json, "height");
   m.stretch_max = json.at("stretchMax").get<double>();
-  m.stretch_rounds = json.at("stretchRounds").get<int>();
-  m.visible_pixels = json.at("visiblePixels").get<std::size_t>();
-  m.degenerate_pixels = json.at("degeneratePixels").get<std::size_t>();
+  m.stretch_rounds = json_int(json, "stretchRounds");
+  m.visible_pixels = static_cast<std::size_t>(json_integer(json, "visiblePixels", 0, INT64_MAX));
+  m.degenerate_pixels = static_cast<std::size_t>(json_integer(json, "degeneratePixels", 0, INT64_MAX));
   if (m.width < 1 || m.height < 1 || m.width > kGpuSideMax || m.height > kGpuSideMax)
     throw Error(ErrorCode::kInput, "a texture mapping is of " + std::to_string(m.width) + " x " +
                                        std::to_string(m.height) + " texels, expected 1 to 16384 a side");

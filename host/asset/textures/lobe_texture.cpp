@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/asset/textures/scalar_block.h"
+#include "host/base/files/json_file.h"
 #include "host/base/half_bits.h"
+#include "host/base/path_text.h"
 #include "host/base/size_of.h"
 
 namespace multum {
@@ -70,11 +72,11 @@ std::string lobe_texture_text(const LobeTextureHeader& header) {
     json["lobes"].push_back({{"columns", columns}, {"offset", vector_json(lobe.offset)}});
   }
   if (map.has_roughness) json["meanCosine"] = map.mean_cosine;
-  json["source"] = {{"name", map.provenance.source_name},
+  json["source"] = {{"name", text_of_path(map.provenance.source_name)},
                     {"sha256", map.provenance.source_hash},
                     {"settings", map.provenance.settings},
                     {"contentHash", map.provenance.content_hash}};
-  return json.dump();
+  return json_text(json);
 }
 
 std::vector<float> lobe_channels(const LobeTexture& texture, int level, int lobe) {

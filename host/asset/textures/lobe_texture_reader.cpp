@@ -4,14 +4,16 @@
 #include <zstd.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "host/asset/textures/lobe_texture.h"
 #include "host/base/error.h"
 #include "host/base/files/byte_file.h"
+#include "host/base/files/json_file.h"
+#include "host/base/files/regular_file.h"
 #include "host/base/half_bits.h"
+#include "host/base/path_text.h"
 #include "host/base/size_of.h"
 
 namespace multum {
@@ -74,13 +76,13 @@ WrapMode wrap_of_name(const nlohmann::json& json) {
 
 void parse_texture_header(const nlohmann::json& json, LobeTextureHeader& header) {
   BakedHeader& map = header.map;
-  if (json.at("version").get<int>() != kLobeTextureVersion) throw std::out_of_range("another version");
-  map.width = json.at("mapWidth").get<int>();
-  map.height = json.at("mapHeight").get<int>();
-  map.first_level = json.at("firstLevel").get<int>();
+  if (json_int(json, "version") != kLobeTextureVersion) throw std::out_of_range("another version");
+  map.width = json_int(json, "mapWidth");
+  map.height = json_int(json, "mapHeight");
+  map.first_level = json_int(json, "firstLevel");
   map.wrap_s = wrap_of_name(json.at("wrapS"));
   map.wrap_t = wrap_of_name(json.at("wrapT"));
-  if (json.at("layersPerLobe").get<int>() != layers_per_lobe(header.texels))
+  if (json_int(json, "layersPerLobe") != layers_per_lobe(header.texels))
     throw std::out_of_range("layersPerLobe is not the format's");
   for (const nlohmann::json& one : json.at("lobes")) {
     LobeUnpacking& lobe = header.lobes.emplace_back();
@@ -91,7 +93,7 @@ void parse_texture_header(const nlohmann::json& json, LobeTextureHeader& header)
   map.has_roughness = json.contains("meanCosine");
   if (map.has_roughness) map.mean_cosine = json["meanCosine"].get<float>();
   const nlohmann::json& source = json.at("source");
-  map.provenance.source_name = source.at("name").get<std::string>();
+  map.provenance.source_name = path_of_text(source.at("name").get<std::string>());
   map.provenance.source_hash = source.at("sha256").get<std::string>();
   map.provenance.settings = source.at("settings").get<std::string>();
   map.provenance.content_hash = source.at("contentHash").get<std::string>();
@@ -138,6 +140,7 @@ LobeTextureHeader read_texture_header(ByteFile& file, const std::string& path) {
   header.texels = texels_of_format(file.little_endian(12, 4, "the format"), path);
   const std::string text = lobes_key(file, path);
   try {
+    if (holds_nul(text)) throw std::out_of_range("NUL in a text");
     parse_texture_header(nlohmann::json::parse(text), header);
   } catch (const std::exception& error) {
     refuse_file(path, fmt::format("{} cannot be read: {}", kLobeTextureKey, error.what()));
@@ -180,11 +183,7 @@ void check_finite_texels(const LobeTexture& texture, const std::string& path) {
 
 }  // namespace
 
-bool is_ktx2_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(kIdentifier.size(), '\0');
-  return file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) && bytes == kIdentifier;
-}
+bool is_ktx2_file(const std::string& path) { return first_bytes(path, kIdentifier.size()) == kIdentifier; }
 
 LobeTextureHeader read_lobe_texture_header(const std::string& path) {
   ByteFile file(path);

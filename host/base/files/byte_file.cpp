@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/files/byte_file.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
-#include <filesystem>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 
 namespace multum {
 namespace {
@@ -16,13 +23,14 @@ constexpr std::int64_t kWindowBytes = 4096;  // headers are read byte by byte, a
 
 }  // namespace
 
-ByteFile::ByteFile(const std::string& path) : path_(path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) refuse_file(path, "no such file");
-  if (!std::filesystem::is_regular_file(path, error)) refuse_file(path, "is not a file");
-  stream_.open(path, std::ios::binary);
-  size_ = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
-  if (!stream_ || error) refuse_file(path, "cannot be read");
+ByteFile::ByteFile(const std::string& path) : ByteFile(open_regular_file(path), path) {}
+
+ByteFile::ByteFile(OpenFile file, const std::string& path) : path_(path), file_(std::move(file)) {
+  if (!file_.is_open() && errno == ENOENT) refuse_file(path, "no such file");
+  struct stat found {};
+  if (!file_.is_open() || ::fstat(file_.descriptor(), &found) != 0)
+    refuse_file(path, std::string("cannot be read: ") + std::strerror(errno));
+  size_ = static_cast<std::int64_t>(found.st_size);
 }
 
 std::string ByteFile::bytes(std::int64_t position, std::int64_t count, const char* what) {
@@ -32,11 +40,22 @@ std::string ByteFile::bytes(std::int64_t position, std::int64_t count, const cha
   if (position < window_begin_ || position + count > window_begin_ + static_cast<std::int64_t>(window_.size())) {
     window_begin_ = position;
     window_.resize(static_cast<std::size_t>(std::min(std::max(count, kWindowBytes), size_ - position)));
-    stream_.seekg(position);
-    stream_.read(window_.data(), static_cast<std::streamsize>(window_.size()));
-    if (!stream_) refuse_file(path_, fmt::format("reading {} at byte {} failed", what, position));
+    read_window(what);
   }
   return window_.substr(static_cast<std::size_t>(position - window_begin_), static_cast<std::size_t>(count));
+}
+
+void ByteFile::read_window(const char* what) {
+  for (std::size_t done = 0; done < window_.size();) {
+    const ssize_t got = ::pread(file_.descriptor(), window_.data() + done, window_.size() - done,
+                                static_cast<off_t>(window_begin_) + static_cast<off_t>(done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) {
+      window_.clear();
+      refuse_file(path_, fmt::format("reading {} at byte {} failed", what, window_begin_));
+    }
+    done += static_cast<std::size_t>(got);
+  }
 }
 
 std::int64_t ByteFile::big_endian(std::int64_t position, int count, const char* what) {

@@ -4,15 +4,18 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <string>
+
+#include "host/base/files/open_file.h"
 
 namespace multum {
 
 class ByteFile {
  public:
-  /// Throws Error(kInput): not there, no file, not to be read.
+  /// Throws Error(kInput): not there, not a regular file, not to be read.
   explicit ByteFile(const std::string& path);
+  /// Of a file that is open; messages name `path`.
+  ByteFile(OpenFile file, const std::string& path);
   std::int64_t size() const { return size_; }
 
   // Of `count` bytes there; `what` is what they are, for the message. Throw Error(kInput) where the file is cut.
@@ -21,8 +24,10 @@ class ByteFile {
   std::int64_t little_endian(std::int64_t position, int count, const char* what);
 
  private:
+  void read_window(const char* what);
+
   std::string path_;
-  std::ifstream stream_;
+  OpenFile file_;
   std::int64_t size_ = 0;
   std::string window_;  // bytes that were read together, from window_begin_ on
   std::int64_t window_begin_ = 0;

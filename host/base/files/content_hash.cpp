@@ -2,13 +2,14 @@
 #include "host/base/files/content_hash.h"
 
 #include <openssl/evp.h>
+#include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 
 namespace multum {
 
@@ -46,16 +47,17 @@ std::string hash_text(std::string_view text) {
 }
 
 std::string hash_file(const std::string& path) {
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) throw Error(ErrorCode::kInput, path + ": cannot be opened: " + std::strerror(errno));
+  const OpenFile file = open_regular_file(path);
+  if (!file.is_open()) throw Error(ErrorCode::kInput, path + ": cannot be opened: " + std::strerror(errno));
   ContentHash hash;
   std::vector<char> buffer(1 << 20);
-  std::size_t count = 0;
-  while ((count = std::fread(buffer.data(), 1, buffer.size(), file)) > 0) hash.update(buffer.data(), count);
-  const bool failed = std::ferror(file) != 0;
-  std::fclose(file);
-  if (failed) throw Error(ErrorCode::kInput, path + ": reading failed");
-  return hash.finish();
+  for (;;) {
+    const ssize_t count = ::read(file.descriptor(), buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw Error(ErrorCode::kInput, path + ": reading failed: " + std::strerror(errno));
+    if (count == 0) return hash.finish();
+    hash.update(buffer.data(), static_cast<std::size_t>(count));
+  }
 }
 
 }  // namespace multum

@@ -2,7 +2,6 @@
 #include "host/base/files/exr_survey.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -166,8 +165,6 @@ std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
 }
 
 void check_exr_headers(const std::string& path, const std::string& otherwise) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return;
   try {
     ByteFile file(path);
     if (file.size() < 4 || file.little_endian(0, 4, "the first bytes") != kExrMagic)

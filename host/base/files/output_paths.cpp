@@ -3,8 +3,11 @@
 
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/shown_text.h"
 
 namespace multum {
 namespace {
@@ -14,6 +17,13 @@ namespace fs = std::filesystem;
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;  // of files that do not exist yet: their folders may, under several names
   return fs::equivalent(a, b, ignored) || canonical_name(a) == canonical_name(b);
+}
+
+// A name goes into lists of files, logs and terminals, where such a character would do something.
+void check_name(const fs::path& name, const std::string& path) {
+  if (holds_control(name.string()))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: its name holds a control character, expected a name without", shown_text(path)));
 }
 
 }  // namespace
@@ -31,6 +41,7 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
   std::vector<std::string> others = inputs;
   for (const std::string& output : outputs) {
     if (output.empty()) continue;
+    check_name(fs::path(output).filename(), output);
     for (const std::string& other : others)
       if (!other.empty() && same_file(output, other))
         throw Error(ErrorCode::kUsage, output + ": is named twice, expected different files to read and to write");
@@ -40,6 +51,9 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
 
 void make_folder(const std::string& path) {
   std::error_code error;
+  for (fs::path missing = path; !missing.empty() && !fs::exists(missing, error); missing = missing.parent_path())
+    check_name(missing.filename(), path);
+  error.clear();
   std::filesystem::create_directories(path, error);
   if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
 }
@@ -52,6 +66,7 @@ std::string existing_part(const std::string& path) {
 }
 
 void check_writable(const std::string& path) {
+  check_name(fs::path(path).filename(), path);
   // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
   const AtomicFile probe(path);
 }

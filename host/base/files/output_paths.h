@@ -8,7 +8,8 @@
 namespace multum {
 
 /// Throws Error(kUsage) when an output is also an input or another output, by whatever name: a result that takes the
-/// place of a source, or of another result, would lose it without a word. Empty names stand for no file.
+/// place of a source, or of another result, would lose it without a word. Empty names stand for no file. Also where an
+/// output's name holds a control character.
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
 /// `path` as `file` names it, relative to the folder of `file`; empty stays empty: no file.
@@ -17,13 +18,15 @@ std::string path_beside(const std::string& file, const std::string& path);
 /// The one name of a file that may not be there yet, by whatever name it was given.
 std::string canonical_name(const std::string& path);
 
-/// Makes a folder, and those that it lies in, where it is not there yet. Throws Error(kEnvironment).
+/// Makes a folder, and those that it lies in, where it is not there yet. Throws Error(kEnvironment), and Error(kUsage)
+/// for a new name that holds a control character.
 void make_folder(const std::string& path);
 
 /// The folder that `path` is or would lie in, as far as it is there.
 std::string existing_part(const std::string& path);
 
-/// Throws Error(kEnvironment, or kUsage for a folder) when no file of this name can be written; creates none.
+/// Throws Error(kEnvironment, or kUsage for a folder or a control character) when no file of this name can be written;
+/// creates none.
 void check_writable(const std::string& path);
 
 }  // namespace multum

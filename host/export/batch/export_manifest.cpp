@@ -61,8 +61,8 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
   read_parameters(entry.table, kInManifest, values);
   ExportJob job = pattern;
   apply(values, job);
-  job.input = path_beside(path, entry.table.text("input"));
-  job.output = path_beside(path, entry.table.text("output"));
+  job.input = path_beside(path, entry.table.path("input"));
+  job.output = path_beside(path, entry.table.path("output"));
   for (std::string ExportJob::*beside : kExportMapsBeside) job.*beside = path_beside(path, job.*beside);
   check_names(entry.table, job);
   try {

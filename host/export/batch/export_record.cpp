@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/json_file.h"
+#include "host/base/path_text.h"
 #include "host/export/batch/export_batch.h"
 #include "host/export/export_key.h"
 
@@ -22,10 +22,7 @@ using Json = nlohmann::json;
 
 // Null: there is none that can be read.
 Json read_record(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  const Json record = Json::parse(text.str(), nullptr, false);
+  const Json record = Json::parse(json_of_file(path).value_or(""), nullptr, false);
   return record.is_object() && record.contains("key") && record.contains("files") && record["files"].is_object()
              ? record
              : Json();
@@ -53,7 +50,8 @@ ExportState find_export_state(const ExportJob& job) {
         return {ExportFinding::kStale, fmt::format("made with other {}", part)};
     return {ExportFinding::kStale, "made otherwise"};
   }
-  for (const auto& [name, hash] : record["files"].items()) {
+  for (const auto& [text, hash] : record["files"].items()) {
+    const std::string name = path_of_text(text);
     if (!is_plain_name(name)) return {ExportFinding::kStale, fmt::format("{}: names files elsewhere", path)};
     const std::string file = folder + "/" + name;
     std::error_code none;
@@ -66,8 +64,9 @@ ExportState find_export_state(const ExportJob& job) {
 
 void write_export_record(const ExportJob& job, const std::vector<std::string>& files) {
   Json record = {{"key", export_key(job)}, {"files", Json::object()}};
-  for (const std::string& file : files) record["files"][fs::path(file).filename().string()] = hash_file(file);
-  write_text_file(export_record_file(job), record.dump(1) + "\n");
+  for (const std::string& file : files)
+    record["files"][text_of_path(fs::path(file).filename().string())] = hash_file(file);
+  write_text_file(export_record_file(job), json_text(record, 1) + "\n");
 }
 
 }  // namespace multum

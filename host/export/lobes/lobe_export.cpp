@@ -9,6 +9,7 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/size_of.h"
@@ -72,7 +73,7 @@ std::string LobeExportReport::to_json() const {
                                  {"bytes_ratio", bytes_ratio()},
                                  {"device", device}};
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 LobeExportReport export_lobes(const LobeExportJob& job, Device& device, Progress* progress) {

@@ -14,6 +14,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/files/work_folder.h"
 #include "host/base/log.h"
+#include "host/base/path_text.h"
 #include "host/base/size_of.h"
 #include "host/base/version.h"
 #include "host/export/report/frame_video.h"
@@ -105,7 +106,7 @@ void write_export_page(const ExportJob& job, const ExportReport& report, const s
       json["distances"][d]["pictures"][p == 0 ? "reference" : study.ids[p - 1]] =
           encode_base64(png_of(study.distances[d].pictures[p].grey, scratch->path()));
   for (std::size_t m = 0; m < study.ids.size(); ++m) json["names"][study.ids[m]] = study.names[m];
-  const std::string map = fs::path(job.input).filename().string();
+  const std::string map = text_of_path(fs::path(job.input).filename().string());
   json["title"] = "One lobe a texel: " + map;
   json["map"] = map;
   json["software"] = software_version();

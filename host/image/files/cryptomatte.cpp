@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/image/files/exr_file.h"
 #include "host/image/files/exr_layers.h"
 
@@ -57,6 +58,7 @@ std::uint32_t as_identifier(std::uint32_t hash) {
 }
 
 std::map<std::string, std::uint32_t> parse_manifest(const std::string& path, const std::string& text) {
+  if (holds_nul(text)) refuse_file(path, "the Cryptomatte manifest is damaged: it holds NUL");
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) refuse_file(path, "the Cryptomatte manifest is damaged: it is not a JSON object");
   std::map<std::string, std::uint32_t> manifest;

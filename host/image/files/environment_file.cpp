@@ -9,12 +9,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 #include "host/image/image_reader.h"
 
 namespace multum {
@@ -28,11 +28,7 @@ void check_size(const std::string& path, int width, int height) {
                             width, height, kEnvironmentWidthLimit, kEnvironmentWidthLimit / 2));
 }
 
-bool is_radiance(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  char head[2] = {};
-  return in.read(head, 2) && head[0] == '#' && head[1] == '?';
-}
+bool is_radiance(const std::string& path) { return first_bytes(path, 2) == "#?"; }
 
 class RadianceReader {
  public:
@@ -41,7 +37,7 @@ class RadianceReader {
     std::error_code error;
     if (std::filesystem::file_size(path, error) > kBytesMax && !error)
       refuse_file(path, "is larger than 1 GiB, expected an environment");
-    std::ifstream in(path, std::ios::binary);
+    RegularFileStream in(path);
     bytes_.assign(std::istreambuf_iterator<char>(in), {});
   }
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -16,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/files/byte_file.h"
 #include "host/base/files/exr_survey.h"
+#include "host/base/files/regular_file.h"
 #include "host/image/files/tiff_survey.h"
 
 namespace multum {
@@ -276,12 +276,7 @@ void check_image_size(const std::string& path, std::int64_t width, std::int64_t 
     refuse_file(path, fmt::format("found {} x {} texels, expected at most {} in all", width, height, texel_count_max));
 }
 
-std::string image_format(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, kHeadBytes> head{};
-  file.read(head.data(), head.size());
-  return format_of({head.data(), static_cast<std::size_t>(file.gcount())});
-}
+std::string image_format(const std::string& path) { return format_of(first_bytes(path, kHeadBytes)); }
 
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max) {
   ByteFile file(path);

@@ -5,7 +5,6 @@
 //   scene.json        cameras, objects         id_vVV_pPP.png    object index, where an object moves
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/image/files/exr_layers.h"
 #include "host/mesh/object_mesh.h"
 #include "host/texture_inference/job/animation_job.h"
@@ -44,8 +44,7 @@ class FolderReader {
     std::error_code error;
     if (!fs::is_directory(folder, error)) refuse_file(folder, std::string("is not a folder; ") + kExpected);
     if (!exists("scene.json")) refuse_file(folder, std::string("holds no scene.json; ") + kExpected);
-    std::ifstream file(scene_path_);
-    scene_ = Json::parse(file, nullptr, false);
+    scene_ = Json::parse(json_of_file(scene_path_).value_or(""), nullptr, false);
     if (!scene_.is_object()) refuse_file(scene_path_, "is not a JSON object");
   }
 

@@ -14,6 +14,7 @@
 #include <glm/matrix.hpp>
 
 #include "host/asset/inferred/texture_mapping.h"
+#include "host/base/path_text.h"
 #include "host/image/files/exr_layers.h"
 #include "host/mesh/object_mesh.h"
 #include "host/texture_inference/job/animation_samples.h"
@@ -209,7 +210,8 @@ std::vector<std::string> animation_job_files(const std::string& path) {
   const auto add = [&](const toml::table& table, const char* key) {
     const std::optional<std::string> name = table[key].value<std::string>();
     if (!name) return;
-    const std::string file = (std::filesystem::path(path).parent_path() / *name).lexically_normal().string();
+    const std::string file =
+        (std::filesystem::path(path).parent_path() / path_of_text(*name)).lexically_normal().string();
     if (known.insert(file).second) files.push_back(file);
   };
   add(root, "geometry");

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/base/path_text.h"
 #include "host/texture_inference/job/animation_job.h"
 
 namespace multum {
@@ -35,10 +36,11 @@ std::string list(const std::vector<std::string>& texts) {
   return fmt::format("[{}]", fmt::join(items, ", "));
 }
 
+// TOML is UTF-8.
 std::string relative_path(const std::string& path, const std::string& folder) {
   const fs::path whole = fs::absolute(path).lexically_normal();
   const fs::path base = fs::absolute(folder.empty() ? "." : folder).lexically_normal();
-  return whole.lexically_proximate(base).string();
+  return text_of_path(whole.lexically_proximate(base).string());
 }
 
 std::string matrix_text(const glm::dmat4& m) {

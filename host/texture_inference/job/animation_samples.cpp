@@ -102,7 +102,7 @@ void check_known(const StrictTable& table, const std::string& key, const std::st
 
 std::string existing_file(const StrictTable& table, const std::string& key, const AnimationJob& job) {
   namespace fs = std::filesystem;
-  const std::string name = table.text(key);
+  const std::string name = table.path(key);
   const std::string path = (fs::path(job.path).parent_path() / name).lexically_normal().string();
   std::error_code error;
   if (!fs::is_regular_file(path, error)) table.refuse(key, fmt::format("is \"{}\": there is no file {}", name, path));

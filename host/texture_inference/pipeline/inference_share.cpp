@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/files/input_hashes.h"
+#include "host/base/files/json_file.h"
 #include "host/base/share_record.h"
 #include "host/base/stopwatch.h"
 #include "host/base/version.h"
@@ -125,10 +126,10 @@ std::vector<double> figures_from(const Json& json, std::size_t count) {
   return figures;
 }
 
-int count_from(const Json& json) {
-  const auto count = json.get<std::int64_t>();
-  if (!json.is_number_integer() || count < 0 || count > 1'000'000'000) refuse("has a count that is none");
-  return static_cast<int>(count);
+int count_from(const Json& json) { return static_cast<int>(json_integer_of(json, "a count", 0, 1'000'000'000)); }
+
+std::size_t size_from(const Json& json) {
+  return static_cast<std::size_t>(json_integer_of(json, "a count", 0, INT64_MAX));
 }
 
 TextureResult texture_from(const Json& json, const PointName& name, const ParameterPoint& point,
@@ -150,7 +151,7 @@ TextureResult texture_from(const Json& json, const PointName& name, const Parame
   texture.iterations = count_from(json.at("iterations"));
   for (const Json& step : json.at("history")) {
     const std::vector<double> values = figures_from({step.at(1), step.at(2)}, 2);
-    texture.history.push_back({count_from(step.at(0)), values[0], values[1], step.at(3).get<std::uint64_t>()});
+    texture.history.push_back({count_from(step.at(0)), values[0], values[1], size_from(step.at(3))});
   }
   return texture;
 }
@@ -194,8 +195,7 @@ class RecordReader {
     for (const Json& matrix : content.at("matrices")) result.matrices.push_back(matrix_from(matrix));
     std::set<PointName> found;
     for (const Json& json : content.at("textures")) {
-      const PointName name = {json.at("layer").get<std::size_t>(), json.at("point").get<std::size_t>(),
-                              json.at("object").get<std::size_t>()};
+      const PointName name = {size_from(json.at("layer")), size_from(json.at("point")), size_from(json.at("object"))};
       const auto wanted = work_.textures.find(name);
       if (wanted == work_.textures.end() || !found.insert(name).second)
         refuse("has a texture twice, or one that its share has not");
@@ -218,16 +218,14 @@ class RecordReader {
   }
 
   PointReport point_from(const Json& json) const {
-    PointReport point{json.at(0).get<std::size_t>(), json.at(1).get<std::size_t>(), {}};
+    PointReport point{size_from(json.at(0)), size_from(json.at(1)), {}};
     const Json& counts = json.at(2);
-    for (std::size_t i = 0; i < std::size(kCounts); ++i)
-      point.segmentation.*kCounts[i] = counts.at(i).get<std::size_t>();
+    for (std::size_t i = 0; i < std::size(kCounts); ++i) point.segmentation.*kCounts[i] = size_from(counts.at(i));
     return point;
   }
 
   MatrixRows matrix_from(const Json& json) const {
-    return {json.at(0).get<int>(), json.at(1).get<std::size_t>(), json.at(2).get<std::uint64_t>(),
-            json.at(3).get<std::uint64_t>()};
+    return {count_from(json.at(0)), size_from(json.at(1)), size_from(json.at(2)), size_from(json.at(3))};
   }
 
   const ParameterizedScene& field_;

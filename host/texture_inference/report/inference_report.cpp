@@ -11,6 +11,8 @@
 #include <tuple>
 
 #include "host/asset/inferred/find_sample.h"
+#include "host/base/files/json_file.h"
+#include "host/base/path_text.h"
 #include "host/texture_inference/job/animation_samples.h"
 #include "host/texture_inference/report/pixel_mean.h"
 
@@ -242,7 +244,8 @@ Json inference_figures(const InferenceReport& report) {
   const AnimationInferResult& result = report.result;
   Json json;
   json["software"] = std::string("multum ") + MULTUM_VERSION;
-  json["job"] = std::filesystem::path(job.path).filename().string();  // reports are sent to others: no folders
+  json["job"] =
+      text_of_path(std::filesystem::path(job.path).filename().string());  // reports are sent to others: no folders
   json["device"] = result.device;
   json["renderer"] = result.renderer;
   json["settings"] = settings_json(report);
@@ -271,7 +274,7 @@ std::string inference_report_json(const InferenceReport& report) {
   json["textures"] = Json::array();
   for (const TextureResult& texture : report.result.textures)
     if (!texture.file.empty()) json["textures"].push_back(texture_json(report, texture));
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times) {

@@ -3,8 +3,8 @@
 // has the constants. A texel holds, per lobe, (a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a): amplitude, mean (n_x, n_y),
 // variance of one coordinate. All are linear in the normals: let the hardware filter them.
 //
-// The model is for facets that scatter as a Gaussian over (n_x, n_y) too, so that variances add. kernels/device/
-// gmm_shading.clh has the same formulas; tests/agreement compares both with double precision.
+// The model is for facets that scatter as a Gaussian over (n_x, n_y) too, so that variances add.
+// kernels/device/gmm_shading.clh has the same formulas; tests/agreement compares both with double precision.
 
 const float MULTUM_GMM_VARIANCE_MIN = 1e-7;  // sigma^2 of floats near 1
 

@@ -91,6 +91,9 @@ TEST(ProbeRequestTest, WhatIsOutOfRangeIsRefused) {
   refuse("/multumProbeRequest", 2, {"probe request", "version", "expected 1"});
   for (const char* side : {"/width", "/height"})
     for (const int value : {0, -5, 16385}) refuse(side, value, {"1 to 16384"});
+  for (const char* key : {"/width", "/height", "/uvSet", "/supersampling"})
+    for (const nlohmann::json& value : {nlohmann::json(320.5), nlohmann::json(4294967297), nlohmann::json(1e30)})
+      refuse(key, value, {key + 1, value.dump(), "expected an integer"});
   for (const int value : {0, -1, 9}) refuse("/supersampling", value, {"supersampling " + std::to_string(value)});
   accept("/supersampling", 1);
   for (const double value : {0.0, 0.999, -4.0, 16.01, 1e300}) refuse("/tasks/1/anisotropy", value, {"1 to 16"});
@@ -174,6 +177,9 @@ TEST(InferredManifestTest, WhatIsOutOfRangeIsRefused) {
   refuse("/multumInferredTextures", 2, {"manifest", "version", "expected 1"});
   for (const char* side : {"/width", "/height"})
     for (const int value : {0, -5, 16385}) refuse(side, value, {"1 to 16384"});
+  for (const char* key : {"/width", "/height", "/uvSet", "/supersampling"})
+    for (const nlohmann::json& value : {nlohmann::json(320.5), nlohmann::json(4294967297), nlohmann::json(1e30)})
+      refuse(key, value, {key + 1, value.dump(), "expected an integer"});
   for (const int value : {0, 9}) refuse("/supersampling", value, {"supersampling " + std::to_string(value)});
   refuse("/samples", nlohmann::json::array(), {"no samples"});
   refuse("/samples/1/at", {2}, {"'night'", "1 indices", "expected 2"});
@@ -184,6 +190,10 @@ TEST(InferredManifestTest, WhatIsOutOfRangeIsRefused) {
   refuse("/objects/0/mappingOfSample", {0}, {"'the cup'", "mappingOfSample", "1 of 2 samples"});
   for (const int value : {-1, 2})
     refuse("/objects/0/mappingOfSample/1", value, {"'the cup'", "mapping " + std::to_string(value), "one of its 2"});
+  refuse("/samples/1/at/0", 4294967298, {"at[0] is 4294967298", "expected an integer"});
+  refuse("/objects/0/mappingOfSample/1", 0.5, {"mappingOfSample[1] is 0.5"});
+  refuse("/objects/1/mappings/0/width", 4294967297, {"width is 4294967297"});
+  refuse("/objects/1/mappings/0/visiblePixels", -1, {"visiblePixels is -1"});
   refuse("/objects/1/mappings", nlohmann::json::array(), {"'the floor'", "mapping 0"});
   refuse("/objects/1/mappings/0/height", 16385, {"texture mapping", "1 x 16385"});
   expect_error(ErrorCode::kInput, {folder / "none.json", "cannot be read"},

@@ -50,5 +50,22 @@ TEST(OutputPathsTest, WritableLeavesNothing) {
   expect_error(ErrorCode::kUsage, {"is a folder"}, [&] { check_writable(folder.path()); });
 }
 
+TEST(OutputPathsTest, NamesWithControlCharactersAreRefused) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a\nb.exr", "\x1b[31m.exr", "a\x7f.exr", "tab\t.exr", "a\xc2\x9b.exr"}) {
+    const std::vector<std::string> parts = {folder.path(), "control character"};
+    expect_error(ErrorCode::kUsage, parts, [&] { check_writable(folder / name); });
+    expect_error(ErrorCode::kUsage, parts, [&] { check_paths_differ({}, {folder / name}); });
+    expect_error(ErrorCode::kUsage, parts, [&] { make_folder(folder / name); });
+    expect_error(ErrorCode::kUsage, parts, [&] { make_folder(folder / name + "/below"); });
+  }
+  EXPECT_TRUE(folder.names().empty());
+  // A folder that is there is somebody's own; bytes that are not UTF-8 are no control characters.
+  std::filesystem::create_directory(folder / "a\nb");
+  EXPECT_NO_THROW(check_writable(folder / "a\nb/c.exr"));
+  EXPECT_NO_THROW(make_folder(folder / "a\nb/c"));
+  for (const char* name : {"n\xff.exr", "\x9b.exr", "caf\xc3\xa9.exr"}) EXPECT_NO_THROW(check_writable(folder / name));
+}
+
 }  // namespace
 }  // namespace multum

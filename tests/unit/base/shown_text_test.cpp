@@ -112,5 +112,15 @@ TEST(ShownTextTest, CharactersAreNotCut) {
   EXPECT_EQ(whole_characters("a\x9b\x9b\x9b\x9b"), 5u) << "of no character: it is not waited for";
 }
 
+TEST(ShownTextTest, Utf8AndControlCharactersAreKnown) {
+  for (const std::string& text : {std::string(), std::string("a\n"), utf8(0xe9), utf8(0x20ac) + "b", utf8(0x10ffff)})
+    EXPECT_TRUE(is_utf8(text)) << text;
+  for (const char* text : {"\xff", "a\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xc3\xa9\x80"})
+    EXPECT_FALSE(is_utf8(text)) << text;
+  for (const char* text : {"\n", "a\t", "\x1b", "\x7f", "a\xc2\x85", "\xff\r"})
+    EXPECT_TRUE(holds_control(text)) << text;
+  for (const char* text : {"", "a b", "\x9b", "\xc2\xa0", "\xc3\x85"}) EXPECT_FALSE(holds_control(text)) << text;
+}
+
 }  // namespace
 }  // namespace multum::testing

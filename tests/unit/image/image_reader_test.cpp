@@ -389,7 +389,7 @@ TEST(ImageReaderTest, WhatIsNoImageIsRefused) {
   write_bytes(folder / "empty.png", "");
   write_bytes(folder / "text.png", "this is no picture");
   expect_error(ErrorCode::kInput, {"absent.png", "no such file"}, [&] { read_raw(folder / "absent.png"); });
-  expect_error(ErrorCode::kInput, {"is not a file"}, [&] { read_raw(folder / "."); });
+  expect_error(ErrorCode::kInput, {"is a folder"}, [&] { read_raw(folder / "."); });
   expect_error(ErrorCode::kInput, {"empty.png", "format", "0 bytes", "PNG"}, [&] { read_raw(folder / "empty.png"); });
   expect_error(ErrorCode::kInput, {"text.png", "format"}, [&] { read_raw(folder / "text.png"); });
 }

@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/processes/machine.h"
@@ -277,7 +278,7 @@ int play_field(const PlayOptions& options) {
   PathPlayer player(context->functions(), options, settings);
   for (std::size_t frame = 0; frame < points.size(); ++frame)
     write_picture(played_frame_path(options, static_cast<int>(frame)), player.draw(points, frame), options.exposure);
-  write_text_file(statistics_path(options), player.statistics().dump(2) + "\n");
+  write_text_file(statistics_path(options), json_text(player.statistics(), 2) + "\n");
   if (!options.debug_picture.empty())
     write_picture(options.debug_picture, debug_picture(player.frames(), settings.playback.memory_max), 1.0f);
   const PlaybackCounts counts = player.player().counts();

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/asset/exr/exr_input.h"
+
+#include <IexBaseExc.h>
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "host/base/error.h"
+
+namespace multum {
+
+ExrInputStream::ExrInputStream(const std::string& path) : IStream(path.c_str()), stream_(path) {
+  if (!stream_) refuse_file(path, std::string("cannot be opened: ") + std::strerror(errno));
+}
+
+bool ExrInputStream::read(char values[], int count) {
+  if (stream_.read(values, count)) return true;
+  throw Iex::InputExc(
+      fmt::format("the file ends after {} of {} bytes that are read together", stream_.gcount(), count));
+}
+
+}  // namespace multum
