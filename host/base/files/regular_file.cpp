@@ -31,9 +31,11 @@ const char* kind_of(mode_t mode) {
   refuse_file(path, fmt::format("is {}, expected a regular file", kind_of(mode)));
 }
 
-// What open() refuses by itself: a socket, a device without a driver.
+// What open() refuses by itself: a socket, a device without a driver; and what is not the file's fault.
 void check_unopened(const std::string& path) {
   const int failure = errno;
+  if (failure == EMFILE || failure == ENFILE || failure == ENOMEM || failure == ENAMETOOLONG)
+    fail_by_errno(path, "cannot be opened");
   struct stat found {};
   if ((failure == ENXIO || failure == ENODEV) && ::stat(path.c_str(), &found) == 0 && !S_ISREG(found.st_mode))
     refuse_kind(path, found.st_mode);

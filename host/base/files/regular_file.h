@@ -20,7 +20,8 @@ namespace multum {
 enum class StandardInput { kRefused, kAllowed };
 
 /// Opens `path` for reading. Not open, with errno, where it is not there or may not be read. Throws Error(kInput) where
-/// it is a folder, a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file".
+/// it is a folder, a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file"; Error(kEnvironment) where
+/// this process may open no more files, or has no memory; Error(kUsage) for a name that no file system takes.
 OpenFile open_regular_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
 /// As open_regular_file(), with `folder` and all that links lead to: a file that lies beneath `folder` by its real

@@ -6,10 +6,10 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/system_failure.h"
 
 namespace multum {
 
@@ -17,7 +17,7 @@ ScratchFile::ScratchFile(std::string folder) : folder_(folder.empty() ? "." : st
   std::string name = folder_ + "/.multum-scratch-XXXXXX";
   descriptor_ = mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0)
-    throw Error(ErrorCode::kEnvironment, folder_ + ": no scratch file can be made there: " + std::strerror(errno));
+    throw Error(ErrorCode::kEnvironment, folder_ + ": no scratch file can be made there: " + errno_text(errno));
   unlink(name.c_str());
 }
 
@@ -36,7 +36,7 @@ ScratchFile ScratchFile::to_read(const std::string& path) {
   ScratchFile file;
   file.folder_ = path;
   file.descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file.descriptor_ < 0) throw Error(ErrorCode::kEnvironment, path + ": cannot be opened: " + std::strerror(errno));
+  if (file.descriptor_ < 0) throw Error(ErrorCode::kEnvironment, path + ": cannot be opened: " + errno_text(errno));
   return file;
 }
 
@@ -60,7 +60,7 @@ void ScratchFile::write(std::uint64_t offset, const void* data, std::size_t byte
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0)
       throw Error(ErrorCode::kEnvironment,
-                  folder_ + ": a scratch file cannot be written there: " + std::strerror(errno));
+                  folder_ + ": a scratch file cannot be written there: " + errno_text(errno));
     from += written;
     offset += static_cast<std::uint64_t>(written);
     byte_count -= static_cast<std::size_t>(written);
@@ -74,7 +74,7 @@ void ScratchFile::read(std::uint64_t offset, void* data, std::size_t byte_count)
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0)
       throw Error(ErrorCode::kEnvironment, folder_ + ": a scratch file there cannot be read: " +
-                                               (got < 0 ? std::strerror(errno) : "it ends before what was written"));
+                                               (got < 0 ? errno_text(errno) : "it ends before what was written"));
     to += got;
     offset += static_cast<std::uint64_t>(got);
     byte_count -= static_cast<std::size_t>(got);
