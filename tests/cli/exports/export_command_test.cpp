@@ -468,6 +468,9 @@ TEST_F(ExportCommandTest, WritesAPage) {
     EXPECT_GT(motion["reference_change"], 0.0);
   }
   EXPECT_EQ(data["report"]["accuracy"]["names"]["baked"], "4 baked lobes");
+  EXPECT_TRUE(data["report"]["launches"].contains("one_lobe_fit"));
+  EXPECT_FALSE(data["report"]["launches"].contains("movmf_em_texels"))
+      << "the bake beside the page is not the export's";
   if (program_works("ffmpeg", "-version")) EXPECT_EQ(decode_base64(data["video"])->substr(0, 4), "\x1a\x45\xdf\xa3");
   else expect_says(result.err, {"ffmpeg", "no moving pictures"});
   // What the map is, which is read for the export, for the page and for the bake beside, is said once.

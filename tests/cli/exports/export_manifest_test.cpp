@@ -39,7 +39,7 @@ constexpr char kTwoMaps[] =
     "[[map]]\ninput = \"rock_<UDIM>.png\"\noutput = \"out/rock_<UDIM>.ktx2\"\nroughness = \"orm_<UDIM>.png\"\n"
     "[[map]]\ninput = \"wall.png\"\noutput = \"out/wall\"\nbase_roughness = 0.3\nformat = \"png\"\n";
 
-// The maps are of one content: so are their counts, and those of one alone. A page's bake is not the export's.
+// The maps are of one content: so are their counts, and those of one alone.
 TEST_F(ExportManifestTest, EachReportCountsItsOwnLaunches) {
   fs::create_directory(path("out"));
   const auto run = [&](std::vector<std::string> words) {
@@ -56,8 +56,6 @@ TEST_F(ExportManifestTest, EachReportCountsItsOwnLaunches) {
   run({path("rock_1001.png"), path("rock_1003.png"), path("wall.png"), "-o", path("out"), "--report", path("out")});
   for (const char* report : {"out/rock_1001.json", "out/rock_1003.json", "out/wall.json"})
     EXPECT_EQ(launches(report), launches("alone.json")) << report;
-  run({path("wall.png"), "-o", path("shown"), "--report", path("shown.json"), "--page", path("page.html")});
-  EXPECT_EQ(launches("shown.json"), launches("alone.json"));
 }
 
 TEST(ComparedBakeJob, HasTheMemoryAndTheFolderOfItsExport) {
