@@ -6,6 +6,7 @@
 #include <new>
 #include <thread>
 
+#include "host/service/files/no_space.h"
 #include "host/service/service_log.h"
 
 namespace multum {
@@ -24,6 +25,16 @@ void until_it_can(const Work& work) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   }
+}
+
+bool says_no_space(const std::exception_ptr& error) {
+  try {
+    if (error) std::rethrow_exception(error);
+  } catch (const NoSpaceError&) {
+    return true;
+  } catch (...) {
+  }
+  return false;
 }
 
 }  // namespace
@@ -130,8 +141,12 @@ bool QueueThread::run_batch(std::vector<Task>& batch) {
     transaction.commit();
     return true;
   } catch (...) {  // a full disk, as a rule: nothing of the batch is done
-    for (Task& task : batch)
+    bool is_no_space = says_no_space(std::current_exception());
+    for (Task& task : batch) {
+      is_no_space = is_no_space || says_no_space(task.error);
       if (!task.error) task.error = std::current_exception();
+    }
+    if (is_no_space) queue_.database().empty_log();  // the next batch may find room in it
     try {
       queue_.resync();
     } catch (...) {  // the next batch says it again

@@ -180,6 +180,32 @@ void SqliteDatabase::check_may_change() const {
   if (is_look_only()) throw Error(ErrorCode::kEnvironment, look_only_);
 }
 
+// That of the call that failed last: SQLite itself keeps it for some statements alone, and not for COMMIT. 0: it is of
+// another kind.
+int SqliteDatabase::no_space_errno() const {
+  if (const int error = sqlite3_system_errno(handle_); is_no_space(error)) return error;
+  for (const int kind : {SQLITE_FCNTL_FILE_POINTER, SQLITE_FCNTL_JOURNAL_POINTER}) {
+    sqlite3_file* file = nullptr;
+    int error = 0;
+    sqlite3_file_control(handle_, "main", kind, &file);
+    if (file == nullptr || file->pMethods == nullptr) continue;
+    file->pMethods->xFileControl(file, SQLITE_FCNTL_LAST_ERRNO, &error);
+    if (is_no_space(error)) return error;
+  }
+  return 0;
+}
+
+bool SqliteDatabase::empty_log() {
+  if (is_look_only()) return false;
+  try {
+    execute("PRAGMA wal_checkpoint(TRUNCATE)");
+    return true;
+  } catch (const Error& error) {
+    log_verbose(error.what());
+    return false;
+  }
+}
+
 void SqliteDatabase::fail(int result) const {
   const std::string what = handle_ != nullptr ? sqlite3_errmsg(handle_) : sqlite3_errstr(result);
   switch (result & 0xff) {
@@ -195,8 +221,8 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_READONLY: check_may_change(); break;
     case SQLITE_FULL: throw NoSpaceError(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));
     case SQLITE_IOERR:
-      errno = sqlite3_system_errno(handle_);
-      if (is_no_space(errno)) fail_to_write(path_, what);
+      errno = no_space_errno();
+      if (errno != 0) fail_to_write(path_, what);
       break;
     default: break;
   }

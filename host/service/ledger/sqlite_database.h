@@ -83,6 +83,9 @@ class SqliteDatabase {
   /// A statement that stays prepared, ready to be bound. `sql` is known by its address: a literal, or a static text.
   SqliteStatement& statement(const char* sql);
   std::int64_t last_insert_id() const;
+  /// Moves what is committed from the log to the file, so that the log needs no more space. Not within a transaction.
+  /// False: there is no room for that either.
+  bool empty_log();
   /// Findings of `PRAGMA quick_check`; empty when all is well.
   std::string damage();
   const std::string& path() const { return path_; }
@@ -104,6 +107,7 @@ class SqliteDatabase {
   };
   static FileNumber file_number(const std::string& path);
   [[noreturn]] void fail(int result) const;
+  int no_space_errno() const;
   std::string path_;
   sqlite3* handle_ = nullptr;
   FileNumber file_, log_file_;  // as they were opened

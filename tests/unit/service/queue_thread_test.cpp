@@ -6,7 +6,9 @@
 
 #include <filesystem>
 
+#include "host/service/files/no_space.h"
 #include "tests/unit/base/test_folder.h"
+#include "tests/unit/service/file_limit.h"
 
 namespace multum {
 namespace {
@@ -55,6 +57,44 @@ TEST_P(LedgerLossTest, IsNoticedBeforeAnythingIsAccepted) {
   expect_error(ErrorCode::kEnvironment, {"lost"},
                [&] { ledger.run_now([](JobQueue& queue) { queue.cancel(1, "by a test", 2); }); });
   expect_error(ErrorCode::kEnvironment, {"lost"}, [&] { ledger.run_now([](JobQueue& queue) { queue.check_kept(); }); });
+}
+
+// A limit of file sizes, as a full disk: what finds no room is refused as that, nothing of it is kept, and the log is
+// emptied, so that the next finds room as long as the ledger itself has some.
+TEST(LedgerSpaceTest, ALimitOfFileSizesIsNoSpaceAndNoEnd) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "jobs.sqlite";
+  QueueThread ledger(at(path), [](const std::function<void()>& task) { task(); });
+  std::vector<std::int64_t> kept;
+  int refused = 0, after_refusal = 0;
+  const auto submit = [&] {
+    ledger.run_now([&](JobQueue& queue) {
+      JobSubmission submission;
+      submission.parameters = "{\"text\":\"" + std::string(100000, 'x') + "\"}";
+      kept.push_back(queue.submit(submission, nullptr, 1).id);
+    });
+  };
+  {
+    const testing::FileLimit limit(1 << 20);
+    for (int i = 0; i < 30; ++i) {
+      const std::size_t before = kept.size();
+      try {
+        submit();
+        after_refusal += refused > 0 ? 1 : 0;
+      } catch (const NoSpaceError& error) {
+        testing::expect_says(error.what(), {path, "File too large"});
+        kept.resize(before);
+        ++refused;
+      }
+    }
+    int found = 0;
+    ledger.run_now([&](JobQueue& queue) { found = static_cast<int>(queue.list({}).size()); });
+    EXPECT_EQ(found, static_cast<int>(kept.size())) << "looking goes on, and what was refused is not there";
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(after_refusal, 0) << "the log was never emptied";
+  submit();
+  EXPECT_FALSE(ledger.is_lost());
 }
 
 void copy_to(const std::string& from, const std::string& to) {

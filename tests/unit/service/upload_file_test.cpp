@@ -3,10 +3,8 @@
 #include "host/service/http/upload_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <cerrno>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 
@@ -15,32 +13,14 @@
 #include "host/service/files/no_space.h"
 #include "host/service/http/http_reply.h"
 #include "tests/unit/base/test_folder.h"
+#include "tests/unit/service/file_limit.h"
 
 namespace multum {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::FileLimit;
 using testing::TemporaryFolder;
-
-// As `ulimit -f` sets it, for as long as it lives; programs ignore its signal.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit = {bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
-
- private:
-  rlimit before_ = {};
-  void (*handler_)(int);
-};
 
 TEST(UploadFileTest, ALimitOfFileSizesIsNoSpace) {
   const TemporaryFolder folder;

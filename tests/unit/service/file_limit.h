@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Limits the size of files that a test may write.
+#pragma once
+
+#include <sys/resource.h>
+
+#include <csignal>
+
+namespace multum::testing {
+
+// As `ulimit -f` sets it, for as long as it lives; programs ignore its signal.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit = {bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_ = {};
+  void (*handler_)(int);
+};
+
+}  // namespace multum::testing
