@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/error.h"
 
+#include <unistd.h>
+
 #include <cerrno>
+#include <climits>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +13,24 @@
 #include "host/base/system_failure.h"
 
 namespace multum {
+namespace {
+
+// "/proc/PID/fd/N/rows" as "/maps/.multum-partial-a.exr/rows", while N is open.
+std::string with_names(std::string message) {
+  const std::string own = "/proc/" + std::to_string(::getpid()) + "/fd/";
+  for (std::size_t at = message.find(own); at != std::string::npos; at = message.find(own, at + 1)) {
+    std::size_t end = at + own.size();
+    while (end < message.size() && message[end] >= '0' && message[end] <= '9') ++end;
+    char name[PATH_MAX];
+    const ssize_t length = ::readlink(message.substr(at, end - at).c_str(), name, sizeof(name));
+    if (length > 0) message.replace(at, end - at, name, static_cast<std::size_t>(length));
+  }
+  return message;
+}
+
+}  // namespace
+
+Error::Error(ErrorCode code, const std::string& message) : std::runtime_error(with_names(message)), code_(code) {}
 
 int exit_code(ErrorCode code) {
   switch (code) {

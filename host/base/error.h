@@ -20,7 +20,9 @@ enum class ErrorCode {
 
 class Error : public std::runtime_error {
  public:
-  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  /// Paths in the message that lead through a descriptor of this process, as those of working folders do, are replaced
+  /// by the names of what is open.
+  Error(ErrorCode code, const std::string& message);
   ErrorCode code() const { return code_; }
 
  private:

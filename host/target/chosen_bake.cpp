@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <memory>
 
 #include "host/bake/bake_file.h"
 #include "host/bake/ndf_bake.h"
@@ -14,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/work_folder.h"
 #include "host/base/held_warnings.h"
 #include "host/base/log.h"
 #include "host/brdf/brdf_text.h"
@@ -34,7 +36,7 @@ struct Attempt {
   std::vector<std::string> warnings;  // shown of the one that is chosen
 };
 
-// Bakes candidates to a name beside the output's, which goes away unless it is kept.
+// Bakes candidates in the output's folder of unfinished work, which goes unless a stopped bake may go on there.
 class Attempts {
  public:
   Attempts(const BakeJob& job, const BakeSource& source, SettingTrials& trials, double read_seconds, Device& device,
@@ -45,14 +47,18 @@ class Attempts {
         read_seconds_(read_seconds),
         device_(device),
         progress_(progress),
-        scratch_(job.output.substr(0, job.output.size() - kExtension.size()) + ".chosen.exr"),
-        kept_(job.output.substr(0, job.output.size() - kExtension.size()) + ".kept.exr") {}
+        work_(WorkFolder::take(partial_folder_of(job.output))) {
+    if (!work_) throw Error(ErrorCode::kEnvironment, job.output + ": another process is writing it");
+    scratch_ = work_->path() + "/chosen.exr";
+    kept_ = work_->path() + "/kept.exr";
+  }
   Attempts(const Attempts&) = delete;
   Attempts& operator=(const Attempts&) = delete;
   ~Attempts() {
     std::error_code ignored;
     std::filesystem::remove(scratch_, ignored);
     std::filesystem::remove(kept_, ignored);
+    if (std::filesystem::exists(partial_folder_of(scratch_), ignored)) work_->leave();
   }
 
   /// A file that will be kept though it misses the target must not be recognised as one that meets it.
@@ -108,14 +114,14 @@ class Attempts {
   }
 
  private:
-  static constexpr std::string_view kExtension = ".exr";
   const BakeJob& job_;
   const BakeSource& source_;
   SettingTrials& trials_;
   const double read_seconds_;
   Device& device_;
   Progress* progress_;
-  const std::string scratch_, kept_;
+  const std::unique_ptr<WorkFolder> work_;
+  std::string scratch_, kept_;
   bool has_kept_ = false;
   std::vector<Attempt> made_;
 };

@@ -113,7 +113,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   for (const auto& [options, name] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--no-measure", "--refine"}, "map.ndf.exr"},
            {{"--no-measure", "--ndf", "gmm"}, "map.ndf.exr"},
-           {{"--target-error", "0.3", "--ndf", "vmf"}, "map.ndf.chosen.exr"}}) {
+           {{"--target-error", "0.3", "--ndf", "vmf"}, "map.ndf.exr/.multum-partial-chosen.exr"}}) {
     ASSERT_EQ(run_program(bake(options)).exit_code, 0);
     const std::string whole = content_hash();
     std::filesystem::remove(path("map.ndf.exr"));
@@ -153,7 +153,7 @@ TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   const std::string whole = read_movmf_header(file).header.provenance.content_hash;
   std::filesystem::remove_all(path("out"));
   Program stopped(scene);
-  const std::string finest = path("out/.multum-partial-wall.ndf.chosen.exr/level-1.lobes");
+  const std::string finest = path("out/.multum-partial-wall.ndf.exr/.multum-partial-chosen.exr/level-1.lobes");
   while (stopped.running() && !std::filesystem::exists(finest))
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   stopped.send(SIGTERM);

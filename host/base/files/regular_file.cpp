@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr char kStandardInput[] = "/dev/stdin";
 constexpr int kWithoutWaiting = O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
 
-const char* kind_of(mode_t mode) {
+const char* name_of_kind(mode_t mode) {
   if (S_ISDIR(mode)) return "a folder";
   if (S_ISFIFO(mode)) return "a FIFO";
   if (S_ISSOCK(mode)) return "a socket";
@@ -28,7 +28,7 @@ const char* kind_of(mode_t mode) {
 }
 
 [[noreturn]] void refuse_kind(const std::string& path, mode_t mode) {
-  refuse_file(path, fmt::format("is {}, expected a regular file", kind_of(mode)));
+  refuse_file(path, fmt::format("is {}, expected a regular file", name_of_kind(mode)));
 }
 
 // What open() refuses by itself: a socket, a device without a driver; and what is not the file's fault.

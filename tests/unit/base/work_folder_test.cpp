@@ -120,6 +120,13 @@ TEST_F(WorkFolderTest, OneOfAnotherUserIsRefused) {
   expect_left_alone("belongs to user 65534, and this is user 0");
 }
 
+TEST_F(WorkFolderTest, ErrorsHaveItsName) {
+  const auto work = WorkFolder::take(partial_);
+  const Error error(ErrorCode::kEnvironment, work->path() + "/rows: writing failed; see " + work->path());
+  EXPECT_EQ(std::string(error.what()),
+            fs::canonical(partial_).string() + "/rows: writing failed; see " + fs::canonical(partial_).string());
+}
+
 // Links within are removed, and what they lead to stays.
 TEST_F(WorkFolderTest, ClearingFollowsNoLink) {
   const auto work = WorkFolder::take(partial_);
