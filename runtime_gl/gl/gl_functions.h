@@ -22,6 +22,7 @@ namespace multum::gl {
   X(PFNGLDISABLEPROC, Disable)                                           \
   X(PFNGLBLENDFUNCPROC, BlendFunc)                                       \
   X(PFNGLVIEWPORTPROC, Viewport)                                         \
+  X(PFNGLSCISSORPROC, Scissor)                                           \
   X(PFNGLFINISHPROC, Finish)                                             \
   X(PFNGLPIXELSTOREIPROC, PixelStorei)                                   \
   X(PFNGLREADPIXELSPROC, ReadPixels)                                     \

@@ -22,11 +22,13 @@ namespace multum::gl {
 
 struct Picture {
   FloatImage image;
-  // glFinish to glFinish of one frame, the median of 3 after a first one; of a reference: all samples
+  // glFinish to glFinish of one frame: the median of 3, or one frame that took longer than kLongFrameMs. Of a
+  // reference: all samples
   double frame_time_ms;
   double draw_time_ms = 0.0;  // what the driver's own clock says that drawing took (GL_TIME_ELAPSED); reference: 0
   int sample_count = 0;       // of a reference, per pixel
   double noise = 0.0;         // of a reference (ReferenceSum::noise)
+  int frame_count = 1;        // whole frames that were drawn for it
 };
 
 /// One of several things in a picture.
@@ -46,7 +48,8 @@ struct ShaderVariant {
 /// The fragment shader of a material, a BRDF and lights: each text once, and the flags of all.
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
-constexpr int kFramesOfDraw = 4;       // that Renderer::draw times, the first of which compiles
+constexpr int kTimedFrames = 3;        // of Renderer::draw, an odd number
+constexpr double kLongFrameMs = 40.0;  // a longer frame is timed once: software takes seconds for some
 constexpr int kReferenceUnits = 1000;  // of progress, per reference picture
 
 class Renderer {
