@@ -13,8 +13,10 @@ namespace multum {
 namespace {
 
 void submit(const nlohmann::json& body) {
-  static const JobRoots roots{PathRoots({fuzz::scratch_folder()}), PathRoots({fuzz::scratch_folder()}),
-                              PathRoots({fuzz::scratch_folder()})};
+  static const JobRoots roots{PathRoots({fuzz::scratch_folder()}),
+                              PathRoots({fuzz::scratch_folder()}),
+                              PathRoots({fuzz::scratch_folder()}),
+                              {}};
   const SubmitRequest asked = parse_submit(body, roots, {}, 1);
   const nlohmann::json parameters = asked.parameters();
   job_arguments(find_job_type(asked.job.type), parameters, "out");
