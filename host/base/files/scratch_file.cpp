@@ -59,8 +59,7 @@ void ScratchFile::write(std::uint64_t offset, const void* data, std::size_t byte
     const ssize_t written = pwrite(descriptor_, from, byte_count, static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0)
-      throw Error(ErrorCode::kEnvironment,
-                  folder_ + ": a scratch file cannot be written there: " + errno_text(errno));
+      throw Error(ErrorCode::kEnvironment, folder_ + ": a scratch file cannot be written there: " + errno_text(errno));
     from += written;
     offset += static_cast<std::uint64_t>(written);
     byte_count -= static_cast<std::size_t>(written);

@@ -486,7 +486,7 @@ TEST_F(InferredPictureTest, FilesThatAreNotAsTheManifestSaysAreInputErrors) {
   with_bytes("inferred.json", text.substr(0, text.size() - 3), {"inferred.json: ", "not a manifest"});
   with_bytes("inferred.json", "{}", {"'multumInferredTextures'", "not found"});
   with_manifest([](InferredManifest& m) { m.objects[1].mesh = "cup"; }, {"no object", "'cup'", "waves, board"});
-  with_manifest([](InferredManifest& m) { m.geometry_file = "none.obj"; }, {"none.obj: ", "opened"});
+  with_manifest([](InferredManifest& m) { m.geometry_file = "none.obj"; }, {"none.obj: ", "cannot be read"});
   with_manifest([](InferredManifest& m) { m.samples.clear(), m.objects.clear(); }, {"inferred.json: ", "no samples"});
   expect_refusal({"sample", path("none"), "--at", "2,0", "-o", path("a.exr")}, 3, {"none/inferred.json: ", "read"});
   std::filesystem::remove(path("waves_0.exr"));

@@ -124,7 +124,7 @@ TEST_F(MeasuredFileTest, NetworkOfAFit) {
 
 TEST_F(MeasuredFileTest, RefusesWhatIsNoMeasurement) {
   expect_refusal(read_measured_brdf, (folder_ / "none.brdf").string(), {"no such"});
-  expect_refusal(read_measured_brdf, folder_.string(), {"no such"});
+  expect_refusal(read_measured_brdf, folder_.string(), {"is a folder"});
   expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), {"line 2", "numbers"});
   expect_refusal(read_measured_brdf, write("count.brdf", "2.5 400 500 600 1 2 3 4"), {"wavelengths", "2.5"});
   expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), {"rows", "7"});

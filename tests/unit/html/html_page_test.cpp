@@ -37,8 +37,8 @@ TEST(HtmlPage, TextOfStrangersStaysData) {
   EXPECT_TRUE(contains(page, std::string(kTemplate.style)));
 }
 
-TEST(HtmlPage, BytesThatAreNoTextAreReplaced) {
-  EXPECT_EQ(testing::page_data(html_page(kTemplate, {{"title", "a\xff.png"}}))["title"], "a\xef\xbf\xbd.png");
+TEST(HtmlPage, BytesThatAreNoTextAreEscaped) {
+  EXPECT_EQ(testing::page_data(html_page(kTemplate, {{"title", "a\xff.png"}}))["title"], "a\xee\xbf\xbf.png");
 }
 
 TEST(HtmlPage, ABrowserShowsTextOfStrangersAsText) {
