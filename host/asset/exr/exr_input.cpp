@@ -7,12 +7,10 @@
 #include <cerrno>
 #include <cstring>
 
-#include "host/base/error.h"
-
 namespace multum {
 
 ExrInputStream::ExrInputStream(const std::string& path) : IStream(path.c_str()), stream_(path) {
-  if (!stream_) refuse_file(path, std::string("cannot be opened: ") + std::strerror(errno));
+  if (!stream_) throw Iex::IoExc(std::string("cannot be opened: ") + std::strerror(errno));
 }
 
 bool ExrInputStream::read(char values[], int count) {

@@ -14,7 +14,7 @@ namespace multum {
 
 class ExrInputStream : public Imf::IStream {
  public:
-  /// Throws Error(kInput): not there, not a regular file, not to be read.
+  /// Throws Error(kInput) where it is not a regular file, and an Iex exception where it cannot be opened.
   explicit ExrInputStream(const std::string& path);
 
   // Throw Iex exceptions, as the library's own stream does.

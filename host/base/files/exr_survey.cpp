@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/files/regular_file.h"
 
 namespace multum {
 namespace {
@@ -166,7 +167,9 @@ std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
 
 void check_exr_headers(const std::string& path, const std::string& otherwise) {
   try {
-    ByteFile file(path);
+    OpenFile opened = open_regular_file(path);
+    if (!opened.is_open()) return;
+    ByteFile file(std::move(opened), path);
     if (file.size() < 4 || file.little_endian(0, 4, "the first bytes") != kExrMagic)
       refuse_file(path, "found no OpenEXR file, expected one as multum writes them");
     if (file.size() >= 8) survey_exr(path, file);

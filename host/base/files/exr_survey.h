@@ -31,8 +31,8 @@ void walk_exr_headers(const std::string& path, ByteFile& file, const std::functi
 /// chunks does not fit into it.
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
 
-/// Checks the first bytes and the headers before a library opens the file. `otherwise`: what the refusal says first, as
-/// "not a readable baked file". Throws Error(kInput).
+/// Checks the first bytes and the headers before a library opens the file; leaves it to who opens it to refuse what is
+/// not there. `otherwise`: what the refusal says first, as "not a readable baked file". Throws Error(kInput).
 void check_exr_headers(const std::string& path, const std::string& otherwise);
 
 }  // namespace multum

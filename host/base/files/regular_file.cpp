@@ -111,10 +111,10 @@ std::string first_bytes(const std::string& path, std::size_t count) {
 RegularFileStream::RegularFileStream(const std::string& path, StandardInput input)
     : RegularFileStream(open_regular_file(path, input)) {}
 
-RegularFileStream::RegularFileStream(OpenFile file)
-    : std::istream(nullptr), buffer_(file.release(), std::ios::in | std::ios::binary) {
+RegularFileStream::RegularFileStream(OpenFile file) : std::istream(nullptr) {
   rdbuf(&buffer_);
-  if (!buffer_.is_open()) setstate(std::ios::failbit);
+  if (file.is_open()) buffer_ = __gnu_cxx::stdio_filebuf<char>(file.release(), std::ios::in | std::ios::binary);
+  else setstate(std::ios::failbit);  // and errno stays
 }
 
 }  // namespace multum

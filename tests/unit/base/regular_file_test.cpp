@@ -70,6 +70,7 @@ TEST_F(RegularFileTest, WhatIsNotThereIsNotOpen) {
   EXPECT_FALSE(open_regular_file(folder_ / "none").is_open());
   EXPECT_EQ(errno, ENOENT);
   EXPECT_FALSE(RegularFileStream(folder_ / "none"));
+  EXPECT_EQ(errno, ENOENT);
   EXPECT_EQ(first_bytes(folder_ / "none", 4), "");
   EXPECT_EQ(json_of_file(folder_ / "none"), std::nullopt);
 }
