@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/resource.h>
 
 #include <cmath>
 #include <cstring>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/unit/base/file_limit.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum {
@@ -324,18 +324,11 @@ TEST(FilterMatrixTest, NothingStaysOfWhatCannotBeWritten) {
   const auto size = static_cast<rlim_t>(std::filesystem::file_size(folder / "a.filter"));
   // A disk that is full: files of this process cannot grow beyond. What was there before is kept.
   write_bytes(folder / "a.filter", "old");
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  rlimit limit = before;
-  const auto handler = signal(SIGXFSZ, SIG_IGN);
   for (const rlim_t bytes : {rlim_t{0}, rlim_t{100}, size - 1}) {
-    limit.rlim_cur = bytes;
-    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    const testing::FileLimit full(bytes);
     expect_error(ErrorCode::kEnvironment, {folder / "a.filter", "writing failed"},
                  [&] { write_filter_matrix(matrix, folder / "a.filter"); });
   }
-  setrlimit(RLIMIT_FSIZE, &before);
-  signal(SIGXFSZ, handler);
   EXPECT_EQ(folder.names(), Names{"a.filter"});
   EXPECT_EQ(read_bytes(folder / "a.filter"), "old");
 }

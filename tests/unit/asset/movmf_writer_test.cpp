@@ -8,12 +8,12 @@
 #include <ImfStringAttribute.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/resource.h>
 
 #include <limits>
 
 #include "host/asset/lobes/movmf_reader.h"
 #include "tests/unit/asset/movmf_test_mipmap.h"
+#include "tests/unit/base/file_limit.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum {
@@ -245,26 +245,6 @@ TEST(MovmfWriterEndTest, APortionLargerThanTheQueue) {
   EXPECT_EQ(MovmfReader(folder / "a.exr").read_level(1, 511, 1).lobes[7][511], glm::vec4(0.0f, 0.0f, 0.125f, 0.125f));
 }
 
-// A disk that is full after `bytes`: files of this process cannot grow beyond.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    rlimit limit = before_;
-    limit.rlim_cur = bytes;
-    handler_ = signal(SIGXFSZ, SIG_IGN);
-    EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
-
 // Wherever it becomes full: in the headers, between tiles, with the last byte that the library writes.
 TEST(MovmfWriterEndTest, AFullDiskIsAnErrorAndNothingStays) {
   const TemporaryFolder folder;
@@ -276,13 +256,13 @@ TEST(MovmfWriterEndTest, AFullDiskIsAnErrorAndNothingStays) {
   std::filesystem::remove(path);
   for (const rlim_t bytes : {rlim_t{0}, rlim_t{5000}, size / 2, size - 70000, size - 1}) {
     SCOPED_TRACE(bytes);
-    const FullDisk disk(bytes);
+    const testing::FileLimit disk(bytes);
     expect_error(ErrorCode::kEnvironment, {path + ": writing failed: ", "File too large"},
                  [&] { write_movmf_mipmap(path, mipmap, {}); });
     EXPECT_EQ(folder.names(), Names{});
   }
   {
-    const FullDisk disk(size);
+    const testing::FileLimit disk(size);
     write_movmf_mipmap(path, mipmap, {});
   }
   expect_same_bits(read_movmf_mipmap(path), mipmap);

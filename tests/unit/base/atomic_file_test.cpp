@@ -3,15 +3,14 @@
 #include "host/base/files/atomic_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <regex>
 
+#include "tests/unit/base/file_limit.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum {
@@ -154,16 +153,11 @@ TEST(AtomicFileTest, ARelativeNameGoesToTheWorkingFolder) {
 
 TEST(AtomicFileTest, AWriteThatFailsIsAnErrorAndLeavesNothing) {
   const TemporaryFolder folder;
-  // No file may grow: as on a full disk, writing fails.
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit none{0, before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &none), 0);
-  expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "writing failed", "File too large"},
-               [&] { write_text_file(folder / "a.txt", std::string(1 << 20, 'x')); });
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
+  {
+    const testing::FileLimit none(0);  // as on a full disk, writing fails
+    expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "writing failed", "File too large"},
+                 [&] { write_text_file(folder / "a.txt", std::string(1 << 20, 'x')); });
+  }
   EXPECT_EQ(folder.names(), Names{});
 }
 

@@ -4,16 +4,15 @@
 #include "host/base/files/journal_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "host/base/files/record_journal.h"
+#include "tests/unit/base/file_limit.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum {
@@ -93,14 +92,10 @@ TEST_F(JournalFileTest, ADiskThatRefusesLeavesWholeRecords) {
   const auto journal = open(false);
   journal->add({one});
   const std::string before = read_bytes(rows_);
-  rlimit limit{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit low{before.size() + 500, limit.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &low), 0);
-  expect_error(ErrorCode::kEnvironment, {rows_, "cannot be written", "File too large"}, [&] { journal->add({one}); });
-  setrlimit(RLIMIT_FSIZE, &limit);
-  std::signal(SIGXFSZ, handler);
+  {
+    const testing::FileLimit low(before.size() + 500);
+    expect_error(ErrorCode::kEnvironment, {rows_, "cannot be written", "File too large"}, [&] { journal->add({one}); });
+  }
   EXPECT_EQ(read_bytes(rows_), before);
   journal->add({one});
   journal->leave();

@@ -3,11 +3,9 @@
 // as they were where Zstandard packed them. tests/cli/exports/export_command_test.cpp has readers of others read them.
 #include <gtest/gtest.h>
 
-#include <sys/resource.h>
 #include <zstd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -17,6 +15,7 @@
 
 #include "host/base/error.h"
 #include "host/export/texture_file.h"
+#include "tests/unit/base/file_limit.h"
 #include "tests/unit/base/test_folder.h"
 
 namespace multum {
@@ -79,33 +78,13 @@ std::string ktx2_bytes(TexelFormat format, const Ktx2Choice& choice) {
   return bytes_of(path);
 }
 
-/// Files may be no longer than this, while it is there; a longer one is an error and no signal.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit little = {bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &little);
-  }
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_ = {};
-  void (*handler_)(int);
-};
-
 // 64 rows of 64 KiB: the file's buffer goes to the disk long before the last.
 TEST(TextureFile, AFailedWriteEndsTheWorkAtOnce) {
   const testing::TemporaryFolder folder;
   const LeveledTexture texture = {TexelFormat::kRgba8, 16384, 64, 1};
   const std::vector<std::uint8_t> row(std::size_t{4} * 16384, 7);
   for (const bool is_dds : {false, true}) {
-    const FileSizeLimit limit(256 << 10);
+    const testing::FileLimit limit(256 << 10);
     int written = 0;
     testing::expect_error(ErrorCode::kEnvironment, {"a.tex: writing failed: File too large"}, [&] {
       const auto file =
@@ -130,7 +109,7 @@ TEST(TextureFile, AFrameThatCannotBeWrittenEndsTheWorkAtOnce) {
   const auto file = make_ktx2_file(folder / "a.ktx2", texture, choice);
   file->write_rows(0, 1024, texels.data());
   file->write_rows(1, 512, texels.data());
-  const FileSizeLimit limit(256 << 10);
+  const testing::FileLimit limit(256 << 10);
   testing::expect_error(ErrorCode::kEnvironment, {"a.ktx2: writing failed: File too large"}, [&] { file->finish(); });
 }
 
