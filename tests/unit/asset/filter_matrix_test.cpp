@@ -4,7 +4,6 @@
 #include "host/asset/inferred/filter_matrix.h"
 
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <cmath>
 #include <cstring>

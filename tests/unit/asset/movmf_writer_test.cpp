@@ -7,7 +7,6 @@
 #include <ImfMultiPartInputFile.h>
 #include <ImfStringAttribute.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <limits>
 
