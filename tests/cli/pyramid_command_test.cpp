@@ -200,13 +200,14 @@ TEST_F(PyramidCommandTest, MaterialsRefuseWhatTheyCannotCarry) {
   refused("{", {"bad.gltf", "JSON"});
   refused(R"({"asset":{}})", {"bad.gltf", "no materials"});
   refused(R"({"materials":[{"name":"a"}]})", {"bad.gltf", "no material", "normal map"});
-  refused(R"({"materials":[{"normalTexture":{"index":3}}]})", {"bad.gltf", "texture 3 of 0"});
+  refused(R"({"materials":[{"normalTexture":{"index":3}}]})",
+          {"bad.gltf", "normalTexture/index is 3", "length of textures"});
   refused(R"({"materials":[{"pbrMetallicRoughness":{"metallicFactor":7}}]})", {"bad.gltf", "factor of 7", "0 to 1"});
   refused(R"({"images":[{"uri":"data:image/png;base64,AAAA"}],"materials":[]})", {"bad.gltf", "PNG", "JPEG", "WebP"});
   refused(R"({"images":[{"uri":"http://x/y.png"}],"materials":[]})", {"bad.gltf", "http://x/y.png", "file beside it"});
   for (const std::string uri : {"../map_normal.png", "%2e%2e/secret.png", "a/../../secret.png", "/etc/passwd", ".."})
     refused(R"({"images":[{"uri":")" + uri + R"("}],"materials":[]})", {"bad.gltf", "folder"});
-  refused(R"({"images":[{"bufferView":1}],"bufferViews":[],"materials":[]})", {"bad.gltf", "buffer view 1"});
+  refused(R"({"images":[{"bufferView":1}],"bufferViews":[],"materials":[]})", {"bad.gltf", "images/0/bufferView is 1"});
   refused(R"({"images":[{"uri":"a.png"}],"textures":[{"source":0}],"materials":[{"normalTexture":{"index":0,)"
           R"("extensions":{"KHR_texture_transform":{"scale":[2,2]}}}}]})",
           {"bad.gltf", "KHR_texture_transform"});
