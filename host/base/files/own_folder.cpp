@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 #include <sys/random.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 
 #include "host/base/error.h"
 
@@ -98,18 +98,21 @@ bool remove_one(int folder, dev_t device, const std::string& name, int depth) {
          ::unlinkat(folder, name.c_str(), AT_REMOVEDIR) == 0;
 }
 
-// Names of an open folder; false, with errno, where they cannot be read.
+// Names of an open folder; false, with errno, where they cannot be read. By the descriptor itself: a process that may
+// open no more files can still remove what it made.
 bool list_names(int folder, std::vector<std::string>& names) {
-  const int own = ::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const std::unique_ptr<DIR, int (*)(DIR*)> list(own >= 0 ? ::fdopendir(own) : nullptr, ::closedir);
-  if (!list) return false;
-  errno = 0;
-  while (const dirent* entry = ::readdir(list.get())) {
-    const std::string name = entry->d_name;
-    if (name != "." && name != "..") names.push_back(name);
-    errno = 0;
+  if (::lseek(folder, 0, SEEK_SET) < 0) return false;
+  alignas(dirent64) char entries[32 << 10];
+  while (true) {
+    const ssize_t bytes = ::getdents64(folder, entries, sizeof(entries));
+    if (bytes <= 0) return bytes == 0;
+    for (ssize_t at = 0; at < bytes;) {
+      const auto* entry = reinterpret_cast<const dirent64*>(entries + at);
+      const std::string name = entry->d_name;
+      if (name != "." && name != "..") names.push_back(name);
+      at += entry->d_reclen;
+    }
   }
-  return errno == 0;
 }
 
 bool remove_all_in(int folder, dev_t device, const std::vector<std::string>& kept, int depth) {

@@ -3,6 +3,7 @@
 #include "host/base/files/work_folder.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -118,6 +119,19 @@ TEST_F(WorkFolderTest, OneOfAnotherUserIsRefused) {
   fs::create_directory(partial_);
   ASSERT_EQ(chown(partial_.c_str(), 65534, 65534), 0);
   expect_left_alone("belongs to user 65534, and this is user 0");
+}
+
+// As under a small ulimit -n.
+TEST_F(WorkFolderTest, IsRemovedByAProcessThatMayOpenNoMoreFiles) {
+  auto work = WorkFolder::take(partial_);
+  for (const char* name : {"rows", "fits"}) write_bytes(work->path() + "/" + name, "x");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  work.reset();
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_FALSE(fs::exists(partial_));
 }
 
 TEST_F(WorkFolderTest, ErrorsHaveItsName) {
