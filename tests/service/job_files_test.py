@@ -563,7 +563,7 @@ class JobFilesTest(ClientCase):
     def test_a_full_disk_loses_nothing(self):
         os.mkdir(os.path.join(self.folder, "data"))
         data = os.path.join(self.folder, "data")
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", data], check=False,
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m,mode=0700", "tmpfs", data], check=False,
                           capture_output=True).returncode != 0:
             self.skipTest("no file system can be mounted")
         try:

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <climits>
 #include <filesystem>
+#include <iterator>
 #include <string>
 
 #include "host/base/error.h"
@@ -15,10 +16,14 @@
 namespace multum {
 namespace {
 
-// Texts that are no names of files; in JSON and addresses no part may be shorter than a name's limit.
+// Options whose values are texts: of a job, of a curve through parameters, of a device.
+constexpr const char* kTexts[] = {"label", "name", "path", "device"};
+
+// JSON and addresses are not names of files either.
 bool is_name(const CLI::Option& option, const std::string& value) {
-  return !option.check_lname("label") && value.find_first_of("{\n") == std::string::npos &&
-         value.find("://") == std::string::npos;
+  return std::none_of(std::begin(kTexts), std::end(kTexts),
+                      [&](const char* name) { return option.check_lname(name); }) &&
+         value.find_first_of("{\n") == std::string::npos && value.find("://") == std::string::npos;
 }
 
 void check(const CLI::Option& option, const std::string& value) {
