@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "host/service/files/no_space.h"
-#include "tests/unit/base/test_folder.h"
 #include "tests/unit/base/file_limit.h"
+#include "tests/unit/base/test_folder.h"
 
 namespace multum {
 namespace {

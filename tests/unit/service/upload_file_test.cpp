@@ -12,8 +12,8 @@
 #include "host/service/files/network_disk.h"
 #include "host/service/files/no_space.h"
 #include "host/service/http/http_reply.h"
-#include "tests/unit/base/test_folder.h"
 #include "tests/unit/base/file_limit.h"
+#include "tests/unit/base/test_folder.h"
 
 namespace multum {
 namespace {
