@@ -49,7 +49,7 @@ struct ShaderVariant {
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
 constexpr int kTimedFrames = 3;        // of Renderer::draw, an odd number
-constexpr double kLongFrameMs = 40.0;  // a longer frame is timed once: software takes seconds for some
+constexpr double kLongFrameMs = 10.0;  // a longer frame is timed once: software takes seconds for some
 constexpr int kReferenceUnits = 1000;  // of progress, per reference picture
 
 class Renderer {
