@@ -19,13 +19,16 @@ namespace fs = std::filesystem;
 
 constexpr char kWorkPrefix[] = ".multum-work-";
 
-// False: a living process has it.
-bool take_lock(const OpenFile& folder, const std::string& path) {
+enum class Lock { kTaken, kOurs, kUnsupported };
+
+// Some network file systems have no locks: work goes on there, and nobody's folder is removed as a killed run's.
+Lock work_lock(const OpenFile& folder, const std::string& path) {
   while (::flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) {
-    if (errno == EWOULDBLOCK) return false;
+    if (errno == EWOULDBLOCK) return Lock::kTaken;
+    if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL) return Lock::kUnsupported;
     if (errno != EINTR) fail_by_errno(path, "cannot be locked");
   }
-  return true;
+  return Lock::kOurs;
 }
 
 // Those of killed runs: nobody has them locked.
@@ -43,7 +46,7 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
   while (true) {
     NamedPlace place = open_place(path);
     OpenFile folder = open_own_folder(place.folder, place.name, path);
-    if (!take_lock(folder, path)) return nullptr;
+    if (work_lock(folder, path) == Lock::kTaken) return nullptr;
     // The process that had it may have removed it between our opening and our locking it.
     if (is_named(place.folder, place.name, folder.descriptor()) && mark_own_folder(folder, path))
       return std::unique_ptr<WorkFolder>(new WorkFolder(std::move(place), std::move(folder), path));
@@ -58,10 +61,12 @@ std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
 }
 
 void WorkFolder::drop(const std::string& path) {
-  std::error_code ignored;
-  if (!fs::is_directory(fs::symlink_status(path, ignored))) return;
   try {
-    take(path);
+    const NamedPlace place = open_place(path);
+    const OpenFile folder = find_own_folder(place.folder, place.name, path);
+    if (folder.is_open() && work_lock(folder, path) == Lock::kOurs &&
+        is_named(place.folder, place.name, folder.descriptor()))
+      remove_own_folder(place.folder, place.name, folder);
   } catch (const Error&) {  // not ours to remove
   }
 }
