@@ -156,7 +156,12 @@ OpenFile open_own_folder(const OpenFile& above, const std::string& name, const s
     if (!is_made && errno == ENAMETOOLONG)
       throw Error(ErrorCode::kUsage, path + ": the name is too long for the file system; choose a shorter one");
     if (!is_made && errno != EEXIST) fail_by_errno(path, "cannot be made");
-    if (OpenFile folder = open_if_own(above, name, path); folder.is_open()) return folder;
+    try {
+      if (OpenFile folder = open_if_own(above, name, path); folder.is_open()) return folder;
+    } catch (...) {
+      if (is_made) ::unlinkat(above.descriptor(), name.c_str(), AT_REMOVEDIR);
+      throw;
+    }
   }
   refuse(path, "comes and goes: another process removes it again and again");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/files/work_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
@@ -48,8 +49,14 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
     OpenFile folder = open_own_folder(place.folder, place.name, path);
     if (work_lock(folder, path) == Lock::kTaken) return nullptr;
     // The process that had it may have removed it between our opening and our locking it.
-    if (is_named(place.folder, place.name, folder.descriptor()) && mark_own_folder(folder, path))
-      return std::unique_ptr<WorkFolder>(new WorkFolder(std::move(place), std::move(folder), path));
+    if (!is_named(place.folder, place.name, folder.descriptor())) continue;
+    try {
+      if (mark_own_folder(folder, path))
+        return std::unique_ptr<WorkFolder>(new WorkFolder(std::move(place), std::move(folder), path));
+    } catch (...) {
+      ::unlinkat(place.folder.descriptor(), place.name.c_str(), AT_REMOVEDIR);  // if it is empty
+      throw;
+    }
   }
 }
 

@@ -134,6 +134,24 @@ TEST_F(WorkFolderTest, IsRemovedByAProcessThatMayOpenNoMoreFiles) {
   EXPECT_FALSE(fs::exists(partial_));
 }
 
+TEST_F(WorkFolderTest, IsNotLeftByAProcessThatCannotOpenIt) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const auto lowest = static_cast<rlim_t>(OpenFile(::dup(STDERR_FILENO)).descriptor());
+  for (rlim_t more = 0; more < 3; ++more) {  // descriptors for the folder above, the folder, its mark
+    const rlimit few{lowest + more, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+    try {
+      WorkFolder::take(partial_);
+      ADD_FAILURE() << "it was made with " << more << " descriptors";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kEnvironment) << error.what();
+    }
+    setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_FALSE(fs::exists(partial_)) << more;
+  }
+}
+
 TEST_F(WorkFolderTest, ErrorsHaveItsName) {
   const auto work = WorkFolder::take(partial_);
   const Error error(ErrorCode::kEnvironment, work->path() + "/rows: writing failed; see " + work->path());
