@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "host/base/error.h"
 #include "host/base/shown_text.h"
 
 namespace multum {
@@ -74,7 +75,12 @@ std::unique_ptr<Progress> make_openjd_progress() {
   const auto signals = std::shared_ptr<Progress>(make_terminal_progress(false));
   return std::make_unique<Progress>([signals, printer = std::make_shared<OpenJdPrinter>()](const ProgressEvent& event) {
     printer->show(event);
-    signals->advance(0);
+    // What is asked for at the very end comes too late: finish() passes over what this returns, not over an exception.
+    try {
+      signals->advance(0);
+    } catch (const Cancelled&) {
+      return false;
+    }
     return true;
   });
 }
