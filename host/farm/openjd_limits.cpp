@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/shown_text.h"
 
 namespace multum {
 namespace {
@@ -35,28 +36,16 @@ constexpr std::size_t kDescriptionMax = 2048;    // 7.2
               fmt::format("{}: {}, expected {} (Open Job Description 2023-09)", what, found, expected));
 }
 
-// Characters of UTF-8 (RFC 3629); nothing where a byte is part of none.
+// Characters of a text that is UTF-8; nothing of another.
 std::optional<std::u32string> characters_of(const std::string& text) {
   std::u32string characters;
-  for (std::size_t at = 0; at < text.size();) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    const unsigned char first = byte(at);
-    const std::size_t length = first < 0x80   ? 1
-                               : first < 0xc2 ? 0
-                               : first < 0xe0 ? 2
-                               : first < 0xf0 ? 3
-                               : first < 0xf5 ? 4
-                                              : 0;
-    if (length == 0 || at + length > text.size()) return std::nullopt;
-    char32_t value = length == 1 ? first : first & (0xffu >> (length + 1));
-    for (std::size_t i = at + 1; i < at + length; ++i) {
-      if ((byte(i) & 0xc0) != 0x80) return std::nullopt;
-      value = value << 6 | (byte(i) & 0x3fu);
-    }
-    const bool is_over_long = (length == 3 && value < 0x800) || (length == 4 && value < 0x10000);
-    if (is_over_long || (value >= 0xd800 && value < 0xe000) || value > 0x10ffff) return std::nullopt;
+  for (std::size_t at = 0, length = 0; at < text.size(); at += length) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[at + i]); };
+    length = character_length(text, at);
+    if (length == 0) return std::nullopt;
+    char32_t value = length == 1 ? byte(0) : byte(0) & (0xffu >> (length + 1));
+    for (std::size_t i = 1; i < length; ++i) value = value << 6 | (byte(i) & 0x3fu);
     characters += value;
-    at += length;
   }
   return characters;
 }
