@@ -49,6 +49,10 @@ struct BakedHeader {
   int format_version() const;
 };
 
+/// What a reader does with texels that are not those that were baked, by the file's checksums: refuses them, or lists
+/// where they are, as `multum verify` does.
+enum class TexelCheck { kRefuse, kReport };
+
 struct BakedWriteOptions {
   // docs/FORMAT.md, "Size and speed", has the measurements behind these two.
   std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips

@@ -12,6 +12,7 @@
 #include "host/asset/exr/exr_compression.h"
 #include "host/asset/exr/exr_rows.h"
 #include "host/asset/header_hash.h"
+#include "host/asset/row_checksums.h"
 #include "host/base/error.h"
 
 namespace multum {
@@ -212,6 +213,7 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   for (const BakedPart& part : parts) headers.push_back(make_header(header, part, options));
   const auto room = static_cast<std::size_t>(options.measured_error_bytes);
   set_text(headers[0], kMeasuredErrorAttribute, std::string(room, ' '));
+  set_text(headers[0], kRowChecksumsAttribute, RowChecksums(header, parts, options.tile_size).text());
   set_text(headers[0], kHeaderHashAttribute, std::string(kHeaderHashBytes, ' '));
   return headers;
 }
