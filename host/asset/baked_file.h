@@ -27,6 +27,7 @@ struct BakedProvenance {
   std::string settings_hash;   // SHA-256 of `settings`
   std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
   std::string content_hash;    // of every channel value in the file (docs/FORMAT.md, "Checksum"); filled by write, read
+  std::string reading = {};    // JSON: what was found in the source's files; empty in files of earlier programs
 };
 
 /// Header that files of every representation have.

@@ -19,6 +19,7 @@ namespace multum {
 namespace {
 
 constexpr int kMapSideMax = 1 << 20;
+constexpr char kReadingAttribute[] = "multum:reading";
 
 void set_text(Imf::Header& header, const char* name, const std::string& text) {
   header.insert(name, Imf::StringAttribute(text));
@@ -68,6 +69,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   set_text(header, "multum:sourceHash", from.source_hash);
   set_text(header, "multum:settings", from.settings);
   set_text(header, "multum:settingsHash", from.settings_hash);
+  if (!from.reading.empty()) set_text(header, kReadingAttribute, from.reading);
   set_text(header, kContentHashAttribute, std::string(kContentHashDigits, ' '));
   return header;
 }
@@ -237,6 +239,8 @@ BakedHeader parse_map_header(const Imf::Header& header, const std::vector<Storag
                       text_attribute(header, "multum:settingsHash", path),
                       trimmed(text_attribute(header, kMeasuredErrorAttribute, path)),
                       trimmed(text_attribute(header, kContentHashAttribute, path))};
+  if (const auto* reading = header.findTypedAttribute<Imf::StringAttribute>(kReadingAttribute))
+    baked.provenance.reading = reading->value();
   return baked;
 }
 

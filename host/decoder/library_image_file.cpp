@@ -15,6 +15,7 @@
 #include "host/base/files/exr_chunks.h"
 #include "host/base/files/regular_file.h"
 #include "host/decoder/file_ranges.h"
+#include "host/decoder/ktx2_image_file.h"
 #include "host/decoder/zlib_uncompress.h"
 #include "host/image/files/number_type.h"
 #include "host/sandbox/damaged_file.h"
@@ -218,6 +219,7 @@ class OiioImageFile : public LibraryImageFile {
 std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings) {
   MULTUM_CHECK(replaces_zlib_uncompress());
   const ImageContainer container = inspect_image_container(path, settings.texel_count_max);
+  if (container.format == "ktx2") return with_damage_named(path, [&] { return open_ktx2_image(path, container); });
   return with_damage_named(path, [&] { return std::make_unique<OiioImageFile>(path, container, settings); });
 }
 

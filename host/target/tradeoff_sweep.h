@@ -45,8 +45,9 @@ struct TradeoffRow {
   // Of fitting or averaging, and writing; reading is the same for all: elapsed, and of processors
   // (host/base/run_times.h)
   double bake_seconds = 0.0, bake_processor_seconds = 0.0;
-  double frame_ms = -1.0;  // < 0: not drawn
-  std::uint64_t file_bytes = 0;
+  double frame_ms = -1.0;                // < 0: not drawn
+  std::uint64_t normals_file_bytes = 0;  // on disk, of the normal map that has the levels finer than the file's first
+  std::uint64_t file_bytes = 0;          // with these
   std::uint64_t normals_bytes = 0;    // on the GPU, of the normal map that has the levels finer than the file's first
   std::uint64_t gpu_bytes = 0;        // with these
   std::string picture;                // PNG bytes; empty: not drawn
