@@ -36,9 +36,9 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   for (const char* line : {"4 von Mises-Fisher lobes", "colour", "64 x 64, 7 levels", "snorm16",
                            "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0",
                            // What was found in the source:
-                           "source format   png uint8, 3 channels", "read as         normal map, unsigned, green",
+                           "source format   png uint16, 3 channels", "read as         normal map, unsigned, green",
                            "because         length within", "wrap of source  periodic, periodic",
-                           "albedo          png uint8, 3 channels, sRGB"})
+                           "albedo          png uint16, 3 channels, sRGB"})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   EXPECT_FALSE(std::regex_search(info.out, std::regex("\":[0-9.]{9}"))) << "floats are not rounded in\n" << info.out;
   const std::string table = bake.out.substr(bake.out.find("measured error"));
