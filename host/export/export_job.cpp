@@ -54,24 +54,6 @@ void check_export_job(const ExportJob& job) {
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
 }
 
-// The folder of the output; a new one goes away again where nothing came into it.
-class ExportFolder {
- public:
-  explicit ExportFolder(const std::string& path) : path_(path), is_new_(!std::filesystem::exists(path)) {
-    make_folder(path);
-  }
-  ~ExportFolder() {
-    std::error_code error;  // one that is not empty stays
-    if (is_new_) std::filesystem::remove(path_, error);
-  }
-  ExportFolder(const ExportFolder&) = delete;
-  ExportFolder& operator=(const ExportFolder&) = delete;
-
- private:
-  std::string path_;
-  bool is_new_;
-};
-
 // Shows stored rows to the measurement.
 class MeterSink : public MaterialSink {
  public:
@@ -180,9 +162,9 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   report.textures = texture_list(output);
   report.files = material_files(output, report.width, report.height);
   report.side_warnings = side_warnings(output, report.width, report.height);
-  for (const std::string& warning : report.side_warnings) log_warning(warning);
+  for (const std::string& warning : report.side_warnings) log_warning(job.input, warning);
   check_paths_differ(input_files(job), report.files);
-  const ExportFolder folder(output.folder);
+  make_folder(output.folder);
   report.seconds.emplace_back("read", stopwatch.lap());
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));

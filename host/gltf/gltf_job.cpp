@@ -95,7 +95,7 @@ class GltfConversion {
  private:
   void warn(const std::string& what) {
     report_.warnings.push_back(what);
-    log_warning(job_.input + ": " + what);
+    log_warning(job_.input, what);
   }
   void lap(const char* stage) { report_.seconds.emplace_back(stage, stopwatch_.lap()); }
 

@@ -46,7 +46,7 @@ void check_map(const LookMap& map, const BakedHeader& header, bool same_source) 
   const std::string found =
       fmt::format("is not the file that {} was baked from ({})", map.input, header.provenance.source_name);
   if (same_source) throw Error(ErrorCode::kInput, fmt::format("{}: {}, or has changed since", map.source, found));
-  log_warning(fmt::format("{}: {}: the page may compare two maps", map.source, found));
+  log_warning(map.source, found + ": the page may compare two maps");
 }
 
 std::vector<BakedHeader> checked_headers(const LookJob& job) {

@@ -19,7 +19,7 @@
 #include "host/base/error.h"
 #include "host/base/files/byte_file.h"
 #include "host/base/files/work_folder.h"
-#include "host/base/held_warnings.h"
+#include "host/base/messages/held_warnings.h"
 #include "host/base/processes/viewer_process.h"
 #include "host/base/run_times.h"
 #include "host/base/stopwatch.h"

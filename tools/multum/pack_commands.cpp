@@ -88,8 +88,9 @@ int run_pack(PackOptions& o) {
                   chunk.layer.c_str(), chunk.object.c_str(), chunk.block);
   }
   if (!report.is_alpha_met)
-    log_warning(fmt::format("{}: an object's error is above --alpha {:g} times the mean: --verbose lists them",
-                            o.settings.output, o.settings.alpha));
+    log_warning(
+        o.settings.output,
+        fmt::format("an object's error is above --alpha {:g} times the mean: --verbose lists them", o.settings.alpha));
   if (!o.common.quiet)
     print_shown(stdout,
                 "%s: written: %llu bytes, %.1f:1 of raw frames; %llu of description, %zu chunks; MSE of about %.2f "
