@@ -84,6 +84,7 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
                                 {"file_bytes", row.file_bytes},
                                 {"gpu_bytes", row.gpu_bytes}};
   if (row.normals_bytes > 0) one["normal_map_bytes"] = row.normals_bytes;
+  if (row.normals_file_bytes > 0) one["normal_map_file_bytes"] = row.normals_file_bytes;
   if (job.has_budget()) one["fits"] = row.fits;
   if (!row.warnings.empty()) one["warnings"] = row.warnings;
   if (row.has_error)

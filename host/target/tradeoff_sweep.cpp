@@ -191,7 +191,8 @@ class Sweep {
       row.view = view.arguments;
       if (!view.brdf.empty()) row.view = fmt::format("--brdf {} {}", view.brdf, view.arguments);
       row.is_measured = view.is_measured;
-      row.file_bytes = std::filesystem::file_size(bake.output);
+      row.normals_file_bytes = bake.fitting.first_level > 0 ? std::filesystem::file_size(bake.input) : 0;
+      row.file_bytes = std::filesystem::file_size(bake.output) + row.normals_file_bytes;
       row.normals_bytes = finest_normals_gpu_bytes(result_.width, result_.height, bake.fitting.first_level);
       row.gpu_bytes = baked_gpu_bytes(bake.output) + row.normals_bytes;
       row.warnings = warnings;

@@ -38,16 +38,17 @@ struct TradeoffJob {
 
 /// One bake, drawn in one way.
 struct TradeoffRow {
-  std::string group;                   // "lobes", "storage", ...: what is varied
-  std::string options;                 // of `multum bake`
-  std::string view;                    // of `multum-view`; empty: none beside the BRDF
-  ReachedError reached;                // of pixels, with its interval
-  std::vector<FootprintError> errors;  // the same of each BRDF that was measured, as it is drawn here
-  double rendered = -1.0;              // of the picture, against one of the same filter's reference; < 0: not drawn
-  RunTime bake;                        // of fitting or averaging, and writing; reading is the same for all
-  double frame_ms = -1.0;              // elapsed; < 0: not drawn
-  double frame_work_ms = -1.0;         // of processors where software draws, else by the GPU's clock; < 0: not drawn
-  std::uint64_t file_bytes = 0;
+  std::string group;                     // "lobes", "storage", ...: what is varied
+  std::string options;                   // of `multum bake`
+  std::string view;                      // of `multum-view`; empty: none beside the BRDF
+  ReachedError reached;                  // of pixels, with its interval
+  std::vector<FootprintError> errors;    // the same of each BRDF that was measured, as it is drawn here
+  double rendered = -1.0;                // of the picture, against one of the same filter's reference; < 0: not drawn
+  RunTime bake;                          // of fitting or averaging, and writing; reading is the same for all
+  double frame_ms = -1.0;                // elapsed; < 0: not drawn
+  double frame_work_ms = -1.0;           // of processors where software draws, else by the GPU's clock; < 0: not drawn
+  std::uint64_t normals_file_bytes = 0;  // on disk, of the normal map that has the levels finer than the file's first
+  std::uint64_t file_bytes = 0;          // with these
   std::uint64_t normals_bytes = 0;    // on the GPU, of the normal map that has the levels finer than the file's first
   std::uint64_t gpu_bytes = 0;        // with these
   std::string picture;                // PNG bytes; empty: not drawn

@@ -121,6 +121,12 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
     fitting += row["fits"].get<bool>() ? 1 : 0;
     if (row["fits"]) best = std::min(best, row["relative_l1"].get<double>());
     const std::string bake = row["bake"];
+    // Renderers need the map itself beside files without the finest level.
+    const bool needs_map = bake.find("--first-level") != std::string::npos;
+    EXPECT_EQ(row.value("normal_map_file_bytes", std::uint64_t{0}),
+              needs_map ? std::filesystem::file_size(path("map_normal.png")) : 0u)
+        << row;
+    EXPECT_GT(row["file_bytes"].get<std::uint64_t>(), row.value("normal_map_file_bytes", std::uint64_t{0}));
     for (const int lobes : {2, 4})
       if (bake == fmt::format("--ndf vmf --lobes {} --first-level 1", lobes)) bytes[{lobes, 1}] = row["gpu_bytes"];
       else if (bake == fmt::format("--ndf vmf --lobes {}", lobes)) bytes[{lobes, 0}] = row["gpu_bytes"];
