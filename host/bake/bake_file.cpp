@@ -117,7 +117,7 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
       "normals are nearly exact, since roughness varies much over the map. Where diffuse light matters, take "
       "it from the normal map, or bake without --{} (docs/READING.md)",
       job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
-  log_warning(report.roughness->warnings.back());
+  log_named_warning(report.roughness->warnings.back());
 }
 
 }  // namespace

@@ -115,6 +115,8 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   for (const nlohmann::json& row : json["rows"]) {
     EXPECT_GT(row["bake_seconds"].get<double>(), 0.0) << row;
     EXPECT_GT(row["bake_processor_seconds"].get<double>(), 0.0) << row;
+    EXPECT_EQ(row["bake_device_seconds"], 0.0) << "OpenCL runs on processors here";
+    EXPECT_EQ(row["bake_work_seconds"], row["bake_processor_seconds"]) << row;
     EXPECT_EQ(row["fits"], row["gpu_bytes"].get<std::uint64_t>() <= bytes_max) << row;
     fitting += row["fits"].get<bool>() ? 1 : 0;
     if (row["fits"]) best = std::min(best, row["relative_l1"].get<double>());
@@ -179,6 +181,8 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
   for (const nlohmann::json& one : rows) {
     EXPECT_NE(one["fronts"]["gpu_bytes"].get<bool>(), is_beaten(one, rows)) << one;
     EXPECT_GT(one["rendered_relative_l1"].get<double>(), 0.0) << one;
+    EXPECT_GT(one["frame_ms"].get<double>(), 0.0) << one;
+    EXPECT_GT(one["frame_work_ms"].get<double>(), 0.0) << one;
     best = std::min(best, one["relative_l1"].get<double>());
   }
   EXPECT_EQ(rows.at(json["chosen"].get<std::size_t>())["relative_l1"], best);
@@ -200,13 +204,13 @@ TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {
   // What a killed one leaves is in no one's way.
   for (const int signal : {SIGKILL, SIGINT}) {
     Program program(multum_command(command({})));
-    while (program.running() && !std::filesystem::exists(path(scratch + "/swept.ndf.exr")))
+    while (program.running() && !std::filesystem::exists(path(scratch + "/swept_0.ndf.exr")))
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     program.send(signal);
     const ProgramResult result = program.wait();
     EXPECT_EQ(signal == SIGKILL ? result.signal : result.exit_code, signal == SIGKILL ? SIGKILL : 130) << result.err;
     EXPECT_EQ(folder_.names().contains(scratch), signal == SIGKILL);
-    std::filesystem::remove(path(scratch + "/swept.ndf.exr"));  // which tells when the next one has begun
+    std::filesystem::remove(path(scratch + "/swept_0.ndf.exr"));  // which tells when the next one has begun
   }
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png"}));
 }
