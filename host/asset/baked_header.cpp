@@ -65,6 +65,10 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   set_text(header, "multum:channels", part.channels_text);
   set_text(header, "multum:sourceName", from.source_name);
   set_text(header, "multum:sourceHash", from.source_hash);
+  if (!from.source_tiles.empty()) {
+    set_text(header, "multum:sourceFileHash", from.source_file_hash);
+    set_text(header, "multum:sourceTiles", from.source_tiles);
+  }
   set_text(header, "multum:settings", from.settings);
   set_text(header, "multum:settingsHash", from.settings_hash);
   set_text(header, kContentHashAttribute, std::string(kContentHashDigits, ' '));
@@ -216,6 +220,12 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   return headers;
 }
 
+// Reads an attribute that only tiles of sets have.
+std::string optional_text(const Imf::Header& header, const char* name) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  return attribute == nullptr ? "" : attribute->value();
+}
+
 BakedHeader parse_map_header(const Imf::Header& header, const std::vector<StorageEncoding>& encodings,
                              const std::string& path) {
   const StoredLevels stored = parse_stored_levels(header, path);
@@ -234,7 +244,9 @@ BakedHeader parse_map_header(const Imf::Header& header, const std::vector<Storag
                       text_attribute(header, "multum:settings", path),
                       text_attribute(header, "multum:settingsHash", path),
                       trimmed(text_attribute(header, kMeasuredErrorAttribute, path)),
-                      trimmed(text_attribute(header, kContentHashAttribute, path))};
+                      trimmed(text_attribute(header, kContentHashAttribute, path)),
+                      optional_text(header, "multum:sourceFileHash"),
+                      optional_text(header, "multum:sourceTiles")};
   return baked;
 }
 
