@@ -125,7 +125,7 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
       "normals are nearly exact, since roughness varies much over the map. Where diffuse light matters, take "
       "it from the normal map, or bake without --{} (docs/READING.md)",
       job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
-  log_warning(report.roughness->warnings.back());
+  log_named_warning(report.roughness->warnings.back());
 }
 
 }  // namespace
@@ -195,6 +195,7 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   header.provenance =
       make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job),
                       source.map.report.tiles);
+  header.provenance.reading = reading_json(job, source);
   report.first_level = header.first_level;
   report.stored_only = job.stored_only;
   report.device = device.info().name;

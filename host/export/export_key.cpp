@@ -51,6 +51,9 @@ Json export_key(const ExportJob& job) {
   key["texels"] = json_of(job.texels);
   key["zstd"] = job.zstd_level;
   key["roughness_alone"] = job.has_roughness_alone;
+  key["smoothness"] = job.has_smoothness;
+  key["write_green"] = job.green_is_down ? "down" : "up";
+  if (job.texels == MaterialTexels::kUastc) key["uastc_effort"] = job.uastc_effort;
   return key;
 }
 

@@ -89,7 +89,7 @@ PlaneStore read_normals(const GltfAsset& asset, const PreparedSource& prepared, 
                                 progress);
   });
   for (const std::string& warning : map.report.warnings)
-    log_warning(fmt::format("{}: image {}: {}", asset.path, source.normal_image, warning));
+    log_warning(asset.path, fmt::format("image {}: {}", source.normal_image, warning));
   if (map.normals.width() == prepared.width && map.normals.height() == prepared.height) return std::move(map.normals);
   return enlarged_planes(
       map.normals,

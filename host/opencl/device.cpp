@@ -107,7 +107,7 @@ bool has_in_name(const DeviceInfo& info, const std::string& selector) {
 }
 
 void CL_CALLBACK on_context_error(const char* message, const void*, std::size_t, void*) {
-  log_warning(std::string("OpenCL: ") + message);
+  log_warning("OpenCL", message);
 }
 
 }  // namespace
@@ -281,6 +281,13 @@ std::map<std::string, double> Device::launch_seconds() {
   finish();
   collect_times(state());
   return state().launch_seconds;
+}
+
+double Device::timed_seconds() {
+  if (!is_open() || !state_->times_launches) return 0.0;
+  double sum = 0.0;
+  for (const auto& [kernel, seconds] : launch_seconds()) sum += seconds;
+  return sum;
 }
 
 void Device::edit_kernels(std::vector<SourceEdit> edits) { state().edits = std::move(edits); }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/context/headless_context.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "runtime_gl/context/egl_context.h"
@@ -12,7 +15,7 @@ namespace {
 void APIENTRY on_debug_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum /*severity*/, GLsizei /*length*/,
                                const GLchar* message, const void* /*user*/) {
   // Errors are thrown by check_gl(); this adds the driver's own words to them.
-  if (type == GL_DEBUG_TYPE_ERROR) log_warning(std::string("GL: ") + message);
+  if (type == GL_DEBUG_TYPE_ERROR) log_warning("GL", message);
 }
 
 }  // namespace
@@ -41,6 +44,12 @@ void HeadlessContext::load(GetProcAddress get_proc_address, DebugOutput debug) {
   functions_.Enable(GL_DEBUG_OUTPUT);
   functions_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   functions_.DebugMessageCallback(on_debug_message, nullptr);
+}
+
+bool HeadlessContext::is_software() const {
+  constexpr const char* kRenderers[] = {"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software Rasterizer"};
+  return std::any_of(std::begin(kRenderers), std::end(kRenderers),
+                     [&](const char* name) { return description_.find(name) != std::string::npos; });
 }
 
 std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend, DebugOutput debug) {

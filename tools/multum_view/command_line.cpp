@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "host/base/error.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/nearest_name.h"
 #include "tools/command_line/long_names.h"
 #include "tools/command_line/usage_error.h"
@@ -31,6 +32,7 @@ void add_scene_options(CLI::App& app, CommandOptions& o) {
   add_object_option(app, o.map);
   add_picture_option(app, o.map.picture.output)->required();
   add_pictures_option(app, o.map.picture.output);
+  add_alone_option(app, o.map.picture.output);
   add_distance_option(app, o.map.picture.camera);
   add_map_options(app, o.map);
 }
@@ -97,7 +99,13 @@ const ViewCommand kCommands[] = {
      "Writes render.png and, if the source is given and is still what was baked, input.png and error.png (four times\n"
      "as bright); of a folder of `multum infer`, render.png.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
-     [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }}};
+     [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
+    {"each", "Run several command lines in one process, which loads GL once",
+     "  multum-view each views.json\n\n"
+     "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
+     "The first command line that fails ends it, with its exit code.",
+     [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
+     [](const CommandOptions& o) { return run_each(o.each); }}};
 
 const char* const kDescription =
     "Render a baked map without a window, in software or on a GPU.\n\n"
@@ -119,6 +127,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_pictures_option(app, options.map.picture.output);
+  add_alone_option(app, options.map.picture.output);
   add_distance_option(app, options.map.picture.camera);
   add_map_options(app, options.map);
   add_alias_options(app, options);
@@ -181,11 +190,13 @@ int run_view_command(int argc, char** argv) {
     if (const std::string message = misspelt_command(options.map.file); !message.empty())
       throw Error(ErrorCode::kUsage, message);
   }
+  const NewFolders new_folders;
   int code = 0;
   if (chosen.empty()) code = draw_map(options.map);
   for (const ViewCommand& command : kCommands)
     if (chosen == command.name) code = command.run(options);
-  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return code;
 }
 

@@ -42,6 +42,8 @@ gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, 
     for (std::size_t i = 0; i < sum.image.rgba.size(); ++i)
       if (i % 4 != 3) sum.image.rgba[i] += part.image.rgba[i];
     sum.frame_time_ms += part.frame_time_ms;
+    sum.processor_time_ms += part.processor_time_ms;
+    sum.draw_time_ms += part.draw_time_ms;
     sum.sample_count = std::max(sum.sample_count, part.sample_count);
     sum.noise = std::max(sum.noise, part.noise);
   }
@@ -116,10 +118,10 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;
-  log_warning(
-      fmt::format("{}: is {} x {} texels; this software renderer filters sizes that are no powers of two "
-                  "wrongly with --anisotropy: leave it out for a right picture",
-                  options.file, baked.width, baked.height));
+  log_warning(options.file,
+              fmt::format("is {} x {} texels; this software renderer filters sizes that are no powers of two "
+                          "wrongly with --anisotropy: leave it out for a right picture",
+                          baked.width, baked.height));
 }
 
 }  // namespace multum
