@@ -11,6 +11,7 @@
 #include <regex>
 
 #include "host/asset/lobes/movmf_mipmap.h"
+#include "host/base/files/content_hash.h"
 #include "tests/cli/program.h"
 #include "tests/unit/image/image_test_files.h"
 
@@ -506,6 +507,42 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
+// Shares give the bytes of one run, and a tile is baked again when the border of the one beside it has changed.
+TEST_F(BakeCommandTest, TilesOfHeightsTakeTheBordersOfOthers) {
+  const auto write_tile = [&](const std::string& tile, int x0, int changed_column) {
+    TestImage image{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT16};
+    for (int i = 0; i < 32 * 32; ++i)
+      image.values.push_back(static_cast<float>(
+          i % 32 == changed_column ? 0.6 : 0.5 + 0.2 * std::sin(0.1 * (x0 + i % 32) + 0.15 * (i / 32))));
+    write_test_image(path("h_" + tile + ".png"), image);
+  };
+  write_tile("1001", 0, -1);
+  write_tile("1002", 32, -1);
+  write_tile("1003", 64, -1);
+  const auto bake = [&](const std::string& folder, std::vector<std::string> more) {
+    std::filesystem::create_directories(path(folder));
+    more.insert(more.begin(), {"bake", path("h_%(UDIM)d.png"), "-o", path(folder + "/h_<UDIM>.ndf.exr"), "--bumpformat",
+                               "height", "--height-scale", "30", "--wrap", "clamp", "--lobes", "2", "--no-measure"});
+    const ProgramResult result = multum(more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out + result.err;
+  };
+  bake("a", {});
+  for (const char* share : {"1/3", "2/3", "3/3"}) bake("b", {"--shard", share});
+  for (const char* tile : {"1001", "1002", "1003"})
+    EXPECT_TRUE(read_bytes(path("a/h_" + std::string(tile) + ".ndf.exr")) ==
+                read_bytes(path("b/h_" + std::string(tile) + ".ndf.exr")))
+        << tile;
+  expect_says(bake("a", {}), {"0 baked, 3 unchanged"});
+  write_tile("1002", 32, 15);
+  expect_says(bake("a", {}), {"1 baked, 2 unchanged"});
+  write_tile("1002", 32, 0);
+  expect_says(bake("a", {}), {"2 baked, 1 unchanged"});
+  const BakedProvenance from = read_movmf_mipmap(path("a/h_1001.ndf.exr")).header.provenance;
+  EXPECT_EQ(from.file_hash(), hash_file(path("h_1001.png")));
+  EXPECT_NE(from.source_hash, from.file_hash());
+}
+
 TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   make_map("map", 64);
   const auto bake = [&](const std::string& name, std::vector<std::string> options) {
@@ -579,8 +616,9 @@ TEST_F(BakeCommandTest, AFileKeepsTheHighlightOfGlossyTiltedFlats) {
 TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
   const ProgramResult help = multum({"bake", "--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
-                           "{none,black,box3}=box3", "{auto,black,clamp,periodic,mirror}", "--lobes INT in [1, 8]=4",
+  for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour",
+                           "{auto,height,normal,packed16,packed24,terrarium,mapbox}=auto", "{none,black,box3}=box3",
+                           "{auto,black,clamp,periodic,mirror}", "--lobes INT in [1, 8]=4",
                            "--compression none|rle|piz|zip[:1-9]|zips[:1-9]=zip:1", "--first-level INT in [0, 15]=0",
                            "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;

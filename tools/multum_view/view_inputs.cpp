@@ -31,12 +31,12 @@ NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& 
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
-  if (hash_file(options.source.normals) == baked.provenance.source_hash) {
+  if (hash_file(options.source.normals) == baked.provenance.file_hash()) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
   } else if (!baked.provenance.source_hash.empty()) {
     log_warning(options.source.normals,
                 fmt::format("is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
-                            options.file, baked.provenance.source_name, baked.provenance.source_hash,
+                            options.file, baked.provenance.source_name, baked.provenance.file_hash(),
                             baked.first_level > 0 ? "the finest levels, the reference and the baselines"
                                                   : "the reference and the baselines"));
   }
@@ -184,7 +184,7 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
                 fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
                             "baked from, which has the finer ones ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
-                            baked.height, baked.provenance.source_name, baked.provenance.source_hash));
+                            baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);
   NormalMap normals = read_normal_map(source, source_settings(options, baked), 1, nullptr);
   log_info(source + ": " + normals.report.encoding);

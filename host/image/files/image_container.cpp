@@ -272,6 +272,7 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
                     tiff.is_reduced ? ", which says that it is a reduced version of another" : ""));
   else if (tiff.is_reduced) container.notes.emplace_back("its picture says that it is a reduced version of another");
   container.texel_metres = tiff.texel_metres;
+  container.no_data = tiff.no_data;
 }
 
 constexpr std::size_t kHeadBytes = 16;  // enough to know any of the formats
