@@ -24,7 +24,7 @@ namespace {
 void check_has_lobes(const std::string& path, const BakedHeader& header) {
   if (!holds_lobes(header.representation))
     refuse_baked(path, fmt::format("holds {}", representation_info(header.representation).name),
-                 "a file of lobes (--ndf vmf, gmm), or the map that was baked");
+                 "a file of lobes (multum bake --ndf vmf or gmm), or the map that was baked");
   if (header.has_roughness)
     refuse_baked(path, "has a roughness map in the lengths of its normals, and what both were cannot be told apart",
                  "a file that was baked without --roughness, or the map that was baked");
@@ -84,7 +84,8 @@ BakedLobes::BakedLobes(const std::string& path, const std::vector<int>& levels) 
   const BakedHeader& header = reader_.header().header;
   check_has_lobes(path, header);
   if (header.representation != Representation::kMovmf)
-    refuse_baked(path, "holds planar Gaussians, which no formula for GGX is known for", "vMF lobes (--ndf vmf)");
+    refuse_baked(path, "holds planar Gaussians, which no formula for GGX is known for",
+                 "vMF lobes (multum bake --ndf vmf)");
   for (const int level : levels)
     if (level < header.first_level)
       refuse_baked(path, fmt::format("holds no levels finer than {}", header.first_level),

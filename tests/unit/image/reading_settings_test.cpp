@@ -32,6 +32,9 @@ TEST(ReadingSettingsTest, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(parse_reading_settings(text).height_scale, 0.1f);
   EXPECT_EQ(parse_reading_settings(text).normal_scale, 0.3f);
   EXPECT_EQ(parse_reading_settings(text).wrap_t, WrapMode::kBlack);
+  EXPECT_EQ(parse_reading_settings(text).z_range, std::nullopt);
+  settings.z_range = ZRange::kPositive;
+  EXPECT_EQ(parse_reading_settings(to_text(settings)).z_range, ZRange::kPositive);
 }
 
 TEST(ReadingSettingsTest, WhatIsNotUnderstoodStaysAtItsDefault) {
