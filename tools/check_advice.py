@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Finds messages of code that several commands share which name an option by hand: a command that lacks it would advise
-it all the same. advice() and option_text() of host/base/option_words.h name the options of the command that runs.
+it all the same. advice() and option_text() of host/base/messages/option_words.h name options of the command that runs.
 
     tools/check_advice.py [--root DIR]     # exit code 1, and a line for each message
 
@@ -14,8 +14,8 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gltf", "image", "light", "look", "manifest",
-          "mesh", "movmf", "opencl", "pyramid", "sandbox", "scene", "target")
+SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gltf", "image", "light", "look",
+          "manifest", "mesh", "movmf", "opencl", "pyramid", "sandbox", "scene", "target")
 # Code that one command alone runs, whose options these are; and command lines that are run.
 OF_ONE_COMMAND = {
     "host/bake/region_bake.cpp": "bake --region", "host/base/share_record.cpp": "those with --shard",
@@ -24,6 +24,7 @@ OF_ONE_COMMAND = {
     "host/movmf/map_shard.cpp": "those with --shard", "host/movmf/bake_plan.cpp": "names what the plan was made with",
     "host/bake/movmf_file_bake.cpp": "names --shard or --merge, which was given",
     "host/pyramid/reflectance_bake.cpp": "reflectance", "host/target/plane_picture.cpp": "runs multum-view",
+    "host/target/pending_views.cpp": "runs multum-view",
     "host/target/tradeoff_page.cpp": "shows a command line", "host/target/tradeoff_sweep.cpp": "runs multum-view",
     "host/image/normals/height_field.cpp": "height fields, which no command without these options reads",
 }

@@ -46,6 +46,16 @@ def errors_by_level(bake, brdf, points):
     return found
 
 
+def fit_parts(bake):
+    """Seconds of the fit by what they went into, (name, seconds): its levels, then what is of none. They add up to the
+    stage's."""
+    parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
+    if "start" in bake:
+        parts.append(("start", bake["start"]["seconds"]))
+    fit = sum(stage["seconds"] for stage in bake["stages"] if stage["name"] == "fit")
+    return parts + [("rest", max(0.0, fit - sum(seconds for _, seconds in parts)))]
+
+
 def bake_section(name, bake, step):
     brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
     # The lobes of a coloured bake are those of the white one: its colours are what is new.
@@ -61,28 +71,37 @@ def bake_section(name, bake, step):
         cells = [f"{percent(centre[b].get(level['level'], 0))} | "
                  f"{percent(midway[b][level['level']]) if level['level'] in midway[b] else '-'}" for b in brdfs]
         rows.append([f"{level['level']}: {level['width']} x {level['height']}", *cells, f"{level['seconds']:.3f}"])
-    stages = ", ".join(f"{s['name']} {s['seconds']:.2f}" for s in bake["stages"])
+    parts = fit_parts(bake)
+    rows += [[part, *["-"] * len(brdfs), f"{seconds:.3f}"] for part, seconds in parts[len(bake["levels"]):]]
+    rows.append(["together", *["-"] * len(brdfs), f"{sum(seconds for _, seconds in parts):.3f}"])
+    outside = step["seconds"] - sum(s["seconds"] for s in bake["stages"])
+    stages = ", ".join(f"{s['name']} {s['seconds']:.2f}" for s in
+                       [*bake["stages"], {"name": "starting and ending", "seconds": max(0.0, outside)}])
     counts = bake["counts"]
     percent_series = [(n, [100 * centre[b][l] if l in centre[b] else None for l in labels])
                       for n, b in zip(names, brdfs)]
     errors = chart(f"{name}: {what} by level, in percent", f"{what} at texel centres, %", labels, percent_series)
-    seconds = [("fit", [level["seconds"] for level in bake["levels"]])]
+    seconds = chart(f"{name}: seconds of the fit", f"fit, seconds: {sum(s for _, s in parts):.2f} together",
+                    [part for part, _ in parts], [("fit", [s for _, s in parts])], bars=True, axis="level")
     return f"""<h3 id="bake-{text(name)}">{text(BAKES.get(name, name))}</h3>
-<p>Seconds: {text(stages)}; the whole command took {step["seconds"]:.1f}. {counts["lobes"]} lobes fitted,
+<p>Seconds: {text(stages)}; the whole command took {step["seconds"]:.2f}. {counts["lobes"]} lobes fitted,
 {counts["nonfinite"]} of them not finite, {counts["kappa_clamped"]} sharper than the cap, {counts["dead_lobes"]}
 without normals.</p>
 <p class="soft">Found: {text(bake["input"]["encoding"])}.</p>
 <div class="charts">
 <figure>{errors}
 {key(names)}</figure>
-<figure>{chart(f"{name}: seconds by level", "fit, seconds", labels, seconds, bars=True)}</figure></div>
+<figure>{seconds}
+<figcaption>Start: the search for lobes that the coarsest level starts from. Rest: sorting normals into bins, compiling
+kernels and moving data.</figcaption></figure></div>
 <details><summary>the numbers</summary>
 <p>The {what}, relative L1, at texel centres | midway between texels (the worse of x and y), and seconds of the
 fit.</p>
 {table(["level", *names, "seconds"], rows)}</details>"""
 
 
-def picture(folder, name, method, caption, kind):
+def picture(folder, name, method, caption, kind, size=""):
+    """`size`: attributes, so that a caption has its place before the picture is there."""
     file = f"{name}_{method}{kind}.png"
     if not (folder / file).is_file():
         return ""
@@ -90,20 +109,22 @@ def picture(folder, name, method, caption, kind):
     alt = f"{VIEWS.get(name, (name,))[0]}: {label}"
     if kind:
         alt += ", difference from the reference, four times as bright"
-    return (f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(alt)}" loading="lazy"></a>'
+    return (f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(alt)}"{size}></a>'
             f"<figcaption>{caption}</figcaption></figure>")
 
 
 def view_section(folder, name, view, step):
     title, what = VIEWS.get(name, (name, ""))
+    size = f' width="{view["width"]}" height="{view["height"]}"' if "width" in view else ""
     shown, differences = [], []
     for one in view["pictures"]:
         method = one["name"]
         error = f', <b>{percent(one["relative_l1"])}</b> off' if "relative_l1" in one else ""
         label = text(METHODS[method][0])
-        shown.append(picture(folder, name, method, f"<b>{label}</b>{error}", ""))
-        if error:
-            differences.append(picture(folder, name, method, f"{label}{error}", "_difference"))
+        shown.append(picture(folder, name, method, f"<b>{label}</b>{error}", "", size))
+        # In the order of the pictures above, whose columns have the reference too.
+        differences.append(picture(folder, name, method, f"<b>{label}</b> minus reference{error}", "_difference", size)
+                           if error else picture(folder, name, method, f"<b>{label}</b>", "", size))
     errors = [one["relative_l1"] for one in view["pictures"] if "relative_l1" in one]
     rows = [[METHODS[one["name"]][0],
              (percent(one["relative_l1"]), "best" if one["relative_l1"] == min(errors) else "")

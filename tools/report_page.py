@@ -25,7 +25,11 @@ p { max-width: 46rem; margin: .4rem 0; } a { color: var(--link); } .soft, figcap
 .pictures.first { grid-template-columns: repeat(auto-fit, minmax(min(18rem, 100%), 1fr)); }
 figure { margin: 0; min-width: 0; } figure img { display: block; width: 100%; height: auto; background: #000; }
 figcaption { font-size: .88rem; margin-top: .2rem; } figcaption b { color: var(--text); }
-.wide { overflow-x: auto; margin: .5rem 0; }
+.wide { overflow-x: auto; margin: .5rem 0; background:
+    no-repeat linear-gradient(to right, var(--back) 30%, #0000) 0 / 2rem 100% local,
+    no-repeat linear-gradient(to left, var(--back) 30%, #0000) 100% / 2rem 100% local,
+    no-repeat linear-gradient(to right, var(--line), #0000) 0 / .6rem 100%,
+    no-repeat linear-gradient(to left, var(--line), #0000) 100% / .6rem 100%; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .22rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; white-space: normal; }

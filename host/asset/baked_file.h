@@ -27,6 +27,7 @@ struct BakedProvenance {
   std::string settings_hash;   // SHA-256 of `settings`
   std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
   std::string content_hash;    // of every channel value in the file (docs/FORMAT.md, "Checksum"); filled by write, read
+  std::string reading = {};    // JSON: what was found in the source's files; empty in files of earlier programs
 };
 
 /// Header that files of every representation have.
@@ -48,6 +49,10 @@ struct BakedHeader {
   /// multum:formatVersion: programs that know neither weights nor roughness refuse the file.
   int format_version() const;
 };
+
+/// What a reader does with texels that are not those that were baked, by the file's checksums: refuses them, or lists
+/// where they are, as `multum verify` does.
+enum class TexelCheck { kRefuse, kReport };
 
 struct BakedWriteOptions {
   // docs/FORMAT.md, "Size and speed", has the measurements behind these two.

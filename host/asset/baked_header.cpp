@@ -12,12 +12,14 @@
 #include "host/asset/exr/exr_compression.h"
 #include "host/asset/exr/exr_rows.h"
 #include "host/asset/header_hash.h"
+#include "host/asset/row_checksums.h"
 #include "host/base/error.h"
 
 namespace multum {
 namespace {
 
 constexpr int kMapSideMax = 1 << 20;
+constexpr char kReadingAttribute[] = "multum:reading";
 
 void set_text(Imf::Header& header, const char* name, const std::string& text) {
   header.insert(name, Imf::StringAttribute(text));
@@ -67,6 +69,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   set_text(header, "multum:sourceHash", from.source_hash);
   set_text(header, "multum:settings", from.settings);
   set_text(header, "multum:settingsHash", from.settings_hash);
+  if (!from.reading.empty()) set_text(header, kReadingAttribute, from.reading);
   set_text(header, kContentHashAttribute, std::string(kContentHashDigits, ' '));
   return header;
 }
@@ -212,6 +215,7 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   for (const BakedPart& part : parts) headers.push_back(make_header(header, part, options));
   const auto room = static_cast<std::size_t>(options.measured_error_bytes);
   set_text(headers[0], kMeasuredErrorAttribute, std::string(room, ' '));
+  set_text(headers[0], kRowChecksumsAttribute, RowChecksums(header, parts, options.tile_size).text());
   set_text(headers[0], kHeaderHashAttribute, std::string(kHeaderHashBytes, ' '));
   return headers;
 }
@@ -235,6 +239,8 @@ BakedHeader parse_map_header(const Imf::Header& header, const std::vector<Storag
                       text_attribute(header, "multum:settingsHash", path),
                       trimmed(text_attribute(header, kMeasuredErrorAttribute, path)),
                       trimmed(text_attribute(header, kContentHashAttribute, path))};
+  if (const auto* reading = header.findTypedAttribute<Imf::StringAttribute>(kReadingAttribute))
+    baked.provenance.reading = reading->value();
   return baked;
 }
 

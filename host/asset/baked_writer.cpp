@@ -25,6 +25,7 @@
 #include "host/asset/exr/exr_rows.h"
 #include "host/asset/exr/zlib_compress.h"
 #include "host/asset/header_hash.h"
+#include "host/asset/row_checksums.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
@@ -96,7 +97,7 @@ class BakedWriter::Work {
  public:
   Work(const std::string& path, const BakedHeader& header, std::vector<BakedPart> parts,
        const std::vector<Imf::Header>& headers, const BakedWriteOptions& options)
-      : file_(path), options_(options), parts_(std::move(parts)) {
+      : file_(path), options_(options), parts_(std::move(parts)), row_checksums_(header, parts_, options.tile_size) {
     MULTUM_CHECK(header.first_level >= 0 && header.first_level < header.level_count());
     MULTUM_CHECK(replaces_zlib_compress());
     MULTUM_CHECK(options.tile_size >= 1 && options.threads >= 1 && options.measured_error_bytes >= 0);
@@ -143,9 +144,10 @@ class BakedWriter::Work {
     content_hash_ = hash_all();
     const int with_error = fill_in_attribute(file_, kMeasuredErrorAttribute, measured_error);
     const int with_hash = fill_in_attribute(file_, kContentHashAttribute, content_hash_);
+    const int with_rows = fill_in_attribute(file_, kRowChecksumsAttribute, row_checksums_.text());
     // Last: it is of all other attributes, as they lie in the file.
     const int with_header = fill_in_attribute(file_, kHeaderHashAttribute, header_hash_text(file_.open_path()));
-    MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()) && with_header == 1);
+    MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()) && with_rows == 1 && with_header == 1);
     progress_advance(progress, 0);  // the last chance to cancel
     file_.commit();
   }
@@ -212,10 +214,12 @@ class BakedWriter::Work {
 
   void write_tiles(int level_number, Level& level) {
     for (const auto& at : level.parts) {
+      const int l = level_number - at->part->first_level, tile_row = level.rows_written / options_.tile_size;
       at->hash.update(at->values.data(), at->values.size() * sizeof(float));
+      row_checksums_.set(static_cast<std::size_t>(at->part_index), level_number, tile_row, at->values.data(),
+                         at->values.size());
       Imf::TiledOutputPart part(*out_, at->part_index);
       part.setFrameBuffer(slices(*at, level));
-      const int l = level_number - at->part->first_level, tile_row = level.rows_written / options_.tile_size;
       part.writeTiles(0, part.numXTiles(l) - 1, tile_row, tile_row, l);
     }
     level.rows_written += level.rows_waiting;
@@ -284,6 +288,7 @@ class BakedWriter::Work {
   const BakedWriteOptions options_;
   const std::vector<BakedPart> parts_;
   std::vector<Level> levels_;
+  RowChecksums row_checksums_;  // the writer's thread's, until it ends
   std::vector<half> halfs_;
   std::string content_hash_;
   std::unique_ptr<ExrOutputStream> stream_;

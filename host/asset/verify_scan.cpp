@@ -25,9 +25,14 @@ VerifyFinding structure_finding(const BakedHeader& header, const std::string& ki
                       storage_encoding_name(header.encoding))};
 }
 
-VerifyFinding checksum_finding(const std::string& hash, const std::string& expected) {
-  const bool is_same = hash == expected;
-  return {"checksum", is_same, is_same ? hash : "found " + hash + ", expected " + expected + " as the header says"};
+VerifyFinding checksum_finding(const std::string& hash, const std::string& expected,
+                               const std::vector<std::string>& changed) {
+  if (hash == expected && changed.empty()) return {"checksum", true, hash};
+  std::string detail = hash == expected ? hash : "found " + hash + ", expected " + expected + " as the header says";
+  if (!changed.empty())
+    detail += fmt::format("; changed: {}{}", changed.front(),
+                          changed.size() > 1 ? fmt::format(" and {} more rows of tiles", changed.size() - 1) : "");
+  return {"checksum", false, detail};
 }
 
 VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what) {

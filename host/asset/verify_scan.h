@@ -36,7 +36,9 @@ struct WorstTexel {
 VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, const std::string& good,
                              const std::string& bad);
 VerifyFinding structure_finding(const BakedHeader& header, const std::string& kind);
-VerifyFinding checksum_finding(const std::string& hash, const std::string& expected);
+/// `changed`: rows whose own checksum differs, as BakedReader names them.
+VerifyFinding checksum_finding(const std::string& hash, const std::string& expected,
+                               const std::vector<std::string>& changed);
 VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what);
 /// `high`: "1", or what else a weight may be at most.
 VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const std::string& high);
@@ -66,9 +68,10 @@ std::vector<VerifyFinding> verify_by_scan(const std::string& path, Reader& reade
     if (seen) seen(level, first_row, rows);
   });
   const BakedHeader& header = reader.header();
-  std::vector<VerifyFinding> findings = {structure_finding(header, kind),
-                                         checksum_finding(reader.finish_hash(), header.provenance.content_hash),
-                                         header_finding(path)};
+  std::vector<VerifyFinding> findings = {
+      structure_finding(header, kind),
+      checksum_finding(reader.finish_hash(), header.provenance.content_hash, reader.changed_rows()),
+      header_finding(path)};
   for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
   return findings;
 }

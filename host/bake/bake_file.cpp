@@ -186,6 +186,7 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   BakedHeader header = baked_header_of(job, source);
   header.provenance =
       make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job));
+  header.provenance.reading = reading_json(job, source);
   report.first_level = header.first_level;
   report.stored_only = job.stored_only;
   report.device = device.info().name;

@@ -39,6 +39,7 @@ struct BakeJob {
   bool measure = true;                                            // measure the error of what is written
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // of highlights, Blinn-Phong s; Lambert always is
   std::vector<Highlight> highlights;                              // measured besides those, for the report alone
+  bool measure_levels = true;                                     // each level by itself, besides pixels
   std::string
       chosen_for;  // what the settings were chosen for (target_key()), which the file then states; empty: nothing
   bool stored_only = false;        // levels finer than the first that is stored are never seen: not measured either

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/files/json_file.h"
 #include "host/base/log.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/processes/machine.h"
 #include "host/image/colour_map.h"
 
@@ -73,6 +75,29 @@ BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source) {
   return header;
 }
 
+std::string reading_json(const BakeJob& job, const BakeSource& source) {
+  const NormalMapReport& found = source.map.report;
+  nlohmann::ordered_json json = {
+      {"format", found.format},
+      {"found", found.encoding},
+      {"because", found.encoding_reason},
+      {"wrap", fmt::format("{}, {}", wrap_mode_name(found.wrap_s), wrap_mode_name(found.wrap_t))}};
+  const auto add_count = [&](const char* name, std::int64_t count) {
+    if (count > 0) json[name] = count;
+  };
+  add_count("unused_texels", found.unused_texels);
+  add_count("nonfinite_repaired", found.nonfinite_repaired);
+  add_count("zero_length_repaired", found.zero_length_repaired);
+  add_count("below_horizon_repaired", found.below_horizon_repaired);
+  if (!source.albedo_format.empty()) json["albedo"] = source.albedo_format;
+  add_count("albedo_clamped", source.albedo_clamped);
+  if (source.roughness)
+    json["roughness"] =
+        (roughness_file(job).is_gloss ? "gloss, read as roughness = 1 - gloss: " : "") + source.roughness->to_text();
+  if (!found.warnings.empty()) json["doubts"] = found.warnings;
+  return json_text(json);
+}
+
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress) {
   for (const std::string& file : input_files(job)) job.hashes->note(file);
   const SpillPolicy spill = {scratch_folder(job), map_bytes_in_memory(job, readings)};
@@ -84,6 +109,7 @@ BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* 
     check_range(job, albedo.largest);
     source.albedo.emplace(std::move(albedo.planes));
     source.albedo_clamped = albedo.clamped_count;
+    source.albedo_format = std::move(albedo.format);
     for (const std::string& note : albedo.notes) source.map_warnings.push_back(job.albedo + ": " + note);
   }
   if (!job.weights.empty()) {

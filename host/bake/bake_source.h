@@ -28,6 +28,7 @@ struct BakeSource {
   std::optional<RoughnessReport> roughness = std::nullopt;  // of the file it was read from
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
   std::vector<std::string> map_warnings = {};               // of albedo and weights, with the file's name
+  std::string albedo_format = {};                           // ColourRows::format
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
   FeaturePlanes features() const { return FeaturePlanes::of(colours(), weights ? &*weights : nullptr); }
@@ -39,6 +40,9 @@ std::string scratch_folder(const BakeJob& job);
 
 /// Header of the files that are baked from the source, all but their provenance.
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
+
+/// BakedProvenance::reading: what was found in the files, and what was taken in doubt.
+std::string reading_json(const BakeJob& job, const BakeSource& source);
 
 /// Throws Error(kInput) for files that cannot be used.
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress);

@@ -52,6 +52,7 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
   settings.threads = job.threads;
   settings.exponents = job.measured_exponents;
   settings.highlights = job.highlights;
+  settings.has_level_table = job.measure_levels;
   settings.first_level = first_measured_level(job);
   return settings;
 }

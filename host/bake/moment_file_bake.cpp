@@ -12,7 +12,7 @@
 #include "host/bake/file_bake_steps.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/pyramid/box_pyramid.h"
 
 namespace multum {

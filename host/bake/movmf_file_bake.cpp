@@ -16,7 +16,7 @@
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/log.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/movmf/gathered_shards.h"
 #include "host/movmf/map_shard.h"
 #include "host/movmf/movmf_bake.h"

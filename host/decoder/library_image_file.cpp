@@ -12,8 +12,11 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/base/files/exr_chunks.h"
 #include "host/base/files/regular_file.h"
 #include "host/decoder/file_ranges.h"
+#include "host/decoder/ktx2_image_file.h"
+#include "host/decoder/zlib_uncompress.h"
 #include "host/image/files/number_type.h"
 #include "host/sandbox/damaged_file.h"
 
@@ -139,7 +142,11 @@ void invert_first_channel(const ImagePart& part, const PixelBlock& block, std::b
 class OiioImageFile : public LibraryImageFile {
  public:
   OiioImageFile(std::string path, const ImageContainer& container, const ImageFileSettings& settings)
-      : path_(std::move(path)), open_(open_image(path_, container)), inverts_integers_(container.inverts_integers) {
+      : path_(std::move(path)),
+        threads_(settings.threads),
+        exr_chunks_(container.format == "openexr" ? std::make_unique<ExrChunks>(path_) : nullptr),
+        open_(open_image(path_, container)),
+        inverts_integers_(container.inverts_integers) {
     description_ = {container.format, container.file_size, {}, container.notes, container.texel_metres};
     open_.input->threads(std::max(0, settings.threads));
     if (!settings.all_parts) {
@@ -162,10 +169,27 @@ class OiioImageFile : public LibraryImageFile {
   }
 
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
-    return with_damage_named(path_, [&] { return read_rows(block, memory); });
+    return with_damage_named(path_, [&] {
+      if (exr_chunks_ != nullptr) check_exr_rows(block);
+      return read_rows(block, memory);
+    });
   }
 
  private:
+  // Rows are mostly read from the top and once: what is checked is told by the last one.
+  void check_exr_rows(const PixelBlock& block) {
+    const auto index = static_cast<std::size_t>(block.part);
+    if (index >= exr_chunks_->parts().size()) return;
+    const ExrPart& part = exr_chunks_->parts()[index];
+    exr_rows_checked_.resize(exr_chunks_->parts().size(), 0);
+    int& checked = exr_rows_checked_[index];
+    const int end = std::min(block.y_end - part.y, part.height);
+    if (end > checked) exr_chunks_->check_rows(index, checked, end, threads_);
+    // The rest of the last chunk is checked too.
+    checked =
+        std::max(checked, std::min(part.height, (end + part.chunk_height - 1) / part.chunk_height * part.chunk_height));
+  }
+
   std::string read_rows(const PixelBlock& block, std::byte* memory) {
     const ImagePart& from = part(block.part);
     const OIIO::TypeDesc type(static_cast<OIIO::TypeDesc::BASETYPE>(block.base_type));
@@ -182,6 +206,9 @@ class OiioImageFile : public LibraryImageFile {
   }
 
   std::string path_;
+  int threads_;
+  std::unique_ptr<ExrChunks> exr_chunks_;  // of OpenEXR alone
+  std::vector<int> exr_rows_checked_;      // [part]: so many from the top
   OpenImage open_;
   bool inverts_integers_;  // ImageContainer's
   std::vector<std::byte> memory_;
@@ -190,7 +217,9 @@ class OiioImageFile : public LibraryImageFile {
 }  // namespace
 
 std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings) {
+  MULTUM_CHECK(replaces_zlib_uncompress());
   const ImageContainer container = inspect_image_container(path, settings.texel_count_max);
+  if (container.format == "ktx2") return with_damage_named(path, [&] { return open_ktx2_image(path, container); });
   return with_damage_named(path, [&] { return std::make_unique<OiioImageFile>(path, container, settings); });
 }
 

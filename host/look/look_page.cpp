@@ -97,12 +97,12 @@ void put_in_place(std::string& page, std::string_view mark, const std::string& t
 std::string look_page(const nlohmann::ordered_json& data) {
   const auto file = [](const char* name) { return std::string(look_page_files().at(name)); };
   std::string script;
-  for (const char* name : {"matrices.js", "glb.js", "three/bc5.js"})
+  for (const char* name : {"error_text.js", "next_frame.js", "matrices.js", "glb.js", "three/bc5.js"})
     script += plain_script(look_module_files().at(name));
   for (const char* name :
        {"look_glb.js", "look_gltf.js", "look_textures.js", "look_gl.js", "look_error.js", "look_drops.js", "look.js"})
     script += file(name);
-  const std::string worker = file("look_exr.js");
+  const std::string worker = plain_script(look_module_files().at("error_text.js")) + file("look_exr.js");
   check_script(script);
   check_script(worker);
   std::string page = file("look.html");

@@ -77,7 +77,8 @@ class MaterialReader {
     if (bytes.starts_with("\x89PNG")) return "png";
     if (bytes.starts_with("\xff\xd8\xff")) return "jpg";
     if (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP") return "webp";
-    refuse(number + " is neither PNG nor JPEG nor WebP, which can be read; export it as one of them");
+    if (bytes.starts_with("\xabKTX 20\xbb")) return "ktx2";
+    refuse(number + " is neither PNG nor JPEG nor WebP nor KTX2, which can be read; export it as one of them");
   }
 
   GltfMaterial read_material(const json& material, const std::string& name) const {
@@ -117,10 +118,12 @@ class MaterialReader {
       refuse(fmt::format("material '{}' names texture {} of {}", material, index, textures.size()));
     const json& texture = textures.at(index);
     std::size_t image = result_.images.size();
-    if (texture.contains("extensions"))
-      if (const json& more = texture.at("extensions"); more.contains("EXT_texture_webp"))
-        image = index_at(more.at("EXT_texture_webp"), "source");
+    const json& more = texture.contains("extensions") ? texture.at("extensions") : json::object();
+    if (more.contains("EXT_texture_webp")) image = index_at(more.at("EXT_texture_webp"), "source");
     if (image == result_.images.size() && texture.contains("source")) image = index_at(texture, "source");
+    // Last: its texels may be such as only GPUs' libraries decode.
+    if (image == result_.images.size() && more.contains("KHR_texture_basisu"))
+      image = index_at(more.at("KHR_texture_basisu"), "source");
     if (image >= result_.images.size()) refuse(fmt::format("texture {} has no image that can be read", index));
     made.image = static_cast<int>(image);
     if (texture.contains("sampler")) {

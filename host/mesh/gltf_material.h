@@ -33,7 +33,7 @@ struct GltfMaterial {
 struct GltfImage {
   std::string name;       // of a file of its own, once extracted: "normal", "image_2"
   std::string file;       // path; empty: inside
-  std::string extension;  // "png", "jpg", "webp": of embedded bytes
+  std::string extension;  // "png", "jpg", "webp", "ktx2": of embedded bytes
   std::string bytes;      // of an embedded image
 };
 

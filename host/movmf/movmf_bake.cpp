@@ -107,25 +107,11 @@ class StartTrial {
   const BakePlan plan_;
 };
 
-// Times of a search, elapsed and of processors.
-class SearchClock {
- public:
-  RunTime time() const { return {processor_seconds() - processor_, stopwatch_.seconds()}; }
-
- private:
-  const Stopwatch stopwatch_;
-  const double processor_ = processor_seconds();
-};
-
-RunTime operator+(const RunTime& a, const RunTime& b) {
-  return {a.processor_seconds + b.processor_seconds, a.elapsed_seconds + b.elapsed_seconds};
-}
-
 // Those of the map; a memory has them for all settings of as many lobes.
 StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& search, StartMemory* memory) {
   if (memory != nullptr)
     if (const StartCandidates* known = memory->candidates(search.lobe_count, search.kappa_max)) return *known;
-  const SearchClock clock;
+  const RunClock clock;
   StartCandidates found{start_candidates(normals, search), {}};
   found.time = clock.time();
   return memory == nullptr ? found : memory->remember(search.lobe_count, search.kappa_max, std::move(found));
@@ -138,7 +124,7 @@ ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSe
   device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
   const StartTrial start_trial(device, proxy, whole, schedule);  // the map's own kernels: no second set of programs
   if (is_timed) start_trial.error_from(candidates.front());
-  const SearchClock clock;
+  const RunClock clock([&device] { return device.timed_seconds(); });
   ChosenStart chosen;
   double least = HUGE_VAL;
   for (const std::vector<MultumVmfLobe>& candidate : candidates) {

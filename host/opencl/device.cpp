@@ -283,6 +283,13 @@ std::map<std::string, double> Device::launch_seconds() {
   return state().launch_seconds;
 }
 
+double Device::timed_seconds() {
+  if (!is_open() || !state_->times_launches) return 0.0;
+  double sum = 0.0;
+  for (const auto& [kernel, seconds] : launch_seconds()) sum += seconds;
+  return sum;
+}
+
 void Device::edit_kernels(std::vector<SourceEdit> edits) { state().edits = std::move(edits); }
 
 bool Device::kernels_are_edited() const { return !state().edits.empty(); }

@@ -192,6 +192,8 @@ class Device {
   void time_launches(bool on);
   /// Seconds on the device by kernel name, of launches that were timed. Waits for all launches.
   std::map<std::string, double> launch_seconds();
+  /// Sum of these; 0 where launches are not timed.
+  double timed_seconds();
 
  private:
   const std::shared_ptr<DeviceState>& opened() const;

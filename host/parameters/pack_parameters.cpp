@@ -14,7 +14,8 @@ std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",
        .kind = ParameterKind::kNumber,
-       .help = "bytes of raw 24-bit frames over the file's, at least; 384 without a target",
+       .help = "bytes of raw 24-bit frames over the file's, at least; 384 without a target, or less where that would "
+               "add more than 3 times the error of the inferred textures",
        .low = 1,
        .high = 1e6,
        .surfaces = kPackJob},

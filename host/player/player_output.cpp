@@ -33,12 +33,12 @@ constexpr const char* kGeometryName = "geometry.glb";
 constexpr const char* kWasmName = "packed_field.wasm";
 
 // Modules in the order of what they import. In one page they are one script, so no two may share a name at top level.
-constexpr std::array kPageModules = {"byte_source.js",        "checksum.js",     "mpt_file.js",
-                                     "field_description.js",  "matrices.js",     "glb.js",
-                                     "texture_store.js",      "player_gl.js",    "decoding_pool.js",
-                                     "drawing_quality.js",    "field_player.js", "recorded_path.js",
-                                     "parameter_controls.js", "player.js"};
-constexpr std::array kWorkerModules = {"packed_field.js", "chunk_head.js", "decoding_worker.js"};
+constexpr std::array kPageModules = {
+    "error_text.js",    "next_frame.js",        "byte_source.js",        "checksum.js",
+    "mpt_file.js",      "field_description.js", "matrices.js",           "glb.js",
+    "texture_store.js", "player_gl.js",         "decoding_pool.js",      "drawing_quality.js",
+    "field_player.js",  "recorded_path.js",     "parameter_controls.js", "player.js"};
+constexpr std::array kWorkerModules = {"packed_field.js", "error_text.js", "chunk_head.js", "decoding_worker.js"};
 
 /// Of a file of the player; packed_field.mjs is a .js there, since not all servers know the other ending.
 std::string_view player_file(const std::string& name) {

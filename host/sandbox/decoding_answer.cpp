@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <new>
 
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/system_failure.h"
 #include "host/sandbox/damaged_file.h"
 

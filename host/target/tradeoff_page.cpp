@@ -20,6 +20,7 @@ std::string percent(double share) { return fmt::format("{:.2f}", 100.0 * share);
 std::string percent_if(double share) { return share < 0.0 ? "-" : percent(share); }
 std::string millis(double seconds) { return fmt::format("{:.0f}", 1e3 * seconds); }
 constexpr double kMiB = 1 << 20;
+std::string frame_time(double ms) { return ms < 0.0 ? "-" : fmt::format("{:.1f}", ms); }
 std::string mebi(std::uint64_t bytes) { return fmt::format("{:.2f}", static_cast<double>(bytes) / kMiB); }
 
 // "12.3 +- 0.1 %, 14.1 % in its picture".
@@ -76,11 +77,14 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
                                 {"bake", row.options},
                                 {"view", row.view},
                                 {"command", text_of_path(bake_command(job, row))},
-                                {"bake_seconds", row.bake_seconds},
-                                {"bake_processor_seconds", row.bake_processor_seconds},
+                                {"bake_work_seconds", row.bake.work_seconds()},
+                                {"bake_processor_seconds", row.bake.processor_seconds},
+                                {"bake_device_seconds", row.bake.device_seconds},
+                                {"bake_seconds", row.bake.elapsed_seconds},
                                 {"file_bytes", row.file_bytes},
                                 {"gpu_bytes", row.gpu_bytes}};
   if (row.normals_bytes > 0) one["normal_map_bytes"] = row.normals_bytes;
+  if (row.normals_file_bytes > 0) one["normal_map_file_bytes"] = row.normals_file_bytes;
   if (job.has_budget()) one["fits"] = row.fits;
   if (!row.warnings.empty()) one["warnings"] = row.warnings;
   if (row.has_error)
@@ -92,9 +96,11 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
   if (row.is_measured)
     one.update(
         {{"fronts",
-          {{"bake_time", row.on_time_front}, {"gpu_bytes", row.on_size_front}, {"frame_time", row.on_frame_front}}}});
+          {{"bake_work", row.on_time_front}, {"gpu_bytes", row.on_size_front}, {"frame_work", row.on_frame_front}}}});
   if (row.same_as) one["same_as"] = *row.same_as;
-  if (row.rendered >= 0.0) one.update({{"rendered_relative_l1", row.rendered}, {"frame_ms", row.frame_ms}});
+  if (row.rendered >= 0.0)
+    one.update(
+        {{"rendered_relative_l1", row.rendered}, {"frame_work_ms", row.frame_work_ms}, {"frame_ms", row.frame_ms}});
   return one;
 }
 
@@ -107,8 +113,8 @@ nlohmann::ordered_json sweep_json(const TradeoffJob& job, const TradeoffResult& 
                                  {"brdf", job.brdf.id.text()},
                                  {"device", result.device},
                                  {"renderer", result.renderer},
-                                 {"bake_time_confidence_95", result.noise.bake},
-                                 {"frame_time_confidence_95", result.noise.frame},
+                                 {"bake_work_confidence_95", result.noise.bake},
+                                 {"frame_work_confidence_95", result.noise.frame},
                                  {"seconds", result.seconds}};
   if (result.chosen) json["chosen"] = *result.chosen;
   if (job.bytes_max) json["budget"]["gpu_bytes"] = *job.bytes_max;
@@ -153,28 +159,29 @@ std::string tradeoff_json(const TradeoffJob& job, const TradeoffResult& result) 
 
 std::string tradeoff_markdown(const TradeoffResult& result) {
   std::string text =
-      "| settings | drawn with | error | 95 % | 95th percentile | worst octave | rendered | bake, processor ms | "
-      "elapsed, ms | frame, ms | GPU, MiB |\n"
-      "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+      "| settings | drawn with | error | 95 % | 95th percentile | worst octave | rendered | bake, ms of work | "
+      "elapsed, ms | frame, ms of work | elapsed, ms | GPU, MiB |\n"
+      "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const TradeoffRow& row : result.rows) {
     const auto if_known = [&](double share) { return row.has_error ? percent(share) : std::string("-"); };
-    text += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.options,
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.options,
                         row.view.empty() ? "" : "`" + row.view + "`", if_known(row.reached.error),
                         if_known(row.reached.confidence), if_known(row.reached.percentile_95),
                         if_known(row.reached.worst_octave_error), percent_if(row.rendered),
-                        millis(row.bake_processor_seconds), millis(row.bake_seconds),
-                        row.frame_ms < 0.0 ? "-" : fmt::format("{:.1f}", row.frame_ms), mebi(row.gpu_bytes));
+                        millis(row.bake.work_seconds()), millis(row.bake.elapsed_seconds),
+                        frame_time(row.frame_work_ms), frame_time(row.frame_ms), mebi(row.gpu_bytes));
   }
   return text;
 }
 
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) {
-  std::string text = "on a front of error against bake time, memory or frame time:\n";
+  std::string text = "on a front of error against the work of a bake, memory or the work of a frame:\n";
   for (const TradeoffRow& row : result.rows) {
     if (!row.on_front() || row.same_as || !row.fits) continue;
-    text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake_seconds),
-                        mebi(row.gpu_bytes), row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_ms),
-                        row.options, row.view);
+    text +=
+        fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),
+                    mebi(row.gpu_bytes), row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_work_ms),
+                    row.options, row.view);
     const auto number = static_cast<std::size_t>(&row - result.rows.data());
     for (const TradeoffRow& other : result.rows)
       if (other.same_as == number)

@@ -17,21 +17,21 @@
 #include "host/asset/gpu_bytes.h"
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
-#include "host/base/files/byte_file.h"
 #include "host/base/files/work_folder.h"
 #include "host/base/held_warnings.h"
-#include "host/base/processes/viewer_process.h"
 #include "host/base/run_times.h"
 #include "host/base/stopwatch.h"
 #include "host/brdf/brdf_text.h"
 #include "host/brdf/facet_distribution.h"
 #include "host/movmf/start_memory.h"
+#include "host/target/pending_views.h"
 #include "host/target/plane_picture.h"
 
 namespace multum {
 namespace {
 
-constexpr std::size_t kTimeRepeats = 5;  // of the default settings, to know how much times move
+constexpr std::uint64_t kWaitingBytesMax = 32 << 20;  // of baked files that are yet to be drawn
+constexpr std::size_t kTimeRepeats = 5;               // of the default settings, to know how much times move
 constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 
 // A way to draw a bake.
@@ -114,13 +114,29 @@ std::unique_ptr<WorkFolder> take_scratch(const std::string& output) {
   return folder;
 }
 
+// Of every view. The map is the reference's.
+std::vector<std::string> common_arguments(const TradeoffJob& job) {
+  std::vector<std::string> arguments = {
+      "--source", job.bake.input, "--context", job.context,
+      "--decode", job.decode,     "--size",    fmt::format("{}x{}", job.width, job.height)};
+  if (job.has_roughness())
+    arguments.insert(arguments.end(), {job.bake.roughness_is_gloss ? "--gloss" : "--roughness", job.bake.roughness});
+  return arguments;
+}
+
 class Sweep {
  public:
   Sweep(const TradeoffJob& job, Device& device, Progress* progress)
-      : job_(job), device_(device), progress_(progress), scratch_(take_scratch(job.output)) {}
+      : job_(job),
+        device_(device),
+        progress_(progress),
+        scratch_(take_scratch(job.output)),
+        views_(job.viewer, common_arguments(job), scratch_->path()) {}
 
   TradeoffResult run() {
     const Stopwatch stopwatch;
+    // Processors that OpenCL uses are counted as such.
+    if (!device_.info().is_cpu) device_.time_launches(true);
     BakeReport reading;
     const BakeSource source = read_source(job_.bake, MapReadings::kMany, reading, progress_);
     result_.width = source.map.normals.width();
@@ -138,6 +154,7 @@ class Sweep {
       // Among the others, so that what else the machine does shows.
       if ((i + 1) % std::max<std::size_t>(1, sweep.size() / kTimeRepeats) == 0) repeat_default(source);
     }
+    draw_views();
     time_bakes(sweep, source);
     result_.noise = {relative_half_width(bake_times_), relative_half_width(frame_times_)};
     mark_fronts(result_.rows, result_.noise);
@@ -155,10 +172,10 @@ class Sweep {
     BakeJob bake = job_.bake;
     apply(swept.values, bake);
     bake.starts = starts_;
-    bake.output = scratch("swept.ndf.exr");
+    bake.output = new_scratch_file();
     bake.report.clear();
     bake.force = true;
-    if (!job_.has_roughness()) bake.highlights = job_.brdf.more_highlights();
+    choose_measured(bake);
     for (const View& view : swept.views)
       if (view.highlight) bake.highlights.push_back(*view.highlight);
     Progress quiet = cancel_only(progress_);
@@ -174,16 +191,30 @@ class Sweep {
       row.view = view.arguments;
       if (!view.brdf.empty()) row.view = fmt::format("--brdf {} {}", view.brdf, view.arguments);
       row.is_measured = view.is_measured;
-      row.file_bytes = std::filesystem::file_size(bake.output);
+      row.normals_file_bytes = bake.fitting.first_level > 0 ? std::filesystem::file_size(bake.input) : 0;
+      row.file_bytes = std::filesystem::file_size(bake.output) + row.normals_file_bytes;
       row.normals_bytes = finest_normals_gpu_bytes(result_.width, result_.height, bake.fitting.first_level);
       row.gpu_bytes = baked_gpu_bytes(bake.output) + row.normals_bytes;
       row.warnings = warnings;
       if (view.is_measured) add_errors(report, view, row);
       if (view.highlight) add_errors_of(report, *view.highlight, row);
-      if (!job_.viewer.empty()) draw(bake.output, view, row);
       result_.rows.push_back(std::move(row));
+      if (!job_.viewer.empty()) draw(bake.output, view, result_.rows.size() - 1);
       progress_advance(progress_, 1);
     }
+    if (views_.waiting_bytes() > kWaitingBytesMax) draw_views();
+  }
+
+  // The rows need the error of pixels of one BRDF. A bake that is not told so measures four, and each level.
+  void choose_measured(BakeJob& bake) const {
+    if (job_.has_roughness()) return;  // one BRDF; a warning needs its levels
+    if (job_.measures_all_brdfs) {
+      bake.highlights = job_.brdf.more_highlights();
+      return;
+    }
+    bake.measured_exponents.clear();
+    bake.measure_levels = false;
+    if (job_.brdf.has_highlight()) bake.highlights = {make_highlight(job_.brdf.id, job_.brdf.brdf)};
   }
 
   // Once more, for its time: what it says of the map has been said.
@@ -210,24 +241,29 @@ class Sweep {
         bake.output = scratch("timed.ndf.exr");
         search = bake_unmeasured(bake, source).fit.start_remembered;
       });
-    const std::vector<RunTime> times = time_in_turns(runs, kTimedRounds, progress_);
+    const std::vector<RunTime> times = time_in_turns(runs, kTimedRounds, progress_, device_seconds());
     for (std::size_t i = 0; i < sweep.size(); ++i)
       for (TradeoffRow& row : result_.rows) {
-        if (row.options != options_text(sweep[i].values)) continue;
-        row.bake_seconds = times[i].elapsed_seconds + remembered[i].elapsed_seconds;
-        row.bake_processor_seconds = times[i].processor_seconds + remembered[i].processor_seconds;
+        if (row.options == options_text(sweep[i].values)) row.bake = times[i] + remembered[i];
       }
+  }
+
+  DeviceSeconds device_seconds() const {
+    return [&device = device_] { return device.timed_seconds(); };
   }
 
   // Of the default settings' bake and frame, once more.
   void repeat_default(const BakeSource& source) {
     progress_stage(progress_, "repeat the default");
     BakeJob bake = job_.bake;
-    bake.output = scratch("repeated.ndf.exr");
-    bake_times_.push_back(bake_unmeasured(bake, source).bake_seconds());
+    bake.output = new_scratch_file();
+    const RunClock clock(device_seconds());
+    bake_unmeasured(bake, source);
+    bake_times_.push_back(clock.time().work_seconds());
     if (job_.viewer.empty()) return;
     const View view{"", "", "", true};
-    frame_times_.push_back(own_picture(run_view(bake.output, view, {})).at("frame_time_ms").get<double>());
+    views_.add({bake.output, arguments_of(view)},
+               [this](const DrawnView& drawn) { frame_times_.push_back(frame_work(drawn.report)); });
   }
 
   // The map is the page's.
@@ -252,19 +288,34 @@ class Sweep {
   }
 
   std::string scratch(const std::string& name) const { return scratch_->path() + "/" + name; }
+  std::string new_scratch_file() { return scratch(fmt::format("swept_{}.ndf.exr", scratch_count_++)); }
 
   // With the reference, the pixel's own, as the measured error has it: it is drawn once a BRDF.
-  void draw(const std::string& baked, const View& view, TradeoffRow& row) {
-    progress_stage(progress_, "draw " + row.options);
-    const nlohmann::json with_reference =
-        run_view(baked, view,
-                 {"--pictures", scratch("picture"), "--compare", "reference", "--reference-of", "pixel", "--samples",
-                  fmt::format("{}", job_.samples), "--keep-reference", kept_reference(view)});
-    result_.renderer = with_reference.at("context").get<std::string>();
-    row.rendered = own_picture(with_reference).at("relative_l1").get<double>();
-    row.frame_ms = own_picture(with_reference).at("frame_time_ms").get<double>();
-    row.picture = bytes_of_file(scratch("picture_multum.png"));
-    if (result_.reference.empty()) result_.reference = bytes_of_file(scratch("picture_reference.png"));
+  void draw(const std::string& baked, const View& view, std::size_t row_number) {
+    const bool is_first = references_.empty();  // of all: the page shows its reference
+    std::vector<std::string> arguments = arguments_of(view);
+    arguments.insert(arguments.end(), {"--compare", "reference", "--reference-of", "pixel", "--samples",
+                                       fmt::format("{}", job_.samples), "--keep-reference", kept_reference(view)});
+    views_.add({baked, arguments, is_first}, [this, row_number](const DrawnView& drawn) {
+      TradeoffRow& row = result_.rows[row_number];
+      result_.renderer = drawn.report.at("context").get<std::string>();
+      row.rendered = own_picture(drawn.report).at("relative_l1").get<double>();
+      row.frame_ms = own_picture(drawn.report).at("frame_time_ms").get<double>();
+      row.frame_work_ms = frame_work(drawn.report);
+      row.picture = drawn.picture;
+      if (!drawn.reference.empty()) result_.reference = drawn.reference;
+    });
+  }
+
+  void draw_views() {
+    progress_stage(progress_, "draw");
+    views_.draw(progress_);
+  }
+
+  // Milliseconds, of multum-view's report.
+  static double frame_work(const nlohmann::json& report) {
+    const char* const key = report.at("context_is_software").get<bool>() ? "frame_processor_ms" : "frame_draw_ms";
+    return own_picture(report).at(key).get<double>();
   }
 
   const std::string& brdf_of(const View& view) const { return view.brdf.empty() ? job_.brdf.text : view.brdf; }
@@ -276,23 +327,12 @@ class Sweep {
     return scratch(fmt::format("reference_{}", number));
   }
 
-  // What it reports.
-  nlohmann::json run_view(const std::string& baked, const View& view, const std::vector<std::string>& more) {
-    std::vector<std::string> command = {job_.viewer, baked,
-                                        "-o",        scratch("sheet.png"),
-                                        "--report",  scratch("view.json"),
-                                        "--source",  job_.bake.input,
-                                        "--context", job_.context,
-                                        "--decode",  job_.decode,
-                                        "--size",    fmt::format("{}x{}", job_.width, job_.height)};
-    if (job_.has_roughness())
-      command.insert(command.end(), {job_.bake.roughness_is_gloss ? "--gloss" : "--roughness", job_.bake.roughness});
-    else command.insert(command.end(), {"--brdf", brdf_of(view)});
-    command.insert(command.end(), more.begin(), more.end());
+  std::vector<std::string> arguments_of(const View& view) const {
+    std::vector<std::string> arguments;
+    if (!job_.has_roughness()) arguments = {"--brdf", brdf_of(view)};
     std::stringstream words(view.arguments);
-    for (std::string word; words >> word;) command.push_back(word);
-    run_viewer(command, "drawing " + baked, progress_);
-    return nlohmann::json::parse(bytes_of_file(scratch("view.json")));
+    for (std::string word; words >> word;) arguments.push_back(word);
+    return arguments;
   }
 
   // A frame that was not drawn keeps to no budget of time.
@@ -300,21 +340,21 @@ class Sweep {
     for (TradeoffRow& row : result_.rows)
       row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&
                  (!job_.frame_ms_max || (row.frame_ms >= 0.0 && row.frame_ms <= *job_.frame_ms_max)) &&
-                 (!job_.bake_seconds_max || row.bake_seconds <= *job_.bake_seconds_max);
+                 (!job_.bake_seconds_max || row.bake.elapsed_seconds <= *job_.bake_seconds_max);
   }
 
-  // For an error: the fewest bytes, then the least time; for a time, and within budgets alone: the least error.
+  // For an error: the fewest bytes, then the least work; for a time, and within budgets alone: the least error. A time
+  // is one that someone waits, so that budgets are of elapsed time.
   void choose() {
     for (std::size_t i = 0; i < result_.rows.size(); ++i) {
       const TradeoffRow& row = result_.rows[i];
       if (!row.is_measured || !row.fits) continue;
       const bool fits = job_.error          ? row.reached.meets(*job_.error)
-                        : job_.bake_seconds ? row.bake_seconds <= *job_.bake_seconds
+                        : job_.bake_seconds ? row.bake.elapsed_seconds <= *job_.bake_seconds
                                             : job_.has_budget();
       if (!fits) continue;
       const auto rank = [&](const TradeoffRow& one) {
-        return job_.error ? std::pair(static_cast<double>(one.gpu_bytes), one.bake_seconds)
-                          : std::pair(one.reached.error, one.bake_seconds);
+        return std::pair(job_.error ? static_cast<double>(one.gpu_bytes) : one.reached.error, one.bake.work_seconds());
       };
       if (!result_.chosen || rank(row) < rank(result_.rows[*result_.chosen])) result_.chosen = i;
     }
@@ -324,6 +364,8 @@ class Sweep {
   Device& device_;
   Progress* const progress_;
   const std::unique_ptr<WorkFolder> scratch_;
+  PendingViews views_;
+  int scratch_count_ = 0;
   const std::shared_ptr<StartMemory> starts_ = std::make_shared<StartMemory>();
   TradeoffResult result_;
   std::vector<double> bake_times_, frame_times_;   // of the default settings
@@ -364,8 +406,8 @@ double relative_half_width(const std::vector<double>& times) {
 
 void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise) {
   const FrontCost costs[] = {
-      {&TradeoffRow::on_time_front, [](const TradeoffRow& row) { return row.bake_seconds; }, noise.bake},
-      {&TradeoffRow::on_frame_front, [](const TradeoffRow& row) { return row.frame_ms; }, noise.frame},
+      {&TradeoffRow::on_time_front, [](const TradeoffRow& row) { return row.bake.work_seconds(); }, noise.bake},
+      {&TradeoffRow::on_frame_front, [](const TradeoffRow& row) { return row.frame_work_ms; }, noise.frame},
       {&TradeoffRow::on_size_front, [](const TradeoffRow& row) { return static_cast<double>(row.gpu_bytes); }, 0.0}};
   for (const FrontCost& cost : costs)
     for (TradeoffRow& row : rows) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/run_times.h"
 #include "host/target/setting_choice.h"
 
 namespace multum {
@@ -17,13 +18,14 @@ struct TradeoffJob {
   BakeJob bake;     // its input, roughness and how to read them; settings that are swept do not count
   TargetBrdf brdf;  // kRoughness with a roughness map
   SweepLength length = SweepLength::kDefault;
-  std::string viewer;             // multum-view; empty: nothing is drawn
-  std::string context = "auto";   // of multum-view
-  std::string decode = "child";   // of multum-view, too
-  std::string output;             // the page, which others write; baked files and pictures lie beside it, hidden
-  int width = 320, height = 240;  // of pictures
-  int samples = 64;               // a pixel of the reference
-  std::optional<double> error;    // what to pick settings for: one of both, or none
+  bool measures_all_brdfs = false;  // TradeoffRow::errors are of every BRDF that bakes measure, not of `brdf` alone
+  std::string viewer;               // multum-view; empty: nothing is drawn
+  std::string context = "auto";     // of multum-view
+  std::string decode = "child";     // of multum-view, too
+  std::string output;               // the page, which others write; baked files and pictures lie beside it, hidden
+  int width = 320, height = 240;    // of pictures
+  int samples = 64;                 // a pixel of the reference
+  std::optional<double> error;      // what to pick settings for: one of both, or none
   std::optional<double> bake_seconds;
   // Budgets: rows say whether they keep to all that are set, and only those may be chosen.
   std::optional<std::uint64_t> bytes_max;  // of textures on the GPU
@@ -36,17 +38,17 @@ struct TradeoffJob {
 
 /// One bake, drawn in one way.
 struct TradeoffRow {
-  std::string group;                   // "lobes", "storage", ...: what is varied
-  std::string options;                 // of `multum bake`
-  std::string view;                    // of `multum-view`; empty: none beside the BRDF
-  ReachedError reached;                // of pixels, with its interval
-  std::vector<FootprintError> errors;  // the same of every BRDF that bakes measure, as it is drawn here
-  double rendered = -1.0;              // of the picture, against one of the same filter's reference; < 0: not drawn
-  // Of fitting or averaging, and writing; reading is the same for all: elapsed, and of processors
-  // (host/base/run_times.h)
-  double bake_seconds = 0.0, bake_processor_seconds = 0.0;
-  double frame_ms = -1.0;  // < 0: not drawn
-  std::uint64_t file_bytes = 0;
+  std::string group;                     // "lobes", "storage", ...: what is varied
+  std::string options;                   // of `multum bake`
+  std::string view;                      // of `multum-view`; empty: none beside the BRDF
+  ReachedError reached;                  // of pixels, with its interval
+  std::vector<FootprintError> errors;    // the same of each BRDF that was measured, as it is drawn here
+  double rendered = -1.0;                // of the picture, against one of the same filter's reference; < 0: not drawn
+  RunTime bake;                          // of fitting or averaging, and writing; reading is the same for all
+  double frame_ms = -1.0;                // elapsed; < 0: not drawn
+  double frame_work_ms = -1.0;           // of processors where software draws, else by the GPU's clock; < 0: not drawn
+  std::uint64_t normals_file_bytes = 0;  // on disk, of the normal map that has the levels finer than the file's first
+  std::uint64_t file_bytes = 0;          // with these
   std::uint64_t normals_bytes = 0;    // on the GPU, of the normal map that has the levels finer than the file's first
   std::uint64_t gpu_bytes = 0;        // with these
   std::string picture;                // PNG bytes; empty: not drawn
@@ -61,16 +63,17 @@ struct TradeoffRow {
   bool on_front() const { return on_time_front || on_frame_front || on_size_front; }
 };
 
-/// Times are of one run, and move. Parts of themselves: 95 % half widths, from the default settings' repeated runs.
+/// Of the work that bakes and frames take. Parts of themselves: 95 % half widths, from the default settings' repeated
+/// runs.
 struct TimeNoise {
   double bake = 0.0, frame = 0.0;
 };
 /// Of some repeated times: Student's 95 % half width of one of them, over their mean; at least two.
 double relative_half_width(const std::vector<double>& times);
 
-/// Marks rows on the fronts of error against bake time, frame time and memory, and which of them are the same. A row is
-/// off a front where another is cheaper or nearer by more than their intervals, and in neither worse by more than
-/// these.
+/// Marks rows on the fronts of error against the work of a bake, the work of a frame, and memory, and which of them are
+/// the same. A row is off a front where another is cheaper or nearer by more than their intervals, and in neither worse
+/// by more than these. Elapsed times do not count: on a busy machine they say what else it does.
 void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise);
 
 struct TradeoffResult {
@@ -80,7 +83,7 @@ struct TradeoffResult {
   std::string renderer;               // that drew
   int width = 0, height = 0;          // of the map
   std::optional<std::size_t> chosen;  // the row for the job's error, time or budgets
-  TimeNoise noise;                    // of all times
+  TimeNoise noise;
   double seconds = 0.0;
 
   /// Rows whose error for the job's BRDF is measured: those that are ranked and chosen from.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/context/headless_context.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "host/base/error.h"
 #include "host/base/log.h"
 #include "runtime_gl/context/egl_context.h"
@@ -41,6 +44,12 @@ void HeadlessContext::load(GetProcAddress get_proc_address, DebugOutput debug) {
   functions_.Enable(GL_DEBUG_OUTPUT);
   functions_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   functions_.DebugMessageCallback(on_debug_message, nullptr);
+}
+
+bool HeadlessContext::is_software() const {
+  constexpr const char* kRenderers[] = {"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software Rasterizer"};
+  return std::any_of(std::begin(kRenderers), std::end(kRenderers),
+                     [&](const char* name) { return description_.find(name) != std::string::npos; });
 }
 
 std::unique_ptr<HeadlessContext> make_headless_context(ContextBackend backend, DebugOutput debug) {

@@ -44,6 +44,8 @@ class HeadlessContext {
   const GlFunctions& functions() const { return functions_; }
   /// "osmesa: llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6"
   const std::string& description() const { return description_; }
+  /// Whether processors draw, as the renderer's name says: llvmpipe, softpipe, SwiftShader, ...
+  bool is_software() const;
 
  protected:
   HeadlessContext() = default;

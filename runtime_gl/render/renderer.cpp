@@ -9,6 +9,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/base/error.h"
+#include "host/base/run_times.h"
 #include "host/base/stopwatch.h"
 #include "runtime_gl/render/light_shading.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -170,23 +171,29 @@ Picture Renderer::draw(const std::vector<SceneObject>& objects, const RenderScen
   gl_.Scissor(0, 0, 1, 1);
   draw_objects();
   gl_.Disable(GL_SCISSOR_TEST);
-  std::vector<double> times, draw_times;
+  std::vector<double> times, processor_times, draw_times;
   DrawTimer timer(gl_);
   while (times.size() < kTimedFrames && (times.empty() || times.front() <= kLongFrameMs)) {
     gl_.Finish();
-    const Stopwatch stopwatch;
+    const RunClock clock;
     timer.begin();
     draw_objects();
     timer.end();
     gl_.Finish();
-    times.push_back(1e3 * stopwatch.seconds());
+    const RunTime time = clock.time();
+    times.push_back(1e3 * time.elapsed_seconds);
+    processor_times.push_back(1e3 * time.processor_seconds);
     draw_times.push_back(timer.milliseconds());
   }
   check_gl(gl_, "drawing");
   const int frame_count = static_cast<int>(times.size());
   for (auto* list : {&times, &draw_times}) std::sort(list->begin(), list->end());
   const std::size_t middle = times.size() / 2;
-  return {framebuffer_.read(), times[middle], draw_times[middle], 0, 0.0, frame_count};
+  Picture picture{framebuffer_.read(), times[middle]};
+  picture.processor_time_ms = *std::min_element(processor_times.begin(), processor_times.end());
+  picture.draw_time_ms = draw_times[middle];
+  picture.frame_count = frame_count;
+  return picture;
 }
 
 void Renderer::accumulate(const ShaderProgram& adder) const {

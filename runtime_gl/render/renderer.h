@@ -25,10 +25,11 @@ struct Picture {
   // glFinish to glFinish of one frame: the median of 3, or one frame that took longer than kLongFrameMs. Of a
   // reference: all samples
   double frame_time_ms;
-  double draw_time_ms = 0.0;  // what the driver's own clock says that drawing took (GL_TIME_ELAPSED); reference: 0
-  int sample_count = 0;       // of a reference, per pixel
-  double noise = 0.0;         // of a reference (ReferenceSum::noise)
-  int frame_count = 1;        // whole frames that were drawn for it
+  double processor_time_ms = 0.0;  // of this process in such a frame, in all its threads: the least; reference: 0
+  double draw_time_ms = 0.0;       // what the driver's own clock says that drawing took (GL_TIME_ELAPSED); reference: 0
+  int sample_count = 0;            // of a reference, per pixel
+  double noise = 0.0;              // of a reference (ReferenceSum::noise)
+  int frame_count = 1;             // whole frames that were drawn for it
 };
 
 /// One of several things in a picture.

@@ -3,6 +3,8 @@
 // or bytes in the page itself. All have a `name` for messages, `read(offset, length, signal)`, and `size`, which is
 // known after the first read.
 
+import { errorText } from "./error_text.js";
+
 const ATTEMPTS = 4;
 const FIRST_PAUSE_MS = 250; // doubled from attempt to attempt
 const SILENCE_MS = 20000; // without a byte: the connection counts as cut
@@ -79,7 +81,7 @@ class PatientRequest {
         reason = `the connection was cut after ${bytes.length} of ${expected.least} bytes`;
       } catch (error) {
         if (error instanceof FieldError) throw error;
-        reason = `the server cannot be reached (${error.message})`;
+        reason = `the server cannot be reached (${errorText(error)})`;
       } finally {
         clearTimeout(timer);
         signal?.removeEventListener("abort", forward);

@@ -3,6 +3,8 @@
 // longer fetched; a worker has one request at a time, so that a new wish waits for one texture at most. All textures
 // of a chunk go to one worker, which keeps it decoded.
 
+import { errorText } from "./error_text.js";
+
 const PER_WORKER_FETCHES = 2;
 
 export class DecodingPool {
@@ -108,7 +110,7 @@ export class DecodingPool {
   }
 
   broken(slot, event) {
-    const error = new Error(`a worker that decodes broke down (${event.message ?? "it did not start"})`);
+    const error = new Error(`a worker that decodes broke down (${errorText(event, "it did not start")})`);
     const isHis = (wish) => this.owners.get(wish.chunk) === slot;
     const wishes = this.wishes.filter(isHis);
     slot.current = null;

@@ -8,6 +8,7 @@
 //   answers { id, levels, memory } | { id, isGone, memory } | { id, problem, memory }   levels: halves, all mip levels
 import { loadDecoder } from "./packed_field.js";
 import { chunkHead } from "./chunk_head.js";
+import { errorText } from "./error_text.js";
 
 const CHUNKS_MAX = 64; // more than a picture has, or each picture would decode them all again
 const MEMORY_BYTES_MAX = 128 * 2 ** 20;
@@ -49,8 +50,9 @@ async function answer(request) {
     const chunk = await decodedChunk(request);
     return chunk === null ? { isGone: true } : { levels: chunk.radianceLevels(request.texture) };
   } catch (error) {
-    if (error instanceof WebAssembly.RuntimeError || /memory/.test(error.message)) restart(); // its state is unknown
-    return { problem: error.message };
+    const problem = errorText(error);
+    if (error instanceof WebAssembly.RuntimeError || /memory/.test(problem)) restart(); // its state is unknown
+    return { problem };
   }
 }
 

@@ -4,8 +4,10 @@
 // nearest sample alone.
 import { DecodingPool } from "./decoding_pool.js";
 import { DrawingQuality } from "./drawing_quality.js";
+import { errorText } from "./error_text.js";
 import { mappedCorners } from "./glb.js";
 import { mixedCamera, mixedPlace, multiplied } from "./matrices.js";
+import { onNextFrame } from "./next_frame.js";
 import { PlayerGl, textureBytes } from "./player_gl.js";
 import { TextureStore } from "./texture_store.js";
 
@@ -17,14 +19,16 @@ export class FieldPlayer {
   /**
    * `file`: an MptFile. `objects`: of readGlb. `startWorkers`: { count, makeWorker, wasm }. `budget`: bytes of textures
    * and compressed chunks. `say`: called with problems. `changed`: called after each picture.
+   * `showLoss(isLost)`: called when the graphics context is lost, and when it is back.
    */
-  constructor({ canvas, file, description, objects, startWorkers, budget, counts, say, changed }) {
+  constructor({ canvas, file, description, objects, startWorkers, budget, counts, say, changed, showLoss }) {
     Object.assign(this, { canvas, file, description, objects, counts, say, changed });
     this.position = description.sizes.map(() => 0);
     this.velocity = description.sizes.map(() => 0);
     this.isSmooth = true;
     this.isFull = true; // draws in all sub-pixels at rest
     this.exposure = 1;
+    this.cancelFrame = null; // while a picture is to be drawn
     this.movedAt = -Infinity;
     this.hasMoved = true; // since the last picture
     this.failed = new Set(); // names of chunks that are damaged or cannot be fetched
@@ -40,16 +44,18 @@ export class FieldPlayer {
     });
     this.lastDrawn = new Map(); // keys of textures by layer
     canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault();
-      this.say("The graphics driver was reset; waiting for it.");
+      event.preventDefault(); // or it never comes back
+      showLoss(true);
     });
     canvas.addEventListener("webglcontextrestored", () => {
       const { release } = this.store; // what is held went with the old context
       this.store.release = () => {};
       this.store.clear();
       this.store.release = release;
+      this.lastDrawn.clear();
       this.startGl();
       this.moveTo(this.position);
+      showLoss(false);
     });
     this.moveTo(this.position);
   }
@@ -226,10 +232,11 @@ export class FieldPlayer {
       this.failed.add(wish.chunk);
       for (const key of this.needed.keys()) if (key.startsWith(`${wish.chunk}:`)) this.needed.delete(key);
       const name = this.file.source.name;
-      const text = error.message.startsWith(name) ? error.message : `${name}: ${this.nameOf(wish)}: ${error.message}`;
+      const reason = errorText(error);
+      const text = reason.startsWith(name) ? reason : `${name}: ${this.nameOf(wish)}: ${reason}`;
       this.say(`${text}. The rest is played without it.`);
     } else {
-      this.say(error.message);
+      this.say(errorText(error));
     }
     this.requestDraw();
   }
@@ -242,9 +249,9 @@ export class FieldPlayer {
   // ---- Drawing
 
   requestDraw() {
-    if (this.frame) return;
-    this.frame = requestAnimationFrame((now) => {
-      this.frame = 0;
+    if (this.cancelFrame !== null) return;
+    this.cancelFrame = onNextFrame((now) => {
+      this.cancelFrame = null;
       // Browsers take some pictures ahead of a slow driver: they would be shown late, and seem to be drawn at once.
       if (this.gl.isBusy()) this.requestDraw();
       else this.drawNow(now);
@@ -336,7 +343,7 @@ export class FieldPlayer {
 
   /** Resolves once all of the current picture is there and drawn finely; tests and pictures for print wait for it. */
   async settled() {
-    while (!(this.isSettled && this.frame === 0 && performance.now() - this.movedAt > REST_MS)) {
+    while (!(this.isSettled && this.cancelFrame === null && performance.now() - this.movedAt > REST_MS)) {
       this.requestDraw();
       await new Promise((resolve) => setTimeout(resolve, 30));
     }
@@ -349,7 +356,7 @@ export class FieldPlayer {
   }
 
   close() {
-    cancelAnimationFrame(this.frame);
+    this.cancelFrame?.();
     clearTimeout(this.restTimer);
     this.pool.close();
     this.store.clear();

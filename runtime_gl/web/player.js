@@ -5,10 +5,12 @@
 // The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A page that has all
 // in itself has further blocks: data-field, data-geometry, data-wasm (base64) and worker-source (text).
 import { BlobSource, FieldError, UrlSource, wholeBody } from "./byte_source.js";
+import { errorText, sayUncaughtErrors } from "./error_text.js";
 import { FieldDescription } from "./field_description.js";
 import { FieldPlayer } from "./field_player.js";
 import { readGlb } from "./glb.js";
 import { MptFile } from "./mpt_file.js";
+import { onNextFrame } from "./next_frame.js";
 import { ParameterControls } from "./parameter_controls.js";
 import { RecordedPath } from "./recorded_path.js";
 
@@ -48,6 +50,15 @@ function showState(text) {
   byId("state").textContent = text;
   byId("state").hidden = text === "";
 }
+
+/** Of the graphics context, which browsers take away when a driver is reset or memory is short. */
+function showLoss(isLost) {
+  byId("canvas").style.visibility = isLost ? "hidden" : ""; // browsers show a broken picture
+  showState(isLost ? "The browser has lost the graphics context: the picture comes back by itself as soon as the " +
+    "graphics driver does. If it stays away, reload the page." : "");
+}
+
+sayUncaughtErrors(say);
 
 // ---- Opening
 
@@ -123,14 +134,16 @@ let opened = null; // makes what is open, or was to be
 async function open(make) {
   opened = make;
   forget();
-  const what = make();
-  showState(`Opening ${what.source.name} ...`);
   stopPlaying();
   stopRecording();
   player?.close();
   player = controls = null;
   byId("main").hidden = true;
   try {
+    const what = make();
+    if (what === null)
+      return showState("No field is named. Open a packed field, .mpt, together with its geometry, .glb.");
+    showState(`Opening ${what.source.name} ...`);
     const file = await MptFile.open(what.source);
     const description = new FieldDescription(await file.descriptionObject(), what.source.name);
     showState("Reading the geometry ...");
@@ -142,7 +155,7 @@ async function open(make) {
   } catch (error) {
     startOfWorkers?.catch(() => { startOfWorkers = null; });
     showState("");
-    say(error.message);
+    say(errorText(error));
   }
 }
 
@@ -162,7 +175,7 @@ function start({ file, description, objects, startWorkers, title }) {
   const pad = byId("pad").cloneNode(false);
   byId("pad").replaceWith(pad);
   byId("sliders").replaceChildren();
-  player = new FieldPlayer({ canvas, file, description, objects, startWorkers, counts, say,
+  player = new FieldPlayer({ canvas, file, description, objects, startWorkers, counts, say, showLoss,
     budget: Number(byId("budget").value) * MIB, changed: () => controls?.show(player.position) });
   player.exposure = 2 ** Number(byId("exposure").value);
   player.setSmooth(byId("smooth").checked);
@@ -213,9 +226,9 @@ function startPlaying() {
   const step = (now) => {
     if (playing !== mine) return;
     moveTo(playing.path.at(Math.max(0, now - playing.begun) / 1000));
-    requestAnimationFrame(step);
+    onNextFrame(step);
   };
-  requestAnimationFrame(step);
+  onNextFrame(step);
   showPath();
 }
 
@@ -240,7 +253,7 @@ const toggleRecording = () => (recording ? stopRecording() : startRecording());
 
 function toggleFullScreen() {
   if (document.fullscreenElement) document.exitFullscreen();
-  else byId("player").requestFullscreen?.().catch((error) => say(`Full screen is refused: ${error.message}`));
+  else byId("player").requestFullscreen?.().catch((error) => say(`Full screen is refused: ${errorText(error)}`));
 }
 
 // ---- Statistics
@@ -311,7 +324,7 @@ byId("import").addEventListener("change", async ({ target }) => {
     path = RecordedPath.parse(await file.text(), player.description.parameters);
     showPath();
   } catch (error) {
-    say(`${file.name}: ${error.message}`);
+    say(`${file.name}: ${errorText(error)}`);
   }
 });
 byId("open").addEventListener("change", ({ target }) => {
@@ -320,7 +333,7 @@ byId("open").addEventListener("change", ({ target }) => {
     chosen(files);
     open(() => chosen(files));
   } catch (error) {
-    say(error.message);
+    say(errorText(error));
   }
   target.value = "";
 });
@@ -338,5 +351,4 @@ document.addEventListener("keydown", (event) => {
 });
 setInterval(showStatistics, STATISTICS_MS);
 
-if (configured() !== null) open(configured);
-else showState("No field is named. Open a packed field, .mpt, together with its geometry, .glb.");
+open(configured);

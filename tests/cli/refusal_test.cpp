@@ -275,6 +275,8 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({"bake", path("map_normal.png"), "-o"}), kUsage, {"--output"});
   expect_failure(multum({"info"}), kUsage, {"file", "required", "multum info --help"});
   expect_failure(multum({"verify"}), kUsage, {"file", "required", "multum verify --help"});
+  expect_failure(multum({"testmap"}), kUsage,
+                 {"prefix", "required", "Usage: multum testmap", "multum testmap out/test", "multum testmap --help"});
   expect_failure(multum({"testmap", path("t"), "--size", "17"}), kUsage, {"--size", "17", "even"});
   expect_failure(multum({"testmap", path("t"), "--size", "8"}), kUsage, {"--size", "16 to 32768"});
   EXPECT_EQ(out_names(), std::set<std::string>());

@@ -115,10 +115,18 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   for (const nlohmann::json& row : json["rows"]) {
     EXPECT_GT(row["bake_seconds"].get<double>(), 0.0) << row;
     EXPECT_GT(row["bake_processor_seconds"].get<double>(), 0.0) << row;
+    EXPECT_EQ(row["bake_device_seconds"], 0.0) << "OpenCL runs on processors here";
+    EXPECT_EQ(row["bake_work_seconds"], row["bake_processor_seconds"]) << row;
     EXPECT_EQ(row["fits"], row["gpu_bytes"].get<std::uint64_t>() <= bytes_max) << row;
     fitting += row["fits"].get<bool>() ? 1 : 0;
     if (row["fits"]) best = std::min(best, row["relative_l1"].get<double>());
     const std::string bake = row["bake"];
+    // Renderers need the map itself beside files without the finest level.
+    const bool needs_map = bake.find("--first-level") != std::string::npos;
+    EXPECT_EQ(row.value("normal_map_file_bytes", std::uint64_t{0}),
+              needs_map ? std::filesystem::file_size(path("map_normal.png")) : 0u)
+        << row;
+    EXPECT_GT(row["file_bytes"].get<std::uint64_t>(), row.value("normal_map_file_bytes", std::uint64_t{0}));
     for (const int lobes : {2, 4})
       if (bake == fmt::format("--ndf vmf --lobes {} --first-level 1", lobes)) bytes[{lobes, 1}] = row["gpu_bytes"];
       else if (bake == fmt::format("--ndf vmf --lobes {}", lobes)) bytes[{lobes, 0}] = row["gpu_bytes"];
@@ -173,6 +181,8 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
   for (const nlohmann::json& one : rows) {
     EXPECT_NE(one["fronts"]["gpu_bytes"].get<bool>(), is_beaten(one, rows)) << one;
     EXPECT_GT(one["rendered_relative_l1"].get<double>(), 0.0) << one;
+    EXPECT_GT(one["frame_ms"].get<double>(), 0.0) << one;
+    EXPECT_GT(one["frame_work_ms"].get<double>(), 0.0) << one;
     best = std::min(best, one["relative_l1"].get<double>());
   }
   EXPECT_EQ(rows.at(json["chosen"].get<std::size_t>())["relative_l1"], best);
@@ -194,13 +204,13 @@ TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {
   // What a killed one leaves is in no one's way.
   for (const int signal : {SIGKILL, SIGINT}) {
     Program program(multum_command(command({})));
-    while (program.running() && !std::filesystem::exists(path(scratch + "/swept.ndf.exr")))
+    while (program.running() && !std::filesystem::exists(path(scratch + "/swept_0.ndf.exr")))
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     program.send(signal);
     const ProgramResult result = program.wait();
     EXPECT_EQ(signal == SIGKILL ? result.signal : result.exit_code, signal == SIGKILL ? SIGKILL : 130) << result.err;
     EXPECT_EQ(folder_.names().contains(scratch), signal == SIGKILL);
-    std::filesystem::remove(path(scratch + "/swept.ndf.exr"));  // which tells when the next one has begun
+    std::filesystem::remove(path(scratch + "/swept_0.ndf.exr"));  // which tells when the next one has begun
   }
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png"}));
 }

@@ -99,7 +99,7 @@ void read_as(unsigned reader) {
     }
     case 7: read_exr_channels(path, {"R"}); break;
     case 8:
-      for (const std::string& name : cryptomatte_names(path, "CryptoObject"))
+      for (const std::string& name : find_cryptomatte_names(path, "CryptoObject", {"other"}).manifest)
         read_cryptomatte_coverage(path, "CryptoObject", {name, "other"});
       break;
     case 9: read_object_index_coverage(path, 8, 8, {1, 2, 300}); break;

@@ -210,7 +210,8 @@ class DocumentTest(unittest.TestCase):
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
         measured_at = re.search(r"bytes\. Measured at (.+)\.$", page, re.MULTILINE)
         self.assertIsNotNone(measured_at, page)
-        self.assertIn("1", measured_at.group(1).split(", "))  # beside the tree's own commit, whose name may sort before "1"
+        # Beside it stands the tree's own commit, whose name may sort before "1".
+        self.assertIn("1", measured_at.group(1).split(", "))
 
         # What is named is measured again, into a file of rows that lies elsewhere, and no more than that.
         for row in rows:

@@ -21,19 +21,27 @@ export async function startLook(bin) {
     "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
   const complaints = []; // errors of pages, and requests to others
   const inFolder = (name) => path.join(folder, name);
+  const plainPage = async ({ before, ...options }) => {
+    const context = await browser.newContext(options);
+    if (before !== undefined) await context.addInitScript(before);
+    const page = await context.newPage();
+    page.setDefaultTimeout(60000);
+    page.on("pageerror", (error) => complaints.push(String(error)));
+    page.on("request", (request) =>
+      { if (!/^(data|blob|file):/.test(request.url())) complaints.push(request.url()); });
+    return page;
+  };
   return {
+    plainPage,
     inFolder,
     complaints,
     run: (program, ...words) => execFileSync(path.join(bin, program), words, { cwd: folder, encoding: "utf8",
       stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, DISPLAY: ":99" } }),
     open: async (file, hash = "", { width = 344, height = 700, ...more } = {}) => {
-      const page = await (await browser.newContext({ viewport: { width, height }, ...more })).newPage();
-      page.setDefaultTimeout(60000);
-      page.on("pageerror", (error) => complaints.push(String(error)));
-      page.on("request", (request) =>
-        { if (!/^(data|blob|file):/.test(request.url())) complaints.push(request.url()); });
+      const page = await plainPage({ viewport: { width, height }, ...more });
       await page.goto(pathToFileURL(inFolder(file)).href + hash);
-      await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);
+      // By a timer: some pages of tests have no frames.
+      await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined, undefined, { polling: 50 });
       return page;
     },
     end: async () => {

@@ -9,6 +9,7 @@ import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { drop, goTo, pixelsOf as pixels, settled, startLook, viewOf as view } from "./look_browser.mjs";
 import { lowContrasts } from "../service/page_contrast.mjs";
+import { NARROW, misplaced } from "../service/page_layout.mjs";
 
 const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
@@ -104,7 +105,7 @@ try {
   await page.check("#light");
   await changes(page, "the light", () => page.mouse.move(box.x + 0.8 * box.width, box.y + 0.2 * box.height));
   const facts = await page.textContent("#facts");
-  assert.match(facts, /128 x 128, 4 lobes.*MB.*takes [\d.]+ ms/);
+  assert.match(facts, /128 x 128, 4 lobes.*all mip levels.*roughness as BC4.*lobes 0.06 MB \(BC5.*takes [\d.]+ ms/);
 
   // Its error beside the map itself: hardly any where texels are larger than pixels, little of lobes far away, and gone
   // when the view changes.
@@ -172,6 +173,50 @@ try {
     assert.ok((await view(small)).distance < before.distance - 0.5, "a pinch comes no nearer");
     assert.deepEqual((await lowContrasts(small)).found, []);
   }
+  for (const { viewport, deviceScaleFactor } of NARROW) {
+    const narrow = await open("", { ...viewport, deviceScaleFactor });
+    assert.deepEqual(await misplaced(narrow), [], `${viewport.width} px`);
+  }
+
+  // A lost context is told, and its picture comes back; what was measured meanwhile is not said.
+  const lost = await open("#left=export&right=lobes");
+  const picture = await pixels(lost);
+  await lost.click("#measure");
+  await lost.evaluate(() => {
+    globalThis.loss = globalThis.multumLook.gl.gl.getExtension("WEBGL_lose_context");
+    globalThis.loss.loseContext();
+  });
+  await lost.getByText("has lost the graphics context").waitFor();
+  assert.equal(await drop(lost, ["map.ktx2", good]), "");
+  await lost.evaluate(() => globalThis.multumLook.change({ exposure: 0 }));
+  await lost.evaluate(() => globalThis.multumLook.change({ exposure: -1 }));
+  await lost.evaluate(() => globalThis.loss.restoreContext());
+  await lost.getByText("has lost the graphics context").waitFor({ state: "hidden" });
+  await settled(lost);
+  await settled(lost);
+  assert.equal(await pixels(lost), picture);
+  await lost.waitForFunction(() => !document.getElementById("measure").disabled);
+  assert.doesNotMatch(await lost.textContent("#error"), /noise|cannot/);
+
+  // A tab in the background has no frames, and the page goes on.
+  const behind = await open("", { before: () => { globalThis.requestAnimationFrame = () => 0; } });
+  await behind.click("#measure");
+  await behind.waitForFunction(() => /noise/.test(document.getElementById("error").textContent), undefined,
+    { polling: 100, timeout: 120000 });
+  const hidden = await open("", { before: () => Object.defineProperty(document, "hidden", { value: true }) });
+  await hidden.getByText("is not timed while this page is in the background").waitFor();
+
+  // Whatever is thrown is said.
+  assert.deepEqual(complaints, []);
+  for (const thrown of [undefined, null, "", {}, new Error("")]) {
+    await behind.evaluate((one) => { say(""); setTimeout(() => Promise.reject(one)); }, thrown);
+    await behind.locator("#problem:not(:empty)").waitFor();
+    const said = await behind.textContent("#problem");
+    assert.match(said, /failed: the browser gives no reason/);
+    assert.doesNotMatch(said, /undefined|null|\[object/);
+  }
+  complaints.length = 0; // what the test has thrown
+
   const wide = await open("#left=export&right=lobes&distance=0.5", { width: 1280, height: 900 });
   await wide.screenshot({ path: path.join(screenshots, "look.png") });
   assert.deepEqual(complaints, []);

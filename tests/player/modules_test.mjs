@@ -8,11 +8,13 @@ import { readFileSync } from "node:fs";
 import { FieldError, UrlSource } from "../../runtime_gl/web/byte_source.js";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";
 import { chunkHead } from "../../runtime_gl/web/chunk_head.js";
+import { errorText } from "../../runtime_gl/web/error_text.js";
 import { DrawingQuality } from "../../runtime_gl/web/drawing_quality.js";
 import { FieldDescription } from "../../runtime_gl/web/field_description.js";
 import { mappedCorners, readGlb } from "../../runtime_gl/web/glb.js";
 import { cameraParts, identity, mixedCamera, mixedPlace, multiplied } from "../../runtime_gl/web/matrices.js";
 import { MptFile } from "../../runtime_gl/web/mpt_file.js";
+import { onNextFrame } from "../../runtime_gl/web/next_frame.js";
 import { RecordedPath } from "../../runtime_gl/web/recorded_path.js";
 import { TextureStore } from "../../runtime_gl/web/texture_store.js";
 import { descriptionSection, fileOf } from "./mpt_writing.mjs";
@@ -106,6 +108,34 @@ function description() {
 // ---- Steps
 
 const steps = {
+  whateverIsThrownHasAText() {
+    for (const [thrown, text] of [["why", "why"], [new Error(" why "), "why"],
+      [{ message: "", error: new Error("inner") }, "inner"], [{ reason: "of a rejection" }, "of a rejection"],
+      [{ reason: new TypeError("of one") }, "of one"], [new TypeError(""), "no reason (TypeError)"],
+      [{ message: undefined }, "no reason"], [{ message: 7 }, "no reason"]])
+      assert.equal(errorText(thrown, "no reason"), text);
+    for (const thrown of [undefined, null, "", " ", 0, {}, [], Symbol("s"), new Error("")])
+      assert.equal(errorText(thrown), "the browser gives no reason");
+  },
+
+  async whatIsDrawnWaitsForNoFrameForEver() {
+    const names = ["document", "requestAnimationFrame", "cancelAnimationFrame"];
+    const before = names.map((name) => globalThis[name]);
+    const frames = [];
+    const cancelled = [];
+    Object.assign(globalThis, { document: { hidden: true }, cancelAnimationFrame: (frame) => cancelled.push(frame),
+      requestAnimationFrame: (draw) => frames.push(draw) });
+    const drawn = [];
+    await new Promise((resolve) => onNextFrame((now) => { drawn.push(now); resolve(); })); // no frame comes
+    assert.deepEqual(cancelled, [1]);
+    onNextFrame((now) => drawn.push(now));
+    frames[1](7); // one comes, and no timer after it
+    onNextFrame((now) => drawn.push(now))(); // is cancelled
+    await new Promise((resolve) => setTimeout(resolve, 120));
+    assert.deepEqual([drawn.length, drawn[1]], [2, 7]);
+    names.forEach((name, i) => { globalThis[name] = before[i]; });
+  },
+
   checksumsAreThoseOfCrc64() {
     assert.equal(sectionChecksum(Buffer.from("123456789")), 0xdf1939fa); // lower half of CRC-64/XZ's check value
     assert.equal(sectionChecksum(Buffer.alloc(0)), 0);

@@ -8,6 +8,7 @@ import { copyFile, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
 import { lowContrasts } from "../service/page_contrast.mjs";
+import { NARROW, misplaced } from "../service/page_layout.mjs";
 import { chromium } from "../service/web/node_modules/playwright-core/index.mjs";
 import { descriptionOf, descriptionSection, fileOf, sectionsOf } from "./mpt_writing.mjs";
 import { RangeServer } from "./range_server.mjs";
@@ -61,11 +62,8 @@ const goTo = (page, at) => page.evaluate(async (place) => {
 }, at);
 const position = (page) => page.evaluate(() => globalThis.multumPlayer.position);
 const problems = (page) => page.locator("#problem-list li").allTextContents();
-async function problem(page, pattern) {
-  await page.locator("#problem-list li").first().waitFor();
-  const texts = await problems(page);
-  assert.ok(texts.some((text) => pattern.test(text)), `${JSON.stringify(texts)} has no ${pattern}`);
-}
+const problem = (page, pattern) => until(`a problem like ${pattern}`, async () =>
+  (await problems(page)).some((text) => pattern.test(text)));
 
 /** How the current picture differs from a PNG, given as base64. */
 const difference = (page, png) => page.evaluate(async (data) => {
@@ -451,15 +449,53 @@ const steps = {
   async aLostContextComesBack() {
     const page = await openPlayer(`${server.url}/player/index.html`);
     await goTo(page, expected[0].at);
-    await page.evaluate(async () => {
-      const loss = globalThis.multumPlayer.gl.gl.getExtension("WEBGL_lose_context");
-      loss.loseContext();
-      await new Promise((resolve) => setTimeout(resolve, 300));
-      loss.restoreContext();
-      await new Promise((resolve) => setTimeout(resolve, 300));
+    await page.evaluate(() => {
+      globalThis.loss = globalThis.multumPlayer.gl.gl.getExtension("WEBGL_lose_context");
+      globalThis.loss.loseContext();
     });
+    await page.getByText("has lost the graphics context").waitFor();
+    await page.evaluate(() => globalThis.loss.restoreContext());
+    await page.getByText("has lost the graphics context").waitFor({ state: "hidden" });
     await comparePictures(page, expected.slice(1, 2));
+    assert.deepEqual(await problems(page), []);
     await close(page);
+  },
+
+  async aTabInTheBackgroundGoesOn() {
+    const context = await browser.newContext();
+    await context.addInitScript(() => { globalThis.requestAnimationFrame = () => 0; }); // it has no frames
+    const page = await context.newPage();
+    await page.goto(`${server.url}/player/index.html`);
+    const soon = (check) => page.waitForFunction(check, undefined, { polling: 50 });
+    await soon(() => globalThis.multumPlayer !== undefined);
+    await comparePictures(page, expected.slice(0, 1));
+    await goTo(page, [0, 0]);
+    await page.getByRole("button", { name: "Play" }).click();
+    await soon(() => globalThis.multumPlayer.position[0] > 0.1);
+    await close(page);
+  },
+
+  async whateverIsThrownIsSaid() {
+    const page = await openPage(`${server.url}/player/index.html`);
+    await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
+    for (const thrown of [undefined, null, ""])
+      await page.evaluate((one) => { setTimeout(() => Promise.reject(one)); }, thrown);
+    await problem(page, /failed: the browser gives no reason/);
+    assert.ok((await problems(page)).every((text) => !/undefined|null/.test(text)));
+    complaints.length = 0; // what the test has thrown
+    await close(page);
+  },
+
+  async nothingIsCutInNarrowWindows() {
+    for (const options of NARROW) {
+      const page = await (await browser.newContext(options)).newPage();
+      await page.goto(`${server.url}/player/index.html`);
+      await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
+      await page.evaluate(() => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
+      await page.waitForTimeout(300);
+      assert.deepEqual(await misplaced(page), [], `${options.viewport.width} px`);
+      await close(page);
+    }
   },
 
   async noPictureIsBegunWhileTwoAreNotFinished() {

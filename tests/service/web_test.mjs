@@ -7,6 +7,7 @@ import assert from "node:assert/strict";
 import { readFile, rm, writeFile } from "node:fs/promises";
 import readline from "node:readline";
 import { lowContrasts } from "./page_contrast.mjs";
+import { NARROW, misplaced } from "./page_layout.mjs";
 import { chromium } from "./web/node_modules/playwright-core/index.mjs";
 
 const [executablePath, screenshots, only] = process.argv.slice(2);
@@ -28,8 +29,10 @@ const service = await drive("start", "open");
 const complaints = []; // of any page: errors on its console, requests to others
 let isStopped = false; // then errors of the network are as they should be
 
-async function openPage(path = "", { width = 1280, height = 800, colorScheme = "light", at = service } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme, reducedMotion: "reduce" });
+async function openPage(path = "", { width = 1280, height = 800, deviceScaleFactor = 1, colorScheme = "light",
+  at = service } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor, colorScheme,
+    reducedMotion: "reduce" });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   page.on("console", (message) => {
@@ -566,6 +569,42 @@ const steps = {
     await page.locator("#submit[open]").waitFor();
     await noSideways(page, "the form");
     assert.ok(await page.locator("#submit").evaluate((one) => one.scrollWidth <= one.clientWidth), "a form too wide");
+    await page.context().close();
+  },
+
+  async nothingIsCutInNarrowWindows() {
+    const id = await drill(0, { label: `A_label_${"without_an_end_".repeat(12)}` });
+    for (const { viewport, deviceScaleFactor } of NARROW) {
+      const page = await openPage("", { ...viewport, deviceScaleFactor });
+      await shows(page, id, "succeeded");
+      assert.deepEqual(await misplaced(page, "#main"), [], `the list, ${viewport.width} px`);
+      await page.screenshot({ path: `${screenshots}/list_${viewport.width}.png` });
+      await page.evaluate((number) => { location.hash = `job-${number}`; }, id);
+      await page.locator("#detail:not([hidden])").waitFor();
+      assert.deepEqual(await misplaced(page, "#detail"), [], `a job, ${viewport.width} px`);
+      await page.screenshot({ path: `${screenshots}/detail_${viewport.width}.png` });
+      await page.keyboard.press("Escape");
+      await page.keyboard.press("n");
+      await page.locator("#submit[open]").waitFor();
+      assert.deepEqual(await misplaced(page, "#submit"), [], `the form, ${viewport.width} px`);
+      await page.screenshot({ path: `${screenshots}/form_${viewport.width}.png` });
+      await page.context().close();
+    }
+  },
+
+  async errorsAreWords() {
+    const page = await openPage();
+    isStopped = true; // what follows is as it should be
+    await page.evaluate(() => {
+      globalThis.fetch = () => Promise.reject(undefined);
+      document.getElementById("new-job").click();
+      setTimeout(() => Promise.reject(undefined));
+    });
+    await page.getByText("Nobody answers (the browser gives no reason).").waitFor();
+    await page.getByText("Something in this page failed: the browser gives no reason.").waitFor();
+    assert.doesNotMatch(await page.locator("#notices").innerText(), /undefined/);
+    complaints.length = 0;
+    isStopped = false;
     await page.context().close();
   },
 

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "host/base/error.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 
 namespace multum {
 namespace {

@@ -44,6 +44,21 @@ std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
   return "unknown option '" + word + "'" + (nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
 }
 
+namespace {
+
+// How the command is called, and the examples of its help: for whoever has left out what it needs.
+std::string usage_and_examples(const CLI::App& command, const std::string& program) {
+  std::string text = command.get_formatter()->make_help(&command, program, CLI::AppFormatMode::Normal);
+  const std::size_t usage = text.find("Usage: ");
+  text = usage == std::string::npos ? "" : text.substr(usage, text.find('\n', usage) - usage + 1);
+  std::istringstream description(command.get_description());
+  for (std::string line; std::getline(description, line);)
+    if (line.starts_with("  multum")) text += line + "\n";
+  return text;
+}
+
+}  // namespace
+
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   const std::vector<CLI::App*> chosen = app->get_subcommands();
   const auto is_shown = [](const CLI::App* command) { return !command->get_group().empty(); };  // in the help
@@ -56,7 +71,10 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     for (const CLI::App* command : commands) text += " " + command->get_name();
   }
   const std::string program = app->get_name() + (chosen.empty() ? "" : " " + chosen.front()->get_name());
-  return text + "\nSee '" + program + " --help'.\n";
+  const bool is_incomplete = static_cast<CLI::ExitCodes>(error.get_exit_code()) == CLI::ExitCodes::RequiredError;
+  if (is_incomplete && !chosen.empty()) text += "\n" + usage_and_examples(*chosen.front(), program);
+  else text += "\n";
+  return text + "See '" + program + " --help'.\n";
 }
 
 int print_parse_error(const CLI::App& app, const CLI::ParseError& error) {

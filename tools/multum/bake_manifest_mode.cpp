@@ -5,7 +5,7 @@
 
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/shown_text.h"
 #include "host/base/stopwatch.h"
 #include "host/base/system_failure.h"

@@ -10,7 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
 #include "host/base/system_failure.h"

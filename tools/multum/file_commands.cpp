@@ -122,6 +122,32 @@ std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
                      static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
+// What the bake found in the source's files; nothing in files of earlier programs.
+std::string reading_text(const std::string& reading) {
+  const nlohmann::json json = nlohmann::json::parse(reading, nullptr, false);
+  if (!json.is_object()) return "";
+  std::string text;
+  const auto line = [&](const char* label, const nlohmann::json& value) {
+    text += fmt::format("{:<16}{}\n", label, value.is_string() ? value.get<std::string>() : value.dump());
+  };
+  constexpr std::pair<const char*, const char*> kLines[] = {{"format", "source format"}, {"found", "read as"},
+                                                            {"because", "because"},      {"wrap", "wrap of source"},
+                                                            {"albedo", "albedo"},        {"roughness", "roughness"}};
+  for (const auto& [key, label] : kLines)
+    if (json.contains(key)) line(label, json.at(key));
+  constexpr std::pair<const char*, const char*> kCounts[] = {
+      {"unused_texels", "black texels, taken as unused"},
+      {"nonfinite_repaired", "texels that are not finite"},
+      {"zero_length_repaired", "texels of length 0"},
+      {"below_horizon_repaired", "texels below the horizon"},
+      {"albedo_clamped", "texels of the albedo without a colour"}};
+  for (const auto& [key, label] : kCounts)
+    if (json.contains(key)) line("repaired", fmt::format("{} {}", json.at(key).dump(), label));
+  if (json.contains("doubts"))
+    for (const nlohmann::json& doubt : json.at("doubts")) line("in doubt", doubt);
+  return text;
+}
+
 int print_pyramid(const std::string& path) {
   const PyramidHeader file = read_pyramid_header(path);
   const BakedProvenance& from = file.map.provenance;
@@ -159,6 +185,7 @@ int run_info(const std::string& path) {
   text += fmt::format("on disk         {}\n", size_text(std::filesystem::file_size(path)));
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
+  text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);
   text += fmt::format("written by      {}\n", from.software);
@@ -256,7 +283,10 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
     std::optional<Quarter> quarter;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* testmap = app.add_subcommand("testmap", "make the four-quarter test map: scales, rings, grooves, noise");
+  CLI::App* testmap =
+      app.add_subcommand("testmap",
+                         "make the four-quarter test map: scales, rings, grooves, noise\n"
+                         "  multum testmap out/test     writes out/test_normal.png and out/test_albedo.png");
   testmap
       ->add_option("prefix", options->prefix, "prefix of the files to write, PREFIX_normal.png and PREFIX_albedo.png")
       ->required();

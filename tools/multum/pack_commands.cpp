@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum pack, unpack: inferred textures of an animation as one small file, and back (Hakura et al. 2000, section 4).
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
 
+#include "host/asset/inferred/inference_error.h"
 #include "host/base/choices.h"
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/shown_text.h"
-#include "host/codec/field_packing.h"
 #include "host/codec/field_unpacking.h"
+#include "host/codec/packing/field_packing.h"
 #include "host/codec/transforms/device_image_transforms.h"
 #include "host/parameters/pack_parameters.h"
 #include "host/player/player_output.h"
@@ -66,6 +68,35 @@ std::string field_folder(const std::string& named) {
   return path.has_parent_path() ? path.parent_path().string() : ".";
 }
 
+void print_parts(const FieldPackReport& report) {
+  if (report.chunks_resumed > 0)
+    print_shown(stdout, "%zu times a chunk was taken from a packing that was stopped\n", report.chunks_resumed);
+  for (const PackedObjectReport& object : report.objects)
+    print_shown(stdout, "object '%s': MSE %.3f of its pixels, %.2f of the mean; lambda %.5g\n", object.object.c_str(),
+                object.mse, object.mse / report.mse_covered, object.lambda);
+  for (const PackedChunkReport& chunk : report.chunks)
+    print_shown(stdout, "%8zu bytes, MSE %.3f: layer '%s' of object '%s', block %zu\n", chunk.bytes, chunk.mse,
+                chunk.layer.c_str(), chunk.object.c_str(), chunk.block);
+}
+
+void warn_of_errors(const PackOptions& o, const FieldPackReport& report) {
+  if (!report.is_alpha_met)
+    log_warning(fmt::format("{}: an object's error is above --alpha {:g} times the mean: --verbose lists them",
+                            o.settings.output, o.settings.alpha));
+  if (!report.inferred_mse && o.settings.target.is_default())
+    log_warning(fmt::format(
+        "{}: packed at {:g}:1, with an MSE of about {:.3g} added, whatever the error of the inferred textures: {}/{} "
+        "does not tell it. Run multum infer again, or choose a size or an error: --ratio, --bytes, --mse-max",
+        o.settings.output, kDefaultRatio, report.mse, o.settings.folder, kInferenceReportName));
+  if (report.is_error_large)
+    log_warning(fmt::format(
+        "{}: packing adds an MSE of about {:.3g}, {:.3g} times the error of the inferred textures "
+        "({:.3g}). {}",
+        o.settings.output, report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
+        o.settings.target.is_default() ? "It was to stay below 3 times: less was not found"
+                                       : "To stay below 3 times, leave --ratio, --bytes and --lambda out"));
+}
+
 int run_pack(PackOptions& o) {
   o.settings.threads = apply(o.common);
   apply(o.values, o.settings);
@@ -77,19 +108,8 @@ int run_pack(PackOptions& o) {
   o.settings.transforms = &transforms;
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
-  if (o.common.verbose) {
-    if (report.chunks_resumed > 0)
-      print_shown(stdout, "%zu times a chunk was taken from a packing that was stopped\n", report.chunks_resumed);
-    for (const PackedObjectReport& object : report.objects)
-      print_shown(stdout, "object '%s': MSE %.3f of its pixels, %.2f of the mean; lambda %.5g\n", object.object.c_str(),
-                  object.mse, object.mse / report.mse_covered, object.lambda);
-    for (const PackedChunkReport& chunk : report.chunks)
-      print_shown(stdout, "%8zu bytes, MSE %.3f: layer '%s' of object '%s', block %zu\n", chunk.bytes, chunk.mse,
-                  chunk.layer.c_str(), chunk.object.c_str(), chunk.block);
-  }
-  if (!report.is_alpha_met)
-    log_warning(fmt::format("{}: an object's error is above --alpha {:g} times the mean: --verbose lists them",
-                            o.settings.output, o.settings.alpha));
+  if (o.common.verbose) print_parts(report);
+  warn_of_errors(o, report);
   if (!o.common.quiet)
     print_shown(stdout,
                 "%s: written: %llu bytes, %.1f:1 of raw frames; %llu of description, %zu chunks; MSE of about %.2f "
@@ -98,6 +118,11 @@ int run_pack(PackOptions& o) {
                 static_cast<double>(report.raw_bytes) / static_cast<double>(report.bytes),
                 static_cast<unsigned long long>(report.description_bytes), report.chunks.size(), report.mse,
                 report.lambda, report.rounds);
+  if (!o.common.quiet && report.has_given_way)
+    print_shown(stdout,
+                "%s: %g:1 would add more than %g times the error of the inferred textures (MSE %.3g), so the file is "
+                "larger; --ratio %g holds the ratio\n",
+                o.settings.output.c_str(), kDefaultRatio, kAddedErrorMax, *report.inferred_mse, kDefaultRatio);
   write_player(o.settings.output, o.player);
   for (const std::string& written : {o.player.folder, o.player.page})
     if (!written.empty() && !o.common.quiet) print_shown(stdout, "%s: written: the player\n", written.c_str());

@@ -16,7 +16,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/shown_text.h"
 #include "host/image/files/image_container.h"
 #include "host/parameters/bake_parameters.h"

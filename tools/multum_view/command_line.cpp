@@ -31,6 +31,7 @@ void add_scene_options(CLI::App& app, CommandOptions& o) {
   add_object_option(app, o.map);
   add_picture_option(app, o.map.picture.output)->required();
   add_pictures_option(app, o.map.picture.output);
+  add_alone_option(app, o.map.picture.output);
   add_distance_option(app, o.map.picture.camera);
   add_map_options(app, o.map);
 }
@@ -97,7 +98,13 @@ const ViewCommand kCommands[] = {
      "Writes render.png and, if the source is given and is still what was baked, input.png and error.png (four times\n"
      "as bright); of a folder of `multum infer`, render.png.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
-     [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }}};
+     [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
+    {"each", "Run several command lines in one process, which loads GL once",
+     "  multum-view each views.json\n\n"
+     "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
+     "The first command line that fails ends it, with its exit code.",
+     [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
+     [](const CommandOptions& o) { return run_each(o.each); }}};
 
 const char* const kDescription =
     "Render a baked map without a window, in software or on a GPU.\n\n"
@@ -119,6 +126,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_pictures_option(app, options.map.picture.output);
+  add_alone_option(app, options.map.picture.output);
   add_distance_option(app, options.map.picture.camera);
   add_map_options(app, options.map);
   add_alias_options(app, options);

@@ -16,6 +16,7 @@ struct CommandOptions {
   PyramidOptions pyramid;
   LodOptions lod;
   ModelOptions model;
+  EachOptions each;
   std::vector<std::string> outputs;  // -o without a subcommand
 };
 

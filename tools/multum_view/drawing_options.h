@@ -51,6 +51,7 @@ struct ShadingOptions {
 
 struct OutputOptions {
   std::string path;                 // *.png, *.exr
+  bool is_alone = false;            // `path` shows the baked map, and not what it is compared with
   std::string pictures;             // PREFIX of a file for each picture; empty: none
   std::string report;               // JSON; empty: none
   std::optional<PictureSize> size;  // unset: 640 x 480

@@ -38,7 +38,7 @@ int draw_map(MapOptions options) {
           : draw_animation(options, scenes, drawer);
   if (!options.shaders.empty()) write_shaders(options.shaders, drawer.variants());
   if (!picture.output.report.empty())
-    write_report(picture, scenes.first, {context->description(), options.comparison, map.header.has_roughness}, rows);
+    write_report(picture, scenes.first, {*context, options.comparison, map.header.has_roughness}, rows);
   return 0;
 }
 

@@ -97,6 +97,12 @@ void add_pictures_option(CLI::App& app, OutputOptions& options) {
                  "PREFIX_multum_difference.png, ...");
 }
 
+void add_alone_option(CLI::App& app, OutputOptions& options) {
+  app.add_flag(
+      "--alone", options.is_alone,
+      "with --compare: write the baked map's picture alone to -o; the others are drawn, measured and not shown");
+}
+
 void add_animation_options(CLI::App& app, AnimationOptions& options) {
   app.add_option("--frames", options.frame_count, "number of frames")
       ->check(CLI::Range(2, 9999))

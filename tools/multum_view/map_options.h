@@ -63,6 +63,8 @@ struct MapOptions {
 void add_map_options(CLI::App& app, MapOptions& options);
 /// --pictures: each picture of a sheet in a file of its own.
 void add_pictures_option(CLI::App& app, OutputOptions& options);
+/// --alone, of what is drawn without animate.
+void add_alone_option(CLI::App& app, OutputOptions& options);
 /// --frames, --to-camera, ...
 void add_animation_options(CLI::App& app, AnimationOptions& options);
 

@@ -217,7 +217,7 @@ int draw_model(const ModelOptions& options) {
       draw_views(picture, scenes.first, [&](const gl::RenderScene& scene) -> std::vector<NamedPicture> {
         return {{"multum", renderer.draw(model.objects(), scene), background_of(picture, scene)}};
       });
-  if (!picture.output.report.empty()) write_report(picture, scenes.first, {context->description()}, rows);
+  if (!picture.output.report.empty()) write_report(picture, scenes.first, {*context}, rows);
   return 0;
 }
 

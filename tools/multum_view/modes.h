@@ -10,7 +10,7 @@
 
 #include "host/asset/pyramid/pyramid_file.h"
 #include "tools/multum_view/map_options.h"
-#include "tools/multum_view/surface_detail.h"
+#include "tools/multum_view/pyramid/surface_detail.h"
 
 namespace multum {
 
@@ -68,6 +68,13 @@ struct ThumbnailOptions {
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options);
 /// Draws small pictures of a job's input and result, for the page of the service.
 int draw_thumbnails(const ThumbnailOptions& options);
+
+struct EachOptions {
+  std::string file;  // JSON: command lines
+};
+void add_each_options(CLI::App& app, EachOptions& options);
+/// Runs command lines one after another, up to the first that fails.
+int run_each(const EachOptions& options);
 
 struct PyramidOptions {
   std::string file;

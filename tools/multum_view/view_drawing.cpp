@@ -42,6 +42,8 @@ gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, 
     for (std::size_t i = 0; i < sum.image.rgba.size(); ++i)
       if (i % 4 != 3) sum.image.rgba[i] += part.image.rgba[i];
     sum.frame_time_ms += part.frame_time_ms;
+    sum.processor_time_ms += part.processor_time_ms;
+    sum.draw_time_ms += part.draw_time_ms;
     sum.sample_count = std::max(sum.sample_count, part.sample_count);
     sum.noise = std::max(sum.noise, part.noise);
   }

@@ -137,7 +137,9 @@ void check_outputs(const MapOptions& options, const ViewScenes& scenes) {
 }
 
 void write_pictures(const OutputOptions& options, const std::vector<NamedPicture>& pictures) {
-  write_picture(options.path, pictures.size() == 1 ? shown_image(pictures[0]) : compose(pictures, options.exposure),
+  const NamedPicture& baked = pictures[has_reference(pictures) ? 1 : 0];
+  write_picture(options.path,
+                options.is_alone || pictures.size() == 1 ? shown_image(baked) : compose(pictures, options.exposure),
                 options.exposure);
   if (!options.pictures.empty()) write_each(options, pictures);
 }
@@ -147,6 +149,8 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures) {
   write_shown(stdout, fmt::format("{:14} {:>12} {:>10} {:>10}\n", "picture", "relative L1", "RMSE", "frame ms"));
   for (const NamedPicture& one : pictures) {
     nlohmann::json row = {{"name", one.name}, {"frame_time_ms", one.picture.frame_time_ms}};
+    if (one.name != "reference")
+      row.update({{"frame_processor_ms", one.picture.processor_time_ms}, {"frame_draw_ms", one.picture.draw_time_ms}});
     std::string l1 = "-";
     std::string rmse = "-";
     if (has_reference(pictures) && one.name != "reference") {
@@ -189,7 +193,8 @@ void write_report(const PictureOptions& options, const gl::RenderScene& scene, c
                   const nlohmann::json& pictures) {
   const ShadingOptions& shading = options.shading;
   nlohmann::json report = {{"software", std::string("multum-view ") + MULTUM_VERSION},
-                           {"context", facts.context},
+                           {"context", facts.context.description()},
+                           {"context_is_software", facts.context.is_software()},
                            {"width", options.output.width()},
                            {"height", options.output.height()},
                            {"reference_of", facts.comparison.is_of_texels() ? "texels" : "pixel"},

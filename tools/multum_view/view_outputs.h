@@ -5,6 +5,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "runtime_gl/context/headless_context.h"
 #include "tools/multum_view/view_drawing.h"
 
 namespace multum {
@@ -25,7 +26,7 @@ nlohmann::json print_table(const std::vector<NamedPicture>& pictures);
 
 /// What a report says besides its rows.
 struct ReportFacts {
-  std::string context;  // how GL describes itself
+  const gl::HeadlessContext& context;
   ComparisonOptions comparison = {};
   bool brdf_is_in_map = false;  // each texel of the file has its own roughness, whatever the scene says
 };

@@ -210,7 +210,7 @@ class Study:
 
     def picture_files(self, files, small=False):
         """Pictures that lie in the folder: (file, caption) each, beside one another; `small`: no larger than a tile."""
-        cells = [f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}" loading="lazy"></a>'
+        cells = [f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}"></a>'
                  f"<figcaption>{text(caption)}</figcaption></figure>" for file, caption in files]
         self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 

@@ -137,7 +137,7 @@ const std::string& MomentWriter::content_hash() const { return work_->writer.con
 
 class MomentReader::File {
  public:
-  File(const std::string& path, int threads) : reader_(path, threads) {
+  File(const std::string& path, int threads, TexelCheck check) : reader_(path, threads, check) {
     reader_.guarded([&] {
       header_ = parse_baked_header(reader_.file().header(0), Representation::kMoments, path);
       reader_.expect(header_, moment_parts(header_));
@@ -148,6 +148,7 @@ class MomentReader::File {
   const BakedHeader& header() const { return header_; }
   int tile_size() const { return reader_.tile_size(); }
   BakedRowHash& hash() { return *hash_; }
+  const std::vector<std::string>& changed_rows() const { return reader_.changed_rows(); }
 
   MomentLevel read_level(int level, int first_row, int row_count) {
     MomentLevel rows{mip_level_size(header_.width, level), row_count, {}, {}, {}};
@@ -173,13 +174,15 @@ class MomentReader::File {
   std::unique_ptr<BakedRowHash> hash_;
 };
 
-MomentReader::MomentReader(const std::string& path, int threads) : file_(std::make_unique<File>(path, threads)) {}
+MomentReader::MomentReader(const std::string& path, int threads, TexelCheck check)
+    : file_(std::make_unique<File>(path, threads, check)) {}
 MomentReader::~MomentReader() = default;
 const BakedHeader& MomentReader::header() const { return file_->header(); }
 int MomentReader::tile_size() const { return file_->tile_size(); }
 MomentLevel MomentReader::read_level(int level, int first_row, int row_count) {
   return file_->read_level(level, first_row, row_count);
 }
+const std::vector<std::string>& MomentReader::changed_rows() const { return file_->changed_rows(); }
 std::string MomentReader::finish_hash() { return file_->hash().finish(); }
 
 void write_moment_mipmap(const std::string& path, const MomentMipmap& mipmap, const BakedWriteOptions& options,

@@ -43,7 +43,7 @@ class MomentReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
   /// expected. `threads` decompress; 0: as many as the machine has.
-  explicit MomentReader(const std::string& path, int threads = 0);
+  explicit MomentReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MomentReader();
   MomentReader(const MomentReader&) = delete;
   MomentReader& operator=(const MomentReader&) = delete;
@@ -56,6 +56,7 @@ class MomentReader {
   /// The checksum of what the file holds, when every row of every stored level has been read once, from the top; for
   /// verify_moments().
   std::string finish_hash();
+  const std::vector<std::string>& changed_rows() const;  // of TexelCheck::kReport
 
  private:
   class File;

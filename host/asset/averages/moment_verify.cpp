@@ -85,7 +85,7 @@ std::vector<VerifyFinding> MomentScan::findings() const {
 }
 
 std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, const MomentRowsSeen& seen) {
-  MomentReader reader(path, threads);
+  MomentReader reader(path, threads, TexelCheck::kReport);
   MomentScan scan(reader.header());
   return verify_by_scan(path, reader, scan, "moments", seen);
 }

@@ -133,7 +133,7 @@ const std::string& ShWriter::content_hash() const { return work_->writer.content
 
 class ShReader::File {
  public:
-  File(const std::string& path, int threads) : reader_(path, threads) {
+  File(const std::string& path, int threads, TexelCheck check) : reader_(path, threads, check) {
     reader_.guarded([&] {
       const Imf::Header& first = reader_.file().header(0);
       header_ = parse_baked_header(first, Representation::kSh, path);
@@ -149,6 +149,7 @@ class ShReader::File {
   int order() const { return order_; }
   int tile_size() const { return reader_.tile_size(); }
   BakedRowHash& hash() { return *hash_; }
+  const std::vector<std::string>& changed_rows() const { return reader_.changed_rows(); }
 
   ShLevel read_level(int level, int first_row, int row_count) {
     ShLevel rows{mip_level_size(header_.width, level), row_count, {}, {}, {}};
@@ -189,7 +190,8 @@ class ShReader::File {
   std::unique_ptr<BakedRowHash> hash_;
 };
 
-ShReader::ShReader(const std::string& path, int threads) : file_(std::make_unique<File>(path, threads)) {}
+ShReader::ShReader(const std::string& path, int threads, TexelCheck check)
+    : file_(std::make_unique<File>(path, threads, check)) {}
 ShReader::~ShReader() = default;
 const BakedHeader& ShReader::header() const { return file_->header(); }
 int ShReader::order() const { return file_->order(); }
@@ -197,6 +199,7 @@ int ShReader::tile_size() const { return file_->tile_size(); }
 ShLevel ShReader::read_level(int level, int first_row, int row_count) {
   return file_->read_level(level, first_row, row_count);
 }
+const std::vector<std::string>& ShReader::changed_rows() const { return file_->changed_rows(); }
 std::string ShReader::finish_hash() { return file_->hash().finish(); }
 
 void write_sh_mipmap(const std::string& path, const ShMipmap& mipmap, const BakedWriteOptions& options,

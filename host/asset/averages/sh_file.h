@@ -42,7 +42,7 @@ class ShReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
   /// expected. `threads` decompress; 0: as many as the machine has.
-  explicit ShReader(const std::string& path, int threads = 0);
+  explicit ShReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~ShReader();
   ShReader(const ShReader&) = delete;
   ShReader& operator=(const ShReader&) = delete;
@@ -56,6 +56,7 @@ class ShReader {
   /// The checksum of what the file holds, when every row of every stored level has been read once, from the top; for
   /// verify_sh().
   std::string finish_hash();
+  const std::vector<std::string>& changed_rows() const;  // of TexelCheck::kReport
 
  private:
   class File;

@@ -85,7 +85,7 @@ std::vector<VerifyFinding> ShScan::findings() const {
 }
 
 std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen) {
-  ShReader reader(path, threads);
+  ShReader reader(path, threads, TexelCheck::kReport);
   ShScan scan(reader.header(), reader.order());
   return verify_by_scan(path, reader, scan, fmt::format("spherical harmonics to order {}", reader.order()), seen);
 }

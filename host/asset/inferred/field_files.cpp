@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "host/asset/inferred/inference_error.h"
 #include "host/base/error.h"
 #include "host/base/files/input_hashes.h"
 
@@ -61,6 +62,9 @@ std::vector<std::string> inferred_field_files(const std::string& manifest_path) 
   std::vector<std::string> files;
   const std::filesystem::path folder = std::filesystem::path(manifest_path).parent_path();
   for (const std::string& name : names) files.push_back((folder / name).lexically_normal().string());
+  std::error_code unreadable;
+  if (const auto report = folder / kInferenceReportName; std::filesystem::is_regular_file(report, unreadable))
+    files.push_back(report.lexically_normal().string());
   return files;
 }
 

@@ -29,8 +29,9 @@ std::string geometry_path(const InferredManifest& field, const std::string& fold
 /// inferred for.
 std::string checked_geometry(const InferredManifest& field, const std::string& folder);
 
-/// Textures and matrices of the manifest's objects and its scene file, each once: absolute where the manifest is. The
-/// files are not looked at. Throws Error(kInput) when it cannot be read.
+/// Textures and matrices of the manifest's objects, its scene file, and the report of `multum infer` where there is
+/// one, each once: absolute where the manifest is. The files are not looked at. Throws Error(kInput) when it cannot be
+/// read.
 std::vector<std::string> inferred_field_files(const std::string& manifest_path);
 
 }  // namespace multum

@@ -17,6 +17,7 @@
 #include "host/asset/exr/exr_output.h"
 #include "host/asset/half_value.h"
 #include "host/base/error.h"
+#include "host/base/files/exr_chunks.h"
 #include "host/base/files/exr_survey.h"
 
 namespace multum {
@@ -97,6 +98,7 @@ InferredTexture read_inferred_texture(const std::string& path) {
     ExrInputStream stream(path);
     Imf::TiledInputFile file(stream);
     check_is_texture(file, path);
+    ExrChunks(path).check_all(0);
     InferredTexture texture;
     texture.width = file.levelWidth(0);
     texture.height = file.levelHeight(0);

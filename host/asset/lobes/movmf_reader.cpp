@@ -22,7 +22,7 @@ constexpr int kTileRowsAtOnce = 4;
 
 class MovmfReader::File {
  public:
-  File(const std::string& path, int threads) : reader_(path, threads) {
+  File(const std::string& path, int threads, TexelCheck check) : reader_(path, threads, check) {
     reader_.guarded([&] {
       header_ = parse_header(reader_.file().header(0), path);
       parts_ = movmf_parts(header_);
@@ -32,6 +32,7 @@ class MovmfReader::File {
 
   const MovmfMipmap& header() const { return header_; }
   int tile_size() const { return reader_.tile_size(); }
+  const std::vector<std::string>& changed_rows() const { return reader_.changed_rows(); }
 
   MovmfFinest read_finest(int first_row, int row_count) {
     MULTUM_CHECK(header_.header.first_level == 0);
@@ -120,9 +121,11 @@ class MovmfReader::File {
   std::vector<float> values_;  // of level 0, as they lie in the file
 };
 
-MovmfReader::MovmfReader(const std::string& path, int threads) : file_(std::make_unique<File>(path, threads)) {}
+MovmfReader::MovmfReader(const std::string& path, int threads, TexelCheck check)
+    : file_(std::make_unique<File>(path, threads, check)) {}
 MovmfReader::~MovmfReader() = default;
 const MovmfMipmap& MovmfReader::header() const { return file_->header(); }
+const std::vector<std::string>& MovmfReader::changed_rows() const { return file_->changed_rows(); }
 int MovmfReader::tile_size() const { return file_->tile_size(); }
 MovmfLevel MovmfReader::read_level(int level, int first_row, int row_count) {
   return file_->read_level(level, first_row, row_count);

@@ -15,7 +15,7 @@ class MovmfReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
   /// expected. `threads` decompress; 0: as many as the machine has.
-  explicit MovmfReader(const std::string& path, int threads = 0);
+  explicit MovmfReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MovmfReader();
   MovmfReader(const MovmfReader&) = delete;
   MovmfReader& operator=(const MovmfReader&) = delete;
@@ -24,6 +24,8 @@ class MovmfReader {
   const MovmfMipmap& header() const;
   /// Rows are decompressed by rows of tiles of this height: multiples of it, from a multiple on, cost no row twice.
   int tile_size() const;
+  /// "part lobe.1, level 3, texel rows 0 to 127", of TexelCheck::kReport.
+  const std::vector<std::string>& changed_rows() const;
   /// Rows of a stored level. Level 0 is expanded to full lobes.
   MovmfLevel read_level(int level, int first_row, int row_count);
   /// Rows of level 0; only where the header's first level is 0.

@@ -242,7 +242,7 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
 }
 
 std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, const MovmfRowsSeen& seen) {
-  MovmfReader reader(path, threads);
+  MovmfReader reader(path, threads, TexelCheck::kReport);
   const MovmfMipmap& mipmap = reader.header();
   std::vector<VerifyFinding> findings;
   findings.push_back(
@@ -252,7 +252,7 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
                    materials_text(full_header(mipmap)), storage_encoding_name(mipmap.header.encoding))});
   MovmfScan scan(mipmap);
   const std::string hash = scan_file(reader, threads, seen, scan);
-  findings.push_back(checksum_finding(hash, mipmap.header.provenance.content_hash));
+  findings.push_back(checksum_finding(hash, mipmap.header.provenance.content_hash, reader.changed_rows()));
   findings.push_back(header_finding(path));
   for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));
   return findings;

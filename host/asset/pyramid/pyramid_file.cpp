@@ -171,7 +171,8 @@ BakedWriteOptions without_error(BakedWriteOptions options) {
 // A file, opened and its structure checked.
 class PyramidReader {
  public:
-  PyramidReader(const std::string& path, int threads) : reader_(path, threads) {
+  PyramidReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse)
+      : reader_(path, threads, check) {
     reader_.guarded([&] {
       const Imf::Header& first = reader_.file().header(0);
       const std::string name = text_attribute(first, "multum:representation", path);
@@ -190,6 +191,7 @@ class PyramidReader {
   }
 
   const PyramidHeader& header() const { return header_; }
+  const std::vector<std::string>& changed_rows() const { return reader_.changed_rows(); }
   PyramidLevel read(int level) {
     PyramidLevel read{mip_level_size(header_.map.width, level), mip_level_size(header_.map.height, level), {}};
     read.values.resize(texel_count(read.width, read.height) * static_cast<std::size_t>(header_.channel_count()));
@@ -269,7 +271,7 @@ Pyramid read_pyramid(const std::string& path, PyramidKind expected) {
 PyramidHeader read_pyramid_header(const std::string& path) { return PyramidReader(path, 1).header(); }
 
 std::vector<VerifyFinding> verify_pyramid(const std::string& path, int threads) {
-  PyramidReader reader(path, threads);
+  PyramidReader reader(path, threads, TexelCheck::kReport);
   const PyramidHeader& header = reader.header();
   BakedRowHash hash(pyramid_parts(header));
   PyramidScan scan(header);
@@ -282,7 +284,7 @@ std::vector<VerifyFinding> verify_pyramid(const std::string& path, int threads) 
       {"structure", true,
        fmt::format("{} x {}, {} levels, pyramid of {}, encoding {}", header.map.width, header.map.height,
                    header.level_count(), pyramid_kind_name(header.kind), storage_encoding_name(header.map.encoding))},
-      checksum_finding(hash.finish(), header.map.provenance.content_hash),
+      checksum_finding(hash.finish(), header.map.provenance.content_hash, reader.changed_rows()),
       header_finding(path),
   };
   for (VerifyFinding& finding : scan.findings()) findings.push_back(std::move(finding));

@@ -34,27 +34,30 @@ ByteFile::ByteFile(OpenFile file, const std::string& path) : path_(path), file_(
 }
 
 std::string ByteFile::bytes(std::int64_t position, std::int64_t count, const char* what) {
-  if (position < 0 || count < 0 || position > size_ - count)
-    refuse_file(path_,
-                fmt::format("the file is cut: it ends at byte {}, expected {} at byte {}", size_, what, position));
+  check_range(position, count, what);
   if (position < window_begin_ || position + count > window_begin_ + static_cast<std::int64_t>(window_.size())) {
+    std::string window(static_cast<std::size_t>(std::min(std::max(count, kWindowBytes), size_ - position)), '\0');
+    read(position, static_cast<std::int64_t>(window.size()), window.data(), what);
+    window_ = std::move(window);
     window_begin_ = position;
-    window_.resize(static_cast<std::size_t>(std::min(std::max(count, kWindowBytes), size_ - position)));
-    read_window(what);
   }
   return window_.substr(static_cast<std::size_t>(position - window_begin_), static_cast<std::size_t>(count));
 }
 
-void ByteFile::read_window(const char* what) {
-  for (std::size_t done = 0; done < window_.size();) {
-    const ssize_t got = ::pread(file_.descriptor(), window_.data() + done, window_.size() - done,
-                                static_cast<off_t>(window_begin_) + static_cast<off_t>(done));
+void ByteFile::check_range(std::int64_t position, std::int64_t count, const char* what) const {
+  if (position < 0 || count < 0 || position > size_ - count)
+    refuse_file(path_,
+                fmt::format("the file is cut: it ends at byte {}, expected {} at byte {}", size_, what, position));
+}
+
+void ByteFile::read(std::int64_t position, std::int64_t count, void* memory, const char* what) const {
+  check_range(position, count, what);
+  for (std::int64_t done = 0; done < count;) {
+    const ssize_t got = ::pread(file_.descriptor(), static_cast<char*>(memory) + done,
+                                static_cast<std::size_t>(count - done), static_cast<off_t>(position + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) {
-      window_.clear();
-      refuse_file(path_, fmt::format("reading {} at byte {} failed", what, window_begin_));
-    }
-    done += static_cast<std::size_t>(got);
+    if (got <= 0) refuse_file(path_, fmt::format("reading {} at byte {} failed", what, position));
+    done += got;
   }
 }
 

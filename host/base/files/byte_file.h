@@ -22,9 +22,11 @@ class ByteFile {
   std::string bytes(std::int64_t position, std::int64_t count, const char* what);
   std::int64_t big_endian(std::int64_t position, int count, const char* what);
   std::int64_t little_endian(std::int64_t position, int count, const char* what);
+  /// Reads straight into memory; several threads may at once.
+  void read(std::int64_t position, std::int64_t count, void* memory, const char* what) const;
 
  private:
-  void read_window(const char* what);
+  void check_range(std::int64_t position, std::int64_t count, const char* what) const;
 
   std::string path_;
   OpenFile file_;

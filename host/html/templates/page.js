@@ -22,13 +22,15 @@ const valueAt = (path) => path.split(".").reduce((value, key) => value?.[key], d
 
 /**
  * Fills what the template leaves open: <span data-value="view.width"> with a value, by `formats` where its data-format
- * names one of them. Elements with data-if stay only if `data` has that, and it is not false, null, 0 or "".
+ * names one of them; where there is none, with "unknown". Elements with data-if stay only if `data` has that, and it is
+ * not false, null, 0 or "".
  */
 function fillTemplate(formats = {}) {
   for (const element of document.querySelectorAll("[data-if]")) if (!valueAt(element.dataset.if)) element.remove();
   for (const element of document.querySelectorAll("[data-value]")) {
     const value = valueAt(element.dataset.value);
-    element.textContent = element.dataset.format ? formats[element.dataset.format](value) : String(value);
+    element.textContent = value === undefined || value === null ? "unknown"
+      : element.dataset.format ? formats[element.dataset.format](value) : String(value);
   }
 }
 

@@ -38,8 +38,16 @@ void ExrFile::list_part(int index, const ImagePart& part) {
   for (int i = 0; i < part.channel_count(); ++i) {
     const std::string& name = part.channel_names[static_cast<std::size_t>(i)];
     if (places_.try_emplace(name, Place{index, i, part.type_of(i)}).second) channels_.push_back(name);
+    if (const auto named = part.texts.find("oiio:subimagename"); named != part.texts.end())
+      places_.try_emplace(named->second + "." + name, Place{index, i, part.type_of(i)});
   }
   attributes_.insert(part.texts.begin(), part.texts.end());
+}
+
+std::vector<std::string> ExrFile::all_names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, place] : places_) names.push_back(name);
+  return names;
 }
 
 std::vector<float> ExrFile::read(const std::string& channel) {

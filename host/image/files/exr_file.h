@@ -22,6 +22,9 @@ class ExrFile {
   const std::string& path() const { return path_; }
   const std::vector<std::string>& channels() const { return channels_; }
   bool has_channel(const std::string& name) const { return places_.count(name) > 0; }
+  /// The same, and where the file has several parts the names with the part's before them: "CryptoObject00.R" of
+  /// channel "R" of part "CryptoObject00". has_channel() and read() know these too.
+  std::vector<std::string> all_names() const;
   /// String attributes of all parts; of one name, the first part's.
   const std::map<std::string, std::string>& attributes() const { return attributes_; }
 

@@ -23,12 +23,20 @@ ExrLayers read_exr_channels(const std::string& path, const std::vector<std::stri
 std::vector<std::string> exr_channel_names(const std::string& path);
 
 /// Share of each pixel that each of `names` covers, 0..1, in the order of `names`: width * height floats, row 0 at the
-/// top. `layer`: the Cryptomatte's name, as "CryptoObject". Names that the manifest lacks are looked for by their
-/// MurmurHash3. Throws Error(kInput): no such Cryptomatte in the file, a manifest that cannot be read.
+/// top. `layer`: the Cryptomatte's name, as "CryptoObject", with or without the view layer. Names that the manifest
+/// lacks, and all where it or the metadata cannot be read, are looked for by their MurmurHash3. Throws Error(kInput):
+/// no such Cryptomatte in the file, or several.
 std::vector<std::vector<float>> read_cryptomatte_coverage(const std::string& path, const std::string& layer,
                                                           const std::vector<std::string>& names);
 
-/// The names of a file's Cryptomatte manifest, in alphabetical order.
-std::vector<std::string> cryptomatte_names(const std::string& path, const std::string& layer);
+struct CryptomatteNames {
+  std::vector<std::string> manifest;  // in alphabetical order
+  std::vector<std::string> unseen;    // of those that were wanted: not in the manifest, and in no pixel by their hash
+  std::vector<std::string> warnings;  // what was matched by hash, and why; without the file's name
+};
+
+/// Looks for names in a file's Cryptomatte, as read_cryptomatte_coverage() does, and throws as it does.
+CryptomatteNames find_cryptomatte_names(const std::string& path, const std::string& layer,
+                                        const std::vector<std::string>& wanted);
 
 }  // namespace multum

@@ -16,6 +16,7 @@
 #include "host/base/files/byte_file.h"
 #include "host/base/files/exr_survey.h"
 #include "host/base/files/regular_file.h"
+#include "host/image/files/ktx2_survey.h"
 #include "host/image/files/tiff_survey.h"
 
 namespace multum {
@@ -200,8 +201,27 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   keep(container, 0, file.size());
 }
 
+// Attributes of the first part, of those that baked files have (docs/FORMAT.md): its channels are no map's.
+void refuse_baked_file(const std::string& path, ByteFile& file) {
+  std::string representation, source;
+  walk_exr_headers(path, file, [&](const ExrAttribute& attribute) {
+    const auto text = [&] { return file.bytes(attribute.position, attribute.size, "an EXR header"); };
+    if (attribute.part > 0 || attribute.type != "string") return;
+    if (attribute.name == "multum:representation") representation = text();
+    if (attribute.name == "multum:sourceName") source = text();
+  });
+  // A pyramid's finest level is a picture or a height field as others are.
+  if (representation.empty() || representation.starts_with("pyramid of ")) return;
+  refuse_file(path,
+              fmt::format("is a file that multum baked from {0} ({1}), expected a map. Give {0} itself, or the baked "
+                          "file to 'multum info', 'multum verify', 'multum export' (as NAME.ndf.exr), 'multum "
+                          "look' or 'multum-view'",
+                          source.empty() ? "a map" : source, representation));
+}
+
 void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& container, std::int64_t texel_count_max) {
   const std::vector<ExrPartSize> parts = survey_exr(path, file);
+  refuse_baked_file(path, file);
   for (const ExrPartSize& part : parts) check_image_size(path, part.width, part.height, texel_count_max);
   container.width = parts.front().width;
   container.height = parts.front().height;
@@ -322,8 +342,21 @@ std::string format_of(std::string_view head) {
   if (head.starts_with("\xFF\xD8\xFF"sv)) return "jpeg";
   if (head.starts_with("RIFF"sv) && head.size() >= 12 && head.substr(8, 4) == "WEBP"sv) return "webp";
   if (head.starts_with("\x76\x2f\x31\x01"sv)) return "openexr";
+  if (head.starts_with(std::string_view(kKtx2Magic, 12))) return "ktx2";
   for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
     if (head.starts_with(magic)) return "tiff";
+  return "";
+}
+
+// Files that are no image, but that somebody who works with multum may have at hand.
+std::string other_kind(std::string_view head) {
+  using namespace std::string_view_literals;
+  constexpr char kExpected[] = "expected PNG, JPEG, WebP, TIFF or OpenEXR";
+  if (head.starts_with("DDS "sv))
+    return fmt::format("a DDS texture for GPUs, {}: give the map that it was made of", kExpected);
+  if (head.starts_with("glTF"sv))
+    return fmt::format("a glTF model, {}. 'multum gltf' converts a model, 'multum materials' lists its maps",
+                       kExpected);
   return "";
 }
 
@@ -346,9 +379,13 @@ ImageContainer inspect_image_container(const std::string& path, std::int64_t tex
   container.format = format_of(head);
   if (const std::string changed = damaged_png_signature(head); container.format.empty() && !changed.empty())
     refuse_file(path, fmt::format("damaged PNG: in its signature {}", changed));
-  if (container.format.empty())
-    refuse_file(path, fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF or OpenEXR",
-                                  file.size()));
+  if (container.format.empty()) {
+    const std::string other = other_kind(head);
+    refuse_file(path, other.empty() ? fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF "
+                                                  "or OpenEXR",
+                                                  file.size())
+                                    : fmt::format("found {}", other));
+  }
   if (container.format == "png") {
     inspect_png(path, file, container);
   } else if (container.format == "jpeg") {
@@ -357,6 +394,10 @@ ImageContainer inspect_image_container(const std::string& path, std::int64_t tex
     inspect_webp(path, file, container);
   } else if (container.format == "openexr") {
     inspect_exr(path, file, container, texel_count_max);
+  } else if (container.format == "ktx2") {
+    const Ktx2Survey survey = survey_ktx2(path, file);
+    container.width = survey.width;
+    container.height = survey.height;
   } else {
     inspect_tiff(path, file, container);
     return container;

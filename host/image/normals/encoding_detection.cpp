@@ -22,7 +22,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/image/files/number_type.h"
 #include "host/image/normals/vector_statistics.h"
 

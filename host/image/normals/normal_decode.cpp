@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/processes/parallel.h"
 
 namespace multum {

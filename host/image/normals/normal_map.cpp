@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "host/image/image_reader.h"
 #include "host/image/normals/encoding_detection.h"
 #include "host/image/normals/flat_map.h"

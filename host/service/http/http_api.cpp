@@ -512,7 +512,7 @@ asio::awaitable<HttpResponse> picture(HttpApi::State& state, std::string part, H
 using State = HttpApi::State;
 
 std::vector<Route> with_web_files(std::vector<Route> list) {
-  for (const auto& [name, bytes] : embedded_web_files()) list.push_back({"GET", {name}, true, web_file});
+  for (const auto& [name, bytes] : web_files()) list.push_back({"GET", {name}, true, web_file});
   return list;
 }
 

@@ -26,7 +26,7 @@ std::string content_type(std::string_view name) {
 const std::map<std::string, HttpResponse>& responses() {
   static const std::map<std::string, HttpResponse> all = [] {
     std::map<std::string, HttpResponse> made;
-    for (const auto& [name, bytes] : embedded_web_files())
+    for (const auto& [name, bytes] : web_files())
       made["/" + name] = {200,
                           content_type(name),
                           std::string(bytes),
@@ -41,6 +41,15 @@ const std::map<std::string, HttpResponse>& responses() {
 }
 
 }  // namespace
+
+const std::map<std::string, std::string_view>& web_files() {
+  static const std::map<std::string, std::string_view> all = [] {
+    std::map<std::string, std::string_view> files = embedded_web_files();
+    files.insert(shared_web_files().begin(), shared_web_files().end());
+    return files;
+  }();
+  return all;
+}
 
 HttpResponse web_file_response(const HttpRequest& request) {
   HttpResponse response = responses().at(request.path);

@@ -2,6 +2,7 @@
 // The page: queues, the list, the job that is open, keys, and whether the line to the service is up.
 
 import { EventLine, ask } from "./client.js";
+import { errorText, sayUncaughtErrors } from "./error_text.js";
 import { JobDetail } from "./job_detail.js";
 import { JobList } from "./job_list.js";
 import { STATES, byId, bytesText, canCancel, canRetry, confirmed, isFinal, jobName, node, notify, setText }
@@ -91,7 +92,7 @@ async function act(question, said) {
     const answer = await question;
     notify(said(answer));
   } catch (error) {
-    notify(error.status ? error.message : "Nobody answers.", true);
+    notify(errorText(error), true);
   }
   lookAtQueues();
 }
@@ -277,6 +278,7 @@ byId("retry-dead").addEventListener("click", retryDead);
 addEventListener("hashchange", showHash);
 addEventListener("popstate", () => { if (!location.hash) hideDetail(); });
 
+sayUncaughtErrors((text) => notify(text, true));
 await list.load();
 await lookAtQueues();
 line.look();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daemon's answers, its token, and its events.
 
+import { errorText } from "./error_text.js";
 import { byId, setText } from "./nodes.js";
 
 const TOKEN = "multum-token";
@@ -35,7 +36,7 @@ function askForToken(isWrong) {
   return asking;
 }
 
-/** The raw answer. Asks for the token when it is wanted; throws Refused, or TypeError when nobody answers. */
+/** The raw answer. Asks for the token when it is wanted; throws Refused, of status 0 when nobody answers. */
 export async function fetchAnswer(method, path, body = undefined, patience = PATIENCE_MS) {
   for (;;) {
     const token = sessionStorage.getItem(TOKEN);
@@ -44,11 +45,11 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
       body: body === undefined || body instanceof Blob ? body : JSON.stringify(body),
       headers: token === null ? {} : { Authorization: `Bearer ${token}` },
       signal: AbortSignal.timeout(patience),
-    });
+    }).catch((error) => { throw new Refused(0, `Nobody answers (${errorText(error)}).`); });
     if (response.ok) return response;
     if (response.status !== 401) {
       const error = (await response.json().catch(() => null))?.error;
-      throw new Refused(response.status, error?.message ?? `the service answered ${response.status}`);
+      throw new Refused(response.status, errorText(error, `the service answered ${response.status}`));
     }
     // Another question may have brought a new one meanwhile.
     if (sessionStorage.getItem(TOKEN) === token) await askForToken(token !== null);

@@ -2,6 +2,7 @@
 // One job: all that the service knows of it, its pictures, and its log as it grows.
 
 import { ask, fetchAnswer, hasToken } from "./client.js";
+import { errorText } from "./error_text.js";
 import { ProgressBar, badge, byId, bytesText, canCancel, canRetry, durationText, isFinal, jobName, node, notify,
   outputName, refreshTimes, setBadge, setText, timeNode, tookText } from "./nodes.js";
 
@@ -45,7 +46,7 @@ export class JobDetail {
     try {
       job = await ask("GET", `/v1/jobs/${id}`);
     } catch (error) {
-      notify(error.message, true);
+      notify(errorText(error), true);
       return false;
     }
     if (this.number !== id) return false;
@@ -248,7 +249,7 @@ export class JobDetail {
         holes[i].firstElementChild.replaceWith(node("button", { onclick: () => this.enlarge(url, caption) },
           node("img", { src: url, alt: `${caption}, of job ${job.id}; larger` })));
       } catch (error) {
-        holes[i].firstElementChild.textContent = error.status ? error.message : "nobody answers";
+        holes[i].firstElementChild.textContent = errorText(error);
       }
     }));
   }
@@ -282,7 +283,7 @@ export class JobDetail {
         this.lookIsMade = true;
       }
     } catch (error) {
-      notify(error.message, true);
+      notify(errorText(error), true);
     }
     look.removeAttribute("aria-busy");
     if (this.look !== look) return; // another job was opened meanwhile
@@ -300,7 +301,7 @@ export class JobDetail {
       node("a", { href: url, download: outputName(this.job) + endingOf(blob) }).click();
       setTimeout(() => URL.revokeObjectURL(url), 60000);
     } catch (error) {
-      notify(error.message, true);
+      notify(errorText(error), true);
     }
   }
 }

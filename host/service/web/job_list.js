@@ -3,6 +3,7 @@
 // holds PAGE rows at most and is drawn ten times a second at most.
 
 import { ask } from "./client.js";
+import { errorText } from "./error_text.js";
 import { ProgressBar, STATES, badge, byId, firstLine, jobName, node, notify, outputName, refreshTimes, setBadge,
   setText, timeNode, tookText } from "./nodes.js";
 
@@ -42,7 +43,7 @@ class Row {
     setText(this.attempts, String(job.attempt));
     setText(this.took, tookText(job));
     this.progress.show(job);
-    const note = job.state === "dead" ? job.message : "";
+    const note = job.state === "dead" ? job.message ?? "" : "";
     setText(this.note, firstLine(note));
     this.note.title = note;
     this.note.hidden = note === "";
@@ -123,7 +124,7 @@ export class JobList {
         from = found.at(-1).id;
       }
     } catch (error) {
-      if (error.status) notify(error.message, true); // otherwise the line says so
+      if (error.status) notify(errorText(error), true); // otherwise the line says so
       if (this.sinceLoad === news) this.sinceLoad = null;
       return;
     }

@@ -4,7 +4,7 @@
 
 export const byId = (id) => document.getElementById(id);
 
-/** node("a", {href, class, onclick}, "text", otherNode, null): null children are left out. */
+/** node("a", {href, class, onclick}, "text", otherNode, null): children without value are left out. */
 export function node(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
@@ -12,12 +12,13 @@ export function node(name, attributes = {}, ...children) {
     if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
     else made.setAttribute(key, value === true ? "" : value);
   }
-  for (const child of children) if (child !== null) made.append(child);
+  for (const child of children) if (child !== null && child !== undefined) made.append(child);
   return made;
 }
 
 /** Touches the page only when there is something new: most of a list stays as it is. */
-export function setText(target, text) {
+export function setText(target, value) {
+  const text = value ?? "";
   if (target.textContent !== text) target.textContent = text;
 }
 

@@ -2,6 +2,7 @@
 // A form for each type of job, built from the schema of its parameters (GET /v1/types).
 
 import { ask } from "./client.js";
+import { errorText } from "./error_text.js";
 import { byId, bytesText, node, notify } from "./nodes.js";
 
 const FEW = 6; // parameters that are shown at once
@@ -53,7 +54,7 @@ export class SubmitForm {
     try {
       this.types ??= (await ask("GET", "/v1/types")).types;
     } catch (error) {
-      return notify(error.message || "nobody answers", true);
+      return notify(errorText(error), true);
     }
     this.kind = node("select", { id: "submit-type", onchange: () => this.build() },
       ...this.types.map((type) => node("option", { value: type.name }, type.name)));
@@ -137,7 +138,7 @@ export class SubmitForm {
       input.dispatchEvent(new Event("input"));
       notify(`${file.name} is on the server, ${bytesText(answer.bytes)}`);
     } catch (error) {
-      this.problem.textContent = error.status ? error.message : "The upload was cut off: nobody answers.";
+      this.problem.textContent = `${file.name} is not uploaded: ${errorText(error)}`;
     }
   }
 
@@ -160,7 +161,7 @@ export class SubmitForm {
       notify(`Job ${answer.id} is ${answer.state}.`);
       this.submitted(answer);
     } catch (error) {
-      this.problem.textContent = error.status ? error.message : "Nobody answers.";
+      this.problem.textContent = errorText(error);
     }
     this.button.disabled = false;
   }

@@ -5,13 +5,13 @@ const MIB = 1 << 20;
 const percent = (share) => (share === undefined ? "-" : (100 * share).toFixed(2));
 const milliseconds = (seconds) => (1000 * seconds).toFixed(0);
 const mebibytes = (bytes) => (bytes / MIB).toFixed(2);
-const frameTime = (row) => (row.frame_ms === undefined ? "-" : row.frame_ms.toFixed(1));
+const frameTime = (ms) => (ms === undefined ? "-" : ms.toFixed(1));
 
 // A cost, as a plot and the fronts have it: its key in `fronts`, and what a row costs, > 0 where that is known.
 const COSTS = [
-  { title: "Bake time", unit: "milliseconds", front: "bake_time", of: (row) => 1000 * row.bake_seconds },
+  { title: "Work of a bake", unit: "milliseconds", front: "bake_work", of: (row) => 1000 * row.bake_work_seconds },
   { title: "Memory on the GPU", unit: "MiB", front: "gpu_bytes", of: (row) => row.gpu_bytes / MIB },
-  { title: "Frame time", unit: "milliseconds", front: "frame_time", of: (row) => row.frame_ms ?? -1 },
+  { title: "Work of a frame", unit: "milliseconds", front: "frame_work", of: (row) => row.frame_work_ms ?? -1 },
 ];
 
 // Others, drawn alone, have no fronts.
@@ -151,8 +151,9 @@ const sameAs = (row) => data.rows.filter((other) => other.same_as === data.rows.
 /** A row on a front, its figures, warnings and command. */
 function frontEntry(row) {
   const fronts = COSTS.filter((cost) => row.fronts[cost.front]).map((cost) => cost.title).join(", ");
-  const figures = `; ${milliseconds(row.bake_seconds)} ms to bake, ${mebibytes(row.gpu_bytes)} MiB on the GPU` +
-    (row.frame_ms === undefined ? "" : `, ${frameTime(row)} ms a frame`) + `; front of: ${fronts}` +
+  const bake = `${milliseconds(row.bake_work_seconds)} ms of work (${milliseconds(row.bake_seconds)} elapsed) to bake`;
+  const frame = row.frame_ms === undefined ? "" : `, ${frameTime(row.frame_work_ms)} ms of work a frame`;
+  const figures = `; ${bake}, ${mebibytes(row.gpu_bytes)} MiB on the GPU${frame}; front of: ${fronts}` +
     (fits(row) ? "" : "; beyond the budget");
   const warnings = (row.warnings ?? []).flatMap((warning) => [node("br"), `Warning: ${warning}`]);
   const same = sameAs(row).flatMap((other, i) => [i === 0 ? null : ", ", code(nameOf(other))].filter(Boolean));
@@ -163,16 +164,16 @@ function frontEntry(row) {
 
 function measuredTable() {
   const columns = [{ head: "settings", isText: true }, { head: "varied", isText: true },
-    ...["error", "\u00b1\u00a095\u00a0%", "95th percentile", "worst octave", "rendered", "bake, processor ms",
-      "bake, ms", "frame, ms",
+    ...["error", "\u00b1\u00a095\u00a0%", "95th percentile", "worst octave", "rendered", "bake, ms of work",
+      "bake, ms elapsed", "frame, ms of work", "frame, ms elapsed",
       "file, MiB", "GPU, MiB"].map((head) => ({ head }))];
   const rows = data.rows.filter(isMeasured).map((row) => {
     const name = row.view ? [code(row.bake), " ", code(row.view)] : [code(row.bake)];
     const error = percent(row.relative_l1);
     return [fits(row) ? name : node("s", {}, name), row.group, isOnFront(row) ? { best: error } : error,
       percent(row.confidence_95), percent(row.percentile_95), percent(row.worst_octave_relative_l1),
-      percent(row.rendered_relative_l1), milliseconds(row.bake_processor_seconds), milliseconds(row.bake_seconds),
-      frameTime(row), mebibytes(row.file_bytes),
+      percent(row.rendered_relative_l1), milliseconds(row.bake_work_seconds), milliseconds(row.bake_seconds),
+      frameTime(row.frame_work_ms), frameTime(row.frame_ms), mebibytes(row.file_bytes),
       mebibytes(row.gpu_bytes)];
   });
   return table(columns, rows, { class: "sortable" });
@@ -180,9 +181,10 @@ function measuredTable() {
 
 function othersTable() {
   const columns = [...["baked with", "drawn with", "varied"].map((head) => ({ head, isText: true })),
-    ...["error", "\u00b1\u00a095\u00a0%", "rendered", "frame, ms"].map((head) => ({ head }))];
+    ...["error", "\u00b1\u00a095\u00a0%", "rendered", "frame, ms of work"].map((head) => ({ head }))];
   const rows = data.rows.filter((row) => !isMeasured(row)).map((row) => [code(row.bake), code(row.view), row.group,
-    percent(row.relative_l1), percent(row.confidence_95), percent(row.rendered_relative_l1), frameTime(row)]);
+    percent(row.relative_l1), percent(row.confidence_95), percent(row.rendered_relative_l1),
+    frameTime(row.frame_work_ms)]);
   return table(columns, rows, { class: "sortable" });
 }
 

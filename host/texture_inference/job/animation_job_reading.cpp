@@ -14,6 +14,7 @@
 #include <glm/matrix.hpp>
 
 #include "host/asset/inferred/texture_mapping.h"
+#include "host/base/log.h"
 #include "host/base/path_text.h"
 #include "host/image/files/exr_layers.h"
 #include "host/mesh/object_mesh.h"
@@ -193,11 +194,21 @@ void check_geometry_channels(const StrictTable& job_table, const AnimationJob& j
   if (!job.depth.empty())
     check_known(job_table, "depth", job.depth, exr_channel_names(sample->geometry), "channel of " + sample->geometry);
   if (!sample->object_index.empty()) return;
-  const std::vector<std::string> names = cryptomatte_names(sample->geometry, job.cryptomatte);
+  std::vector<std::string> wanted;
+  for (const AnimationObject& object : job.objects) wanted.push_back(object.cryptomatte);
+  const CryptomatteNames names = find_cryptomatte_names(sample->geometry, job.cryptomatte, wanted);
+  for (const std::string& warning : names.warnings) log_warning(sample->geometry + ": " + warning);
   const auto object_tables = job_table.tables("object");
-  for (std::size_t i = 0; i < job.objects.size() && !names.empty(); ++i) {
+  for (std::size_t i = 0; i < job.objects.size(); ++i) {
+    const std::string& name = job.objects[i].cryptomatte;
+    if (std::find(names.unseen.begin(), names.unseen.end(), name) == names.unseen.end()) continue;
     const StrictTable table(job.path, *object_tables[i], "object", {});
-    check_known(table, "cryptomatte", job.objects[i].cryptomatte, names, "name in the manifest of " + sample->geometry);
+    if (!names.manifest.empty())
+      check_known(table, "cryptomatte", name, names.manifest, "name in the manifest of " + sample->geometry);
+    log_warning(
+        fmt::format("{}: no pixel of Cryptomatte \"{}\" has the hash of \"{}\": the object is not seen there, or "
+                    "has another name",
+                    sample->geometry, job.cryptomatte, name));
   }
 }
 

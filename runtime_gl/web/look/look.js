@@ -70,9 +70,11 @@ class LookPage {
     this.data = data;
     this.view = viewOfHash(location.hash);
     const table = new Uint16Array(bytesOfBase64(data.ggxTable).buffer);
-    this.gl = new LookGl(byId("canvas"), data.shaders, table);
+    this.makeGl = () => new LookGl(byId("canvas"), data.shaders, table);
+    this.gl = this.makeGl();
     this.dropped = null; // a map that was dropped
     this.drawn = 0; // frames, so that what takes several knows that the view has changed
+    this.addLoss();
     this.addControls();
     this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
     this.addPointers();
@@ -80,6 +82,7 @@ class LookPage {
     this.drops = new Drops(this, byId("look-worker").textContent);
     byId("main").hidden = false;
     new ResizeObserver(() => this.change({})).observe(byId("stage"));
+    document.addEventListener("visibilitychange", () => this.change({}));
     this.change({});
   }
 
@@ -106,8 +109,7 @@ class LookPage {
     this.checkFits(file, means);
     this.setMeans(means);
     this.setLobes(file);
-    if (exported === null) this.gl.removeMaterial("export");
-    else this.gl.setMaterial("export", exported);
+    this.setExported(exported);
     // The one-lobe export is fitted by multum export, not here.
     for (const id of ["left", "right"])
       [...byId(id).options].find(({ value }) => value === "export").disabled = exported === null;
@@ -116,6 +118,12 @@ class LookPage {
     byId("title").textContent = title;
     byId("about").textContent = about;
     document.title = title;
+  }
+
+  setExported(levels) {
+    if (levels === null) this.gl.removeMaterial("export");
+    else this.gl.setMaterial("export", levels);
+    this.exported = levels;
   }
 
   setNormals(width, height, normals) { this.setMeans(meanNormals(width, height, normals)); }
@@ -135,6 +143,28 @@ class LookPage {
     this.checkFits(file, this.means);
     this.gl.setLobes(file, this.means);
     this.file = file;
+  }
+
+  /** What was uploaded is gone with a graphics context, and is uploaded again when the browser has another one. */
+  addLoss() {
+    const canvas = byId("canvas");
+    canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault(); // or it never comes back
+      ++this.drawn; // what is being measured is of no use
+      byId("lost").hidden = false;
+      canvas.style.visibility = "hidden"; // browsers show a broken picture
+    });
+    canvas.addEventListener("webglcontextrestored", () => {
+      const { model } = this.gl;
+      this.gl = this.makeGl();
+      this.setMeans(this.means);
+      this.setLobes(this.file);
+      this.setExported(this.exported);
+      if (model !== null) this.gl.setModel(this.model);
+      byId("lost").hidden = true;
+      canvas.style.visibility = "";
+      this.change({});
+    });
   }
 
   addControls() {
@@ -186,7 +216,7 @@ class LookPage {
       if (value === "dropped") this.install(this.dropped);
       else this.showOwn(Number(value));
     } catch (error) {
-      say(`This map cannot be shown: ${error.message}`);
+      say(`This map cannot be shown: ${errorText(error)}`);
     }
     this.change({});
   }
@@ -269,7 +299,7 @@ class LookPage {
     for (const id of ["left", "right"]) if (!this.gl.has(view[id])) view[id] = HOME[id];
     this.view = view;
     if (this.waiting !== undefined) return;
-    this.waiting = new Promise((resolve) => requestAnimationFrame(() => {
+    this.waiting = new Promise((resolve) => onNextFrame(() => {
       this.waiting = undefined;
       this.draw();
       resolve();
@@ -289,6 +319,7 @@ class LookPage {
   }
 
   draw() {
+    if (this.gl.isLost) return; // drawn when it is back
     const canvas = byId("canvas"), { view } = this;
     const ratio = this.pixelRatio ?? Math.min(devicePixelRatio, 2);
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
@@ -310,14 +341,16 @@ class LookPage {
 
   // Done when the GPU has passed the fence.
   timeFrame(begin) {
-    const { gl } = this.gl;
+    const { gl } = this.gl, wasHidden = document.hidden;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     const look = () => {
+      if (gl.isContextLost()) return undefined;
       const state = gl.clientWaitSync(fence, 0, 0);
       if (state === gl.TIMEOUT_EXPIRED) return setTimeout(look, 1);
       gl.deleteSync(fence);
       this.frameMs = performance.now() - begin;
+      this.isTimed = !wasHidden && !document.hidden; // timers of a tab in the background wait
       return this.showFacts();
     };
     look();
@@ -326,12 +359,19 @@ class LookPage {
   /** Says how far both pictures are from the map itself, unless the view changes before that is known. */
   async measure() {
     const { left, right } = this.view, { drawn } = this, percent = (share) => `${(100 * share).toFixed(1)} %`;
+    if (this.gl.isLost) return;
     byId("measure").disabled = true;
-    const found = await errorsBesideMap(this.gl, [left, right], this.scene(), () => this.drawn !== drawn, (share) => {
-      if (this.drawn === drawn) byId("error").textContent = `Measuring: ${Math.round(100 * share)} %`;
-    });
-    byId("measure").disabled = false;
-    if (found === null) return;
+    let found = null;
+    try {
+      found = await errorsBesideMap(this.gl, [left, right], this.scene(), () => this.drawn !== drawn, (share) => {
+        if (this.drawn === drawn) byId("error").textContent = `Measuring: ${Math.round(100 * share)} %`;
+      });
+    } catch (error) {
+      byId("error").textContent = `The error cannot be measured: ${errorText(error)}.`;
+    } finally {
+      byId("measure").disabled = false;
+    }
+    if (found === null || this.drawn !== drawn) return;
     byId("error").textContent = `Error of the radiance, relative L1, beside ${PLACES_ACROSS ** 2} samples a pixel of ` +
       `the map itself: ${this.nameOf(left)} ${percent(found.errors[0])}, ${this.nameOf(right)} ` +
       `${percent(found.errors[1])}; the samples' own noise is about ${percent(found.noise)}.`;
@@ -352,18 +392,34 @@ class LookPage {
     this.showFacts();
   }
 
+  /** What a method keeps on a GPU, and what that is counted as. */
+  factsOf(method) {
+    const bytes = `${this.nameOf(method)} ${(this.gl.bytesOf(method) / 1e6).toFixed(2)} MB`;
+    if (method !== "lobes") return `${bytes} (normal as BC5, roughness as BC4)`;
+    const { format } = this.file;
+    const kind = format === VK_BC5 ? "BC5" : format === VK_RGBA16F ? "RGBA16F" : "RGBA8";
+    return `${bytes} (${kind}, and the normal map as BC5)`;
+  }
+
   showFacts() {
-    const megabytes = (method) => `${this.nameOf(method)} ${(this.gl.bytesOf(method) / 1e6).toFixed(2)} MB`;
-    const size = `${this.means[0].width} x ${this.means[0].height}`;
+    const { means, view, gl: { size } } = this;
     const count = this.file.lobes.lobes.length;
-    byId("facts").textContent = `Map of ${size}, ${count} ${count === 1 ? "lobe" : "lobes"}. On the GPU: ` +
-      `${megabytes(this.view.left)}, ${megabytes(this.view.right)} (one normal: as BC5 and BC4). ` +
-      `A frame of both takes ${this.frameMs === undefined ? "..." : this.frameMs.toFixed(1)} ms.`;
+    const methods = [...new Set([view.left, view.right])];
+    const time = this.frameMs === undefined ? "is being timed" : this.isTimed
+      ? `takes ${this.frameMs.toFixed(1)} ms` : "is not timed while this page is in the background";
+    byId("facts").replaceChildren(...[
+      `Map of ${means[0].width} x ${means[0].height}, ${count} ${count === 1 ? "lobe" : "lobes"}.`,
+      `Memory on the GPU, all mip levels, as engines keep them: ${methods.map((method) =>
+        this.factsOf(method)).join("; ")}.`,
+      `Time: a frame here, both methods drawn in all ${size[0]} x ${size[1]} pixels, ${time}, from the first ` +
+        "command until the GPU is done.",
+    ].map((text) => Object.assign(document.createElement("li"), { textContent: text })));
   }
 }
 
+sayUncaughtErrors(say);
 try {
   globalThis.multumLook = new LookPage(JSON.parse(byId("look-data").textContent));
 } catch (error) {
-  say(`This page cannot be shown: ${error.message}`);
+  say(`This page cannot be shown: ${errorText(error)}`);
 }

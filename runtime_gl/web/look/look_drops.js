@@ -26,7 +26,7 @@ function decodeInWorker(source, bytes, progress) {
   let timer;
   return new Promise((resolve, reject) => {
     timer = setTimeout(() => reject(new Error(`is not decoded after ${DECODING_MS_MAX / 1000} s`)), DECODING_MS_MAX);
-    worker.onerror = (event) => reject(new Error(event.message ?? "its worker broke down"));
+    worker.onerror = (event) => reject(new Error(errorText(event, "its worker broke down")));
     worker.onmessage = ({ data }) => {
       if (data.error !== undefined) reject(new Error(data.error));
       else if (data.decoded !== undefined) resolve(data.decoded);
@@ -137,7 +137,7 @@ class Drops {
       else if (kind === "gltf") await this.takeGltf(file.name, model);
       else this.takeImage(await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
     } catch (error) {
-      say(`${file.name}: ${error.message}`);
+      say(`${file.name}: ${errorText(error)}`);
     }
     reading.textContent = this.unfinished === null ? ""
       : `${this.unfinished.title} leaves level 0 to its normal map: drop that too.`;
@@ -182,7 +182,7 @@ class Drops {
       const level = Math.min(3, page.means.length - 1), texels = page.means[level].texels;
       const means = Float32Array.from({ length: texels.length / 2 }, (_, i) => texels[4 * (i >> 1) + (i & 1)]);
       page.setNormals(width, height, matchingNormals(image, level, means, false));
-      page.gl.setLobes(page.file, page.means);
+      page.setLobes(page.file);
     }
   }
 }

@@ -36,7 +36,7 @@ async function errorsBesideMap(gl, methods, scene, isStale, onShare) {
       for (let i = 0; i < half.length; ++i) half[i] += seen[i];
     }
     onShare((y + 1) / PLACES_ACROSS);
-    await new Promise((resolve) => setTimeout(resolve));
+    await giveWay();
     if (isStale()) return null;
   }
   const count = PLACES_ACROSS ** 2, mean = halves[0].map((one, i) => (one + halves[1][i]) / count);

@@ -338,6 +338,6 @@ globalThis.onmessage = async ({ data }) => {
     const buffers = [decoded.means, decoded.normals, ...decoded.file.levels].flatMap((one) => one?.buffer ?? []);
     globalThis.postMessage({ decoded }, buffers);
   } catch (error) {
-    globalThis.postMessage({ error: error.message });
+    globalThis.postMessage({ error: errorText(error) });
   }
 };

@@ -170,17 +170,18 @@ class LookGl {
 
   program(vertex, fragment) {
     const { gl } = this;
+    if (gl.isContextLost()) return null; // all is made again when it is back
     const program = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS))
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
         throw new Error(`a shader was refused: ${gl.getShaderInfoLog(shader)}`);
       gl.attachShader(program, shader);
     }
     gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS))
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
       throw new Error(`shaders were refused: ${gl.getProgramInfoLog(program)}`);
     return program;
   }
@@ -197,7 +198,8 @@ class LookGl {
     for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(target, axis, wrap);
     upload();
     const error = gl.getError();
-    if (error !== gl.NO_ERROR) throw new Error(`a texture of ${width} x ${height} was refused (GL error ${error})`);
+    if (error !== gl.NO_ERROR && !gl.isContextLost())
+      throw new Error(`a texture of ${width} x ${height} was refused (GL error ${error})`);
     return texture;
   }
 
@@ -208,7 +210,7 @@ class LookGl {
     const texture = this.texture(gl.TEXTURE_2D, gl.RGBA8, levels[0], levels.length, gl.REPEAT, () => levels.forEach(
       (level, l) => gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.UNSIGNED_BYTE,
         level.bytes)));
-    // As BC5 and BC4, which is what engines keep; here they are RGBA8.
+    // As BC5 and BC4, which is what engines keep; here they are RGBA8. LookPage.factsOf says so.
     this.materials.set(method, { texture, bytes: levels.reduce((sum, { width, height }) =>
       sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
   }
@@ -245,6 +247,8 @@ class LookGl {
       bytes: file.levels.reduce((sum, level) => sum + level.length, 0) + texelBytes(VK_BC5, normals[0].width,
         normals[0].height) };
   }
+
+  get isLost() { return this.gl.isContextLost(); }
 
   /** Engines' rule is made when it is drawn. */
   has(method) { return method !== "export" || this.materials.has(method); }

@@ -11,8 +11,8 @@
 
 #include "host/asset/inferred/inferred_texture.h"
 #include "host/base/error.h"
-#include "host/codec/field_packing.h"
 #include "host/codec/field_unpacking.h"
+#include "host/codec/packing/field_packing.h"
 #include "host/image/files/exr_layers.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
@@ -59,6 +59,25 @@ class PackCommandTest : public TracedSceneTest {
       }
       count += static_cast<double>(a.size());
     }
+    return sum / count;
+  }
+  // The same of what the inferred textures draw, beside the ray-traced pictures.
+  double inferred_mse() const {
+    double sum = 0.0, count = 0.0;
+    for (int view = 0; view < 3; ++view)
+      for (int light = 0; light < 2; ++light) {
+        const ExrLayers traced =
+            read_exr_channels(path(fmt::format("renders/rad_v{:02}_p{:02}.exr", view, light)), {"R", "G", "B"});
+        const std::vector<float> drawn = frame("out", fmt::format("{},{}", view, light));
+        const std::size_t pixels = drawn.size() / 3;
+        for (std::size_t i = 0; i < drawn.size(); ++i) {
+          const float value = traced.channels.at(std::string(1, "RGB"[i / pixels]))[i % pixels];
+          const double d =
+              static_cast<double>(std::min(255.0f, gamma_coded(value)) - std::min(255.0f, gamma_coded(drawn[i])));
+          sum += d * d;
+        }
+        count += static_cast<double>(drawn.size());
+      }
     return sum / count;
   }
   // The section of a chunk of this object and layer.
@@ -129,6 +148,31 @@ TEST_F(PackCommandTest, TargetsAreMet) {
   expect_refusal(pack("none.mpt", {"--bytes", "200"}), kUsage, {"200 bytes", "cannot be met"});
   expect_refusal(pack("none.mpt", {"--bytes", "20000", "--ratio", "5"}), kUsage, {"--ratio"});
   EXPECT_FALSE(fs::exists(path("none.mpt")));
+}
+
+// Six small samples have 324 bytes at 384:1, fewer than their description takes.
+TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
+  const std::string times = "times the error of the inferred textures";
+  const ProgramResult packed = pack("default.mpt", {});
+  ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  expect_says(packed.out, {"384:1 would add more than 3 " + times, "--ratio 384 holds the ratio"});
+  EXPECT_EQ(packed.err.find("warning"), std::string::npos) << packed.err;
+  const double inferred = inferred_mse(), added = drawn_mse("default.mpt");
+  EXPECT_LT(added, 3.0 * inferred);
+  EXPECT_GT(added, 0.05 * inferred);  // it is no more than needed
+  // What was asked for is made, and its error said.
+  const auto bytes = fs::file_size(path("default.mpt")) / 2;
+  const ProgramResult small = pack("small.mpt", {"--bytes", std::to_string(bytes)});
+  ASSERT_EQ(small.exit_code, 0) << small.err;
+  expect_says(small.err, {"warning", "small.mpt: packing adds an MSE of about", times, "leave --ratio, --bytes"});
+  EXPECT_GT(drawn_mse("small.mpt"), added);
+  const ProgramResult by_error = pack("error.mpt", {"--mse-max", "6"});
+  EXPECT_EQ(by_error.err.find("warning"), std::string::npos) << by_error.err;
+  expect_refusal(pack("none.mpt", {"--ratio", "384"}), kUsage,
+                 {"a ratio of 384, 324 bytes, cannot be met", "--mse-max"});
+  // Without a report nobody knows what may be added.
+  fs::remove(path("out/report.json"));
+  expect_refusal(pack("none.mpt", {}), kUsage, {"a ratio of 384", "cannot be met", "--ratio", "--mse-max"});
 }
 
 TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {

@@ -8,8 +8,8 @@
 
 #include "host/base/error.h"
 #include "host/base/progress.h"
-#include "host/codec/field_coder.h"
-#include "host/codec/field_packing.h"
+#include "host/codec/packing/field_coder.h"
+#include "host/codec/packing/field_packing.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 

@@ -105,6 +105,57 @@ TEST_F(ViewCommandTest, AReferenceIsKept) {
   EXPECT_EQ(testing::read_bytes(path("r")), bytes);
 }
 
+// The picture is the one that is drawn without a comparison, and the comparison's errors are the same.
+TEST_F(ViewCommandTest, AMapIsComparedAndShownAlone) {
+  const auto drawn = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {path("map.ndf.exr"), "-o", path("out.png"), "--report", path("out.json"), "--context",
+                               "osmesa", "--size", "32x24"});
+    const ChildResult result = run(more);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    const nlohmann::json report = nlohmann::json::parse(testing::read_bytes(path("out.json")));
+    EXPECT_EQ(report["context_is_software"], true);
+    const nlohmann::json& own = report["pictures"].back();
+    EXPECT_GT(own["frame_processor_ms"].get<double>(), 0.0) << own;
+    return std::pair(testing::read_bytes(path("out.png")), own.value("relative_l1", 0.0));
+  };
+  const std::vector<std::string> compare = {"--compare", "reference", "--samples", "4"};
+  std::vector<std::string> alone = compare;
+  alone.push_back("--alone");
+  const auto by_itself = drawn({}), sheet = drawn(compare), shown = drawn(alone);
+  EXPECT_EQ(shown.first, by_itself.first);
+  EXPECT_NE(sheet.first, by_itself.first);
+  EXPECT_EQ(shown.second, sheet.second);
+  EXPECT_GT(shown.second, 0.0);
+}
+
+// Command lines of a file make what they make by themselves, up to the first that fails.
+TEST_F(ViewCommandTest, CommandLinesOfAFileAreRunInOneProcess) {
+  const auto line = [&](const std::string& picture, const std::string& size) {
+    return std::vector<std::string>{path("map.ndf.exr"), "-o", path(picture), "--context", "osmesa", "--size", size};
+  };
+  const auto run_lines = [&](const nlohmann::json& lines) {
+    testing::write_bytes(path("views.json"), lines.dump());
+    return run({"each", path("views.json")});
+  };
+  ASSERT_EQ(run(line("alone.png", "32x24")).exit_code, 0);
+  const ChildResult both = run_lines({line("a.png", "24x32"), line("b.png", "32x24")});
+  ASSERT_EQ(both.exit_code, 0) << both.output;
+  EXPECT_EQ(testing::read_bytes(path("b.png")), testing::read_bytes(path("alone.png")));
+  EXPECT_NE(testing::read_bytes(path("a.png")), testing::read_bytes(path("alone.png")));
+  const ChildResult failed =
+      run_lines({line("c.png", "32x24"), {path("none.ndf.exr"), "-o", "x.png"}, line("d.png", "32x24")});
+  EXPECT_EQ(failed.exit_code, 3);
+  testing::expect_says(failed.output, {"none.ndf.exr"});
+  EXPECT_TRUE(std::filesystem::exists(path("c.png")));
+  EXPECT_FALSE(std::filesystem::exists(path("d.png")));
+  for (const nlohmann::json& broken : {nlohmann::json(3), nlohmann::json{{"-o", 3}}, nlohmann::json{"map.ndf.exr"},
+                                       nlohmann::json{{"each", "views.json"}}}) {
+    const ChildResult refused = run_lines(broken);
+    EXPECT_EQ(refused.exit_code, 3) << broken;
+    testing::expect_says(refused.output, {"views.json", "expected"});
+  }
+}
+
 TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
   const std::map<std::string, std::vector<std::string>> parts = {
       {"scene", {"Draw an object", "--object", "--output", "--brdf", "plan.json"}},
@@ -115,7 +166,8 @@ TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
       {"lod", {"Draw a pyramid of heights", "--level"}},
       {"model", {"Draw a glTF model", "--material", "--distance"}},
       {"probe", {"Measure filter matrices", "--matrix-market", "--threads"}},
-      {"thumbnails", {"Draw small pictures", "--source", "--albedo"}}};
+      {"thumbnails", {"Draw small pictures", "--source", "--albedo"}},
+      {"each", {"Run several command lines", "views.json"}}};
   const ChildResult all = run({"--help"});
   ASSERT_EQ(all.exit_code, 0);
   for (const auto& [command, said] : parts) {

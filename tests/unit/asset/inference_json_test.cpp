@@ -3,6 +3,7 @@
 // name.
 #include <gtest/gtest.h>
 
+#include "host/asset/inferred/inference_error.h"
 #include "host/asset/inferred/inferred_texture.h"
 #include "host/asset/inferred/matrix_json.h"
 #include "host/asset/inferred/probe_request.h"
@@ -27,6 +28,24 @@ TEST(MatrixJsonTest, RowsAreRows) {
   EXPECT_EQ(matrix_json(m).dump(), "[[0.0,0.0,0.0,5.0],[0.0,0.0,0.0,0.0],[0.0,0.0,0.0,0.0],[0.0,0.0,0.0,0.0]]");
   EXPECT_EQ(matrix_from_json(nlohmann::json::parse(matrix_json(unusual_matrix(0.1)).dump())), unusual_matrix(0.1));
   EXPECT_THROW(matrix_from_json(nlohmann::json::parse("[[1,2,3],[1,2,3],[1,2,3]]")), nlohmann::json::exception);
+}
+
+TEST(InferenceErrorTest, IsThatOfFramesElseThatOfLayers) {
+  const TemporaryFolder folder;
+  const auto error_of = [&](const std::string& report) {
+    testing::write_bytes(folder / kInferenceReportName, report);
+    return inference_error_sum(folder.path());
+  };
+  EXPECT_EQ(inference_error_sum(folder.path()), std::nullopt);
+  EXPECT_EQ(error_of(R"({"frames": {"mse": 2.5, "pixels": 100}, "textures": []})"), 250.0);
+  EXPECT_EQ(error_of(R"({"frames": {"mse": null, "pixels": 0}, "textures": []})"), 0.0);
+  EXPECT_EQ(error_of(R"({"frames": null, "textures": [{"samples": [{"mse": 2, "pixels": 10}, {"mse": 0, "pixels": 0}]},
+                                                      {"samples": [{"mse": 0.5, "pixels": 4}]}]})"),
+            22.0);
+  for (const char* other :
+       {"", "[]", "{}", R"({"frames": {"mse": null, "pixels": 3}})", R"({"frames": {"mse": -1, "pixels": 3}})",
+        R"({"frames": null, "textures": {"samples": 1}})"})
+    EXPECT_EQ(error_of(other), std::nullopt) << other;
 }
 
 ProbeRequest unusual_request() {

@@ -37,7 +37,9 @@ class MovmfRefusalTest : public ::testing::Test {
   MovmfRefusalTest() {
     BakedWriteOptions options;
     options.compression = "none";
-    write_movmf_mipmap(file_.good, random_mipmap(40, 24, 4, true, StorageEncoding::kSnorm16, 2), options);
+    MovmfMipmap mipmap = random_mipmap(40, 24, 4, true, StorageEncoding::kSnorm16, 2);
+    quantize_movmf(mipmap, 1);
+    write_movmf_mipmap(file_.good, mipmap, options);
   }
 
   void expect_refusal(const std::string& path, std::vector<std::string> parts) const {
@@ -49,7 +51,11 @@ class MovmfRefusalTest : public ::testing::Test {
   std::string with_finest_texel(const std::string& channel, float value) const {
     Imf::MultiPartInputFile in(file_.good.c_str());
     std::vector<Imf::Header> headers;
-    for (int part = 0; part < in.parts(); ++part) headers.push_back(in.header(part));
+    for (int part = 0; part < in.parts(); ++part) {
+      headers.push_back(in.header(part));
+      headers.back().erase("multum:rowChecksums");  // they and the other one would name the change
+      headers.back().insert("multum:contentHash", Imf::StringAttribute(""));
+    }
     Imf::MultiPartOutputFile out(file_.bad.c_str(), headers.data(), in.parts());
     for (int part = 1; part < in.parts(); ++part) {
       Imf::TiledInputPart from(in, part);

@@ -52,5 +52,20 @@ TEST(RunTimesTest, ProcessorTimeIsOfAllThreadsAndNotOfSleep) {
   EXPECT_GE(times[1].processor_seconds, 0.04);
 }
 
+// What a device worked is of the run alone, and the least of the rounds; it counts as work beside the processors'.
+TEST(RunTimesTest, TheDevicesClockCountsAsWork) {
+  double device = 100.0;  // what it worked before
+  int round = 0;
+  const auto run = [&] { device += round++ == 1 ? 2.0 : 7.0; };
+  const std::vector<RunTime> times = time_in_turns({run, [] {}}, 3, nullptr, [&] { return device; });
+  EXPECT_DOUBLE_EQ(times[0].device_seconds, 2.0);
+  EXPECT_DOUBLE_EQ(times[1].device_seconds, 0.0);
+  EXPECT_DOUBLE_EQ(times[0].work_seconds(), times[0].processor_seconds + 2.0);
+  const RunTime sum = RunTime{1.0, 2.0, 3.0} + RunTime{10.0, 20.0, 30.0};
+  EXPECT_DOUBLE_EQ(sum.processor_seconds, 11.0);
+  EXPECT_DOUBLE_EQ(sum.elapsed_seconds, 22.0);
+  EXPECT_DOUBLE_EQ(sum.device_seconds, 33.0);
+}
+
 }  // namespace
 }  // namespace multum

@@ -150,7 +150,8 @@ TEST(Cryptomatte, CoverageByManifestAndByHash) {
                                           Plane{0.5f, 0.0f, 0.0f},    // by the manifest
                                           Plane{0.25f, 0.0f, 0.0f},   // whose identifier is no hash of the name
                                           Plane{0.0625f, 0.0f, 0.0f}, Plane(3, 0.0f)}));
-  EXPECT_EQ(cryptomatte_names(folder / "crypto.exr", "CryptoObject"), (std::vector<std::string>{"other", "walls"}));
+  EXPECT_EQ(find_cryptomatte_names(folder / "crypto.exr", "CryptoObject", {}).manifest,
+            (std::vector<std::string>{"other", "walls"}));
   EXPECT_EQ(read_cryptomatte_coverage(folder / "crypto.exr", "ViewLayer.CryptoObject", {"walls"})[0][0], 0.5f)
       << "the metadata's whole name finds channels without it";
 }
@@ -164,7 +165,7 @@ TEST(Cryptomatte, HashesThatAreNoFloatsAreChangedAsTheSpecificationSays) {
   const auto coverage = read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject", {"leaf87", "leaf177"});
   EXPECT_EQ(coverage[0][0], 0.5f);
   EXPECT_EQ(coverage[1][0], 0.25f);
-  EXPECT_TRUE(cryptomatte_names(folder / "crypto.exr", "CryptoObject").empty());
+  EXPECT_TRUE(find_cryptomatte_names(folder / "crypto.exr", "CryptoObject", {}).manifest.empty());
 }
 
 TEST(Cryptomatte, CoverageThatIsNoShareCountsAsNone) {
@@ -188,12 +189,6 @@ TEST(Cryptomatte, Refusals) {
     expect_refused(all, [&] { read_cryptomatte_coverage(file, "CryptoObject", {"walls"}); });
   };
   ExrPart part = cryptomatte_part();
-  part.attributes.clear();
-  expect_part_refused(part, {"no Cryptomatte", "\"CryptoObject\"", "none"});
-  part = cryptomatte_part();
-  part.attributes[0].second = "ViewLayer.CryptoMaterial";
-  expect_part_refused(part, {"no Cryptomatte", "\"CryptoObject\"", "ViewLayer.CryptoMaterial"});
-  part = cryptomatte_part();
   part.attributes.emplace_back("cryptomatte/1111111/name", "Other.CryptoObject");
   expect_part_refused(part, {"several Cryptomattes", "ViewLayer.CryptoObject, Other.CryptoObject"});
   part = cryptomatte_part();
@@ -202,13 +197,6 @@ TEST(Cryptomatte, Refusals) {
   part = cryptomatte_part();
   part.attributes[2].second = "none";
   expect_part_refused(part, {"\"none\"", "uint32_to_float32"});
-  part = cryptomatte_part();
-  part.attributes.emplace_back("cryptomatte/0a1b2c3/manifest", "{\"walls\":");
-  expect_part_refused(part, {"manifest", "damaged", "JSON"});
-  for (const char* manifest : {R"({"walls":"no"})", R"({"walls":17})", R"({"walls":""})", R"({"walls":"123456789"})"}) {
-    part.attributes.back().second = manifest;
-    expect_part_refused(part, {"manifest", "damaged", "\"walls\"", "hexadecimal"});
-  }
   part = cryptomatte_part();
   part.channels[0] = "Other00.r";
   expect_part_refused(part, {"no channel \"CryptoObject00.r\""});
@@ -220,11 +208,115 @@ TEST(Cryptomatte, Refusals) {
   expect_part_refused(part, {"half", "Cryptomatte"});
 }
 
+// As other renderers, and programs that repack files, write them: pixel 0 is half "vase", which no manifest has, and a
+// quarter "walls".
+class ForeignCryptomatte : public ::testing::Test {
+ protected:
+  ForeignCryptomatte() {
+    set_rank(part_, 0, 0, kVase, 0.5f);
+    set_rank(part_, 0, 1, kWalls, 0.25f);
+  }
+
+  void rename(const std::string& layer, const std::vector<std::string>& suffixes) {
+    for (std::size_t i = 0; i < 8; ++i) part_.channels[i] = layer + (i < 4 ? "00." : "01.") + suffixes[i % 4];
+  }
+
+  // Warnings.
+  std::vector<std::string> expect_read(const std::string& layer) {
+    const std::string file = folder_ / "crypto.exr";
+    write_exr(file, 3, 1, {part_});
+    const auto coverage = read_cryptomatte_coverage(file, layer, {"vase", "walls"});
+    EXPECT_EQ(coverage[0], (Plane{0.5f, 0.0f, 0.0f}));
+    EXPECT_EQ(coverage[1], (Plane{0.25f, 0.0f, 0.0f}));
+    const CryptomatteNames names = find_cryptomatte_names(file, layer, {"vase", "walls", "nobody"});
+    EXPECT_EQ(names.unseen, std::vector<std::string>{"nobody"});
+    return names.warnings;
+  }
+
+  const TemporaryFolder folder_;
+  ExrPart part_ = cryptomatte_part();
+};
+
+TEST_F(ForeignCryptomatte, SuffixesOfOtherPrograms) {
+  const std::vector<std::vector<std::string>> all = {
+      {"R", "G", "B", "A"}, {"red", "green", "blue", "alpha"}, {"Red", "Green", "Blue", "Alpha"}};
+  for (const auto& suffixes : all) {
+    rename("CryptoObject", suffixes);
+    EXPECT_TRUE(expect_read("CryptoObject").empty());
+  }
+}
+
+TEST_F(ForeignCryptomatte, ViewLayersBeforeEitherName) {
+  for (const char* channels : {"CryptoObject", "View Layer.CryptoObject", "left.ViewLayer.CryptoObject"})
+    for (const char* stated : {"CryptoObject", "ViewLayer.CryptoObject"})
+      for (const char* asked : {"CryptoObject", "ViewLayer.CryptoObject"}) {
+        SCOPED_TRACE(std::string(channels) + " " + stated + " " + asked);
+        rename(channels, {"r", "g", "b", "a"});
+        part_.name = "crypto";  // which is no part of a channel's name
+        part_.attributes[0].second = stated;
+        EXPECT_TRUE(expect_read(asked).empty());
+      }
+}
+
+TEST_F(ForeignCryptomatte, PartsThatHaveTheNameOfTheLayer) {
+  ExrPart first{"CryptoObject00", {"R", "G", "B", "A"}, {}, part_.attributes}, second = first;
+  second.name = "CryptoObject01";
+  first.planes.assign(part_.planes.begin(), part_.planes.begin() + 4);
+  second.planes.assign(part_.planes.begin() + 4, part_.planes.end());
+  const std::string file = folder_ / "parts.exr";
+  write_exr(file, 3, 1, {first, second});
+  const auto coverage = read_cryptomatte_coverage(file, "CryptoObject", {"vase", "walls"});
+  EXPECT_EQ(coverage[0], (Plane{0.5f, 0.0f, 0.0f}));
+  EXPECT_EQ(coverage[1], (Plane{0.25f, 0.0f, 0.0f}));
+}
+
+TEST_F(ForeignCryptomatte, NamesThatTheManifestLacks) {
+  part_.attributes.emplace_back("cryptomatte/0a1b2c3/manifest", R"({"walls":"0810d53d","other":"11223344"})");
+  const std::vector<std::string> warnings = expect_read("CryptoObject");
+  ASSERT_EQ(warnings.size(), 1u);
+  expect_says(warnings[0], {"manifest", "no \"vase\"", "hash"});
+}
+
+TEST_F(ForeignCryptomatte, DamagedManifests) {
+  part_.attributes.emplace_back("cryptomatte/0a1b2c3/manifest", "");
+  for (const char* manifest :
+       {"{\"walls\":", R"({"walls":"no"})", R"({"walls":17})", R"({"walls":""})", R"({"walls":"123456789"})",
+        R"(["walls"])", R"({"other":"11223344","wal)", "{\"a\":{\"b\":"}) {
+    SCOPED_TRACE(manifest);
+    part_.attributes.back().second = manifest;
+    const std::vector<std::string> warnings = expect_read("CryptoObject");
+    ASSERT_FALSE(warnings.empty());
+    expect_says(warnings[0], {"manifest", "damaged", "hash"});
+  }
+  // What was read before the damage counts.
+  set_rank(part_, 0, 2, 0x11223344u, 0.125f);
+  part_.attributes.back().second = R"({"other":"11223344","wal)";
+  write_exr(folder_ / "cut.exr", 3, 1, {part_});
+  EXPECT_EQ(read_cryptomatte_coverage(folder_ / "cut.exr", "CryptoObject", {"other"})[0][0], 0.125f);
+}
+
+TEST_F(ForeignCryptomatte, MetadataWithoutANameAreMatchedByTheirKey) {
+  part_.attributes = {{"cryptomatte/7f2a5c1/hash", "MurmurHash3_32"},
+                      {"cryptomatte/7f2a5c1/manifest", R"({"walls":"0810d53d"})"}};
+  std::vector<std::string> warnings = expect_read("CryptoObject");  // another's key
+  ASSERT_EQ(warnings.size(), 1u);
+  expect_says(warnings[0], {"no metadata", "\"CryptoObject\"", "MurmurHash3"});
+  // The first digits of the hash of "CryptoObject", with the manifest's own identifier.
+  part_.attributes = {{"cryptomatte/3ae39a5/manifest", R"({"other":"11223344"})"}};
+  set_rank(part_, 0, 2, 0x11223344u, 0.125f);
+  warnings = expect_read("CryptoObject");
+  ASSERT_EQ(warnings.size(), 3u);
+  expect_says(warnings[0], {"without a name", "\"CryptoObject\"", "hash"});
+  EXPECT_EQ(read_cryptomatte_coverage(folder_ / "crypto.exr", "CryptoObject", {"other"})[0][0], 0.125f);
+  part_.attributes.clear();
+  EXPECT_EQ(expect_read("CryptoObject").size(), 1u);
+}
+
 // The objects of the real field are all that its rooms hold, so their coverages sum to 1, by manifest and by hash.
 TEST(Cryptomatte, RealCoveragesSumToOne) {
   if (shared_field().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder with field_demo1";
   const std::string file = shared_field() + "/geom_v03.exr";
-  const std::vector<std::string> names = cryptomatte_names(file, "CryptoObject");
+  const std::vector<std::string> names = find_cryptomatte_names(file, "CryptoObject", {}).manifest;
   EXPECT_EQ(names, (std::vector<std::string>{"floor", "parfait", "stand", "table_top", "vase", "walls"}));
   const auto coverages = read_cryptomatte_coverage(file, "CryptoObject", names);
   const std::vector<float> largest = read_exr_channels(file, {"id.I"}).channels.at("id.I");

@@ -10,7 +10,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 #include "tests/unit/base/text_parts.h"
 #include "tests/unit/image/image_test_files.h"
 

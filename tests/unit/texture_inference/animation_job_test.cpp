@@ -384,8 +384,8 @@ TEST_F(AnimationJobTest, TheDocumentedExampleIsRead) {
   const std::vector<float> plane(12, 0.5f);
   write_exr(folder_ / "room.exr", 4, 3,
             {{"",
-              {"R", "G", "B", "Z", "CryptoObject00.r"},
-              std::vector(5, plane),
+              {"R", "G", "B", "Z", "CryptoObject00.r", "CryptoObject00.g", "CryptoObject00.b", "CryptoObject00.a"},
+              std::vector(8, plane),
               {{"cryptomatte/1234567/name", "CryptoObject"}}}});
   replace_once(text, "room.glb", "room.gltf");
   GltfScene scene;

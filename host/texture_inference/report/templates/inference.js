@@ -121,7 +121,7 @@ function comparisonTable() {
   return table([{ head: "inferred with", isText: true }, ...objects.map(({ name }) => ({ head: name }))], rows);
 }
 
-const LEFT = 44, TOP = 20; // of the cells of a heat map
+const LEFT = 44, TOP = 4; // of the cells of a heat map
 const label = (x, y, anchor, text, kind = null) =>
   svgNode("text", { class: kind, x: general(x), y: general(y), "text-anchor": anchor }, text);
 
@@ -130,12 +130,17 @@ const columnCount = parameters.length > 0 ? parameters.at(-1).count : 1;
 const rowCount = Math.floor(samples.length / columnCount);
 const cellWidth = Math.min(42, Math.max(4, 336 / columnCount)), cellHeight = cellWidth < 30 ? cellWidth : 24;
 
-function heatMapAxes() {
-  if (parameters.length === 0) return [];
+/** Which parameters a heat map has across and down: below it, since names may be long. */
+function axesText() {
+  if (parameters.length === 0) return "";
   const others = parameters.slice(0, -1).map(({ name }) => name);
-  const labels = [label(LEFT, 9, null, `${parameters.at(-1).name} 0 to ${columnCount - 1}`)];
-  if (others.length === 0) return labels;
-  labels.push(label(0, 9, null, others.join(", ")));
+  return `; across: ${parameters.at(-1).name} 0 to ${columnCount - 1}` +
+    (others.length > 0 ? `, down: ${others.join(", ")}` : "");
+}
+
+function rowLabels() {
+  if (parameters.length < 2) return [];
+  const labels = [];
   const step = Math.max(1, Math.ceil(12 / cellHeight)); // labels are 12 high
   for (let row = 0; row < rowCount; row += step)
     labels.push(label(LEFT - 6, TOP + (row + 0.5) * cellHeight + 4, "end",
@@ -167,11 +172,12 @@ function heatMap(what, valueOf) {
     return made;
   });
   const range = `${mse(least)} to ${mse(most)}`;
-  const width = general(LEFT + columnCount * cellWidth + 4), height = general(TOP + rowCount * cellHeight + 4);
-  const attributes = { viewBox: `0 0 ${width} ${height}`, role: "img",
+  const width = LEFT + columnCount * cellWidth + 4, height = TOP + rowCount * cellHeight + 4;
+  const attributes = { viewBox: `0 0 ${general(width)} ${general(height)}`, role: "img",
+    style: `max-width: ${general(1.25 * width)}px`,
     "aria-label": `MSE of ${what} by sample, ${range}` };
-  return node("figure", {}, svgNode("svg", attributes, heatMapAxes(), cells),
-    node("figcaption", {}, node("b", {}, what), `, ${range}`));
+  return node("figure", {}, svgNode("svg", attributes, rowLabels(), cells),
+    node("figcaption", {}, node("b", {}, what), `, ${range}${axesText()}`));
 }
 
 function timeTable() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/multum_view/surface_detail.h"
+#include "tools/multum_view/pyramid/surface_detail.h"
 
 #include <fmt/format.h>
 

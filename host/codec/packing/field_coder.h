@@ -9,7 +9,7 @@
 
 #include "host/base/processes/memory_gate.h"
 #include "host/codec/field_source.h"
-#include "host/codec/packing_journal.h"
+#include "host/codec/packing/packing_journal.h"
 
 namespace multum {
 

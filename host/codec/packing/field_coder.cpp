@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/codec/field_coder.h"
+#include "host/codec/packing/field_coder.h"
 
 #include <fmt/format.h>
 

@@ -1,72 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/codec/field_packing.h"
+#include "host/codec/packing/field_packing.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 
+#include "host/asset/inferred/inference_error.h"
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_file.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/processes/machine.h"
 #include "host/base/version.h"
-#include "host/codec/field_coder.h"
+#include "host/codec/packing/field_coder.h"
 
 namespace multum {
 namespace {
 
-constexpr int kRoundsMax = 12;
-constexpr double kNearEnough = 0.985;  // of the target
-constexpr double kDefaultRatio = 384.0;
 constexpr double kLambdaFirst = 500.0;
-constexpr double kLambdaMin = FieldCoder::kLambdaMin, kLambdaMax = FieldCoder::kLambdaMax;
 constexpr int kAlphaPassesMax = 12;  // mostly one or two: each makes the mean smaller, by less and less
 /// What the program takes, OpenCL and its buffers of 16 MiB among it, beside textures, weights and what codes them.
 constexpr std::uint64_t kProgramBytes = std::uint64_t{240} << 20;
-
-/// The largest file of at most so many bytes, or the smallest of at most so much error: log(bytes) and log(error) are
-/// nearly linear in log(lambda), of slopes -0.56 and 0.6 on a field of 64 samples.
-template <typename Code>
-FieldRound search(double limit, bool is_error, double lambda, const Code& code) {
-  const auto excess_of = [&](const FieldRound& round) {
-    const double value = is_error ? round.mse : static_cast<double>(round.file.size());
-    return std::log(std::max(value, 1e-12) / limit);
-  };
-  const double slope = is_error ? 0.6 : -0.56, aim = 0.5 * std::log(kNearEnough);
-  std::optional<FieldRound> best;
-  struct Side {
-    double x = 0.0, excess = 0.0;
-    bool is_there = false;
-  } met, missed;  // the nearest of either kind
-  double x = std::log(lambda);
-  double least = 0.0;
-  for (int i = 0; i < kRoundsMax; ++i) {
-    FieldRound round = code(std::exp(x));
-    const double excess = excess_of(round);
-    least = i == 0 ? excess : std::min(least, excess);
-    (excess <= 0.0 ? met : missed) = {x, excess, true};
-    if (excess <= 0.0 && (!best || excess > excess_of(*best))) best = std::move(round);
-    if (excess <= 0.0 && excess >= 2.0 * aim) break;
-    const double edge = std::log(((excess > 0.0) == is_error) ? kLambdaMin : kLambdaMax);
-    if (!(met.is_there && missed.is_there) && x == edge) break;
-    double next = x + (aim - excess) / slope;
-    if (met.is_there && missed.is_there) {
-      const double share = std::clamp((aim - met.excess) / (missed.excess - met.excess), 0.1, 0.9);
-      next = met.x + share * (missed.x - met.x);
-      if (std::abs(met.x - missed.x) < 1e-3) break;
-    }
-    x = std::clamp(next, std::log(kLambdaMin), std::log(kLambdaMax));
-  }
-  if (best) return std::move(*best);
-  throw Error(ErrorCode::kUsage, is_error
-                                     ? fmt::format("an error of {:g} cannot be met: {:.4g} is the least that was found",
-                                                   limit, limit * std::exp(least))
-                                     : fmt::format("{:.0f} bytes cannot be met: {:.0f} is the least that was found",
-                                                   limit, limit * std::exp(least)));
-}
 
 void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& path) {
   AtomicFile file(path);
@@ -74,6 +28,13 @@ void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& pat
   write_or_throw(out, bytes.data(), bytes.size());
   out.close();
   file.commit();
+}
+
+/// Of the textures, over all pixels of all frames, 8-bit sRGB units.
+std::optional<double> inferred_mse_of(const std::string& folder, const FieldSource& source) {
+  const std::optional<double> sum = inference_error_sum(folder);
+  if (!sum) return {};
+  return 3.0 * *sum / source.values;
 }
 
 /// What the journal's chunks depend on, but for the field and its checksum: a line.
@@ -116,18 +77,12 @@ FieldPackReport report_of(const FieldPackSettings& settings, const FieldSource& 
   return report;
 }
 
-/// Codes for the target.
-FieldRound coded_for(const FieldTarget& target, double raw_bytes, FieldCoder& coder) {
-  const auto code = [&](double lambda) { return coder.code(lambda); };
-  const double by_ratio = raw_bytes / target.ratio.value_or(kDefaultRatio);
-  const auto met = [&](double first) {
-    return target.lambda ? code(*target.lambda)
-           : target.mse  ? search(*target.mse, true, first, code)
-                         : search(target.bytes.value_or(by_ratio), false, first, code);
-  };
-  FieldRound round = met(kLambdaFirst);
+/// Codes for the target, and holds objects to alpha.
+FieldRound coded_field(const FieldTarget& target, const FieldMeasure& measure, FieldCoder& coder) {
+  FieldRound round = coded_for(target, measure, kLambdaFirst, coder);
   // What the objects that are held take, the others are short of: then one more may be above alpha times the mean.
-  for (int pass = 0; pass < kAlphaPassesMax && coder.hold(round); ++pass) round = met(round.lambda);
+  for (int pass = 0; pass < kAlphaPassesMax && coder.hold(round); ++pass)
+    round = coded_for(target, measure, round.lambda, coder);
   return round;
 }
 
@@ -146,6 +101,9 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
       read_field_source({settings.folder, settings.output, settings.has_absolute_geometry, settings.block,
                          settings.stagger, image_coders(settings.coder), settings.threads},
                         progress);
+  const std::optional<double> inferred_mse = inferred_mse_of(settings.folder, source);
+  FieldMeasure measure{source.values, {}};
+  if (inferred_mse) measure.mse_max = error_limit(*inferred_mse);
   const std::vector<std::uint8_t> description = encode_description(source.description);
   const std::uint64_t memory = settings.memory_bytes > 0 ? settings.memory_bytes : machine_memory_bytes() / 4;
   const std::uint64_t beside = kProgramBytes + weight_bytes(source);
@@ -157,7 +115,7 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
                    progress);
   FieldRound round;
   try {
-    round = coded_for(settings.target, source.values, coder);
+    round = coded_field(settings.target, measure, coder);
   } catch (const Cancelled&) {
     if (settings.resume && journal != nullptr) journal->leave();
     throw;
@@ -166,6 +124,10 @@ FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress
   progress_finish(progress);
   FieldPackReport report = report_of(settings, source, coder, round);
   report.description_bytes = description.size();
+  report.inferred_mse = inferred_mse;
+  report.is_error_large = measure.mse_max && !settings.target.mse && round.mse > *measure.mse_max;
+  report.has_given_way =
+      settings.target.is_default() && kDefaultRatio * static_cast<double>(report.bytes) > source.values;
   return report;
 }
 

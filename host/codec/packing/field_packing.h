@@ -11,16 +11,9 @@
 
 #include "host/base/progress.h"
 #include "host/codec/chunk_choice.h"
+#include "host/codec/packing/field_target.h"
 
 namespace multum {
-
-/// At most one of the four is given; none: a ratio of 384.
-struct FieldTarget {
-  std::optional<double> ratio;   // bytes of raw 24-bit frames over the file's, at least
-  std::optional<double> bytes;   // of the file, at most
-  std::optional<double> mse;     // estimated, that coding adds to drawn frames, at most; 8-bit units at gamma 2.2
-  std::optional<double> lambda;  // squared error that a bit is worth, summed over pixels and colours
-};
 
 struct FieldPackSettings {
   std::string folder, output;  // output *.mpt
@@ -60,6 +53,11 @@ struct FieldPackReport {
   std::size_t chunks_resumed = 0;  // how often one was taken from a packing that was stopped
   double mse_covered = 0.0;        // of pixels that objects cover: what alpha is of
   bool is_alpha_met = true;
+  /// Of frames drawn of the textures, beside the ray-traced ones: over all pixels, 8-bit sRGB units. None: the folder
+  /// has no report of `multum infer`.
+  std::optional<double> inferred_mse;
+  bool is_error_large = false;              // coding adds more than error_limit() of that, and no error was asked for
+  bool has_given_way = false;               // the default ratio has
   std::vector<PackedObjectReport> objects;  // of those with textures
   std::vector<PackedChunkReport> chunks;
 };

@@ -57,7 +57,7 @@ int draw_lod(const LodOptions& options) {
   nlohmann::json rows = print_table(pictures);
   rows[0].update({{"level", level}, {"triangles", triangles}});
   write_pictures(picture.output, pictures);
-  if (!picture.output.report.empty()) write_report(picture, scenes.first, {context->description()}, rows);
+  if (!picture.output.report.empty()) write_report(picture, scenes.first, {*context}, rows);
   return 0;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/base/option_words.h"
+#include "host/base/messages/option_words.h"
 
 #include <algorithm>
 #include <utility>

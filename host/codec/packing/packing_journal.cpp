@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/codec/packing_journal.h"
+#include "host/codec/packing/packing_journal.h"
 
 #include <bit>
 #include <span>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names options in advice as the command that runs has them. Code that several commands share writes its advice with
-// this, so that no command advises an option that it lacks (tests/layering/check_advice).
+// this, so that no command advises an option that it lacks (tools/check_advice.py).
 #pragma once
 
 #include <optional>
