@@ -95,7 +95,9 @@ void make_files(const ExportJob& job, const ExportSource& source, const Material
                 FitJournal* journal, Device& device, ExportReport& report, Progress* progress) {
   Stopwatch stopwatch;
   std::optional<ExportMeter> meter;
-  if (job.measure) meter.emplace(report.width, report.height, job.accuracy, source.lobes.get());
+  ExportAccuracySettings accuracy = job.accuracy;
+  accuracy.texels = output.texels;
+  if (job.measure) meter.emplace(report.width, report.height, accuracy, source.lobes.get());
   std::optional<MeterSink> stored;
   if (meter) stored.emplace(*meter);
   const std::unique_ptr<MaterialWriter> writer =

@@ -90,7 +90,8 @@ std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHead
                     (roughness.channel.empty() ? "" : ":" + roughness.channel) + (roughness.is_gloss ? ", gloss" : ""));
     PlaneStore normals(map.width, map.height);
     normals.write_rows(0, map.height, {planes[0].data(), planes[1].data(), planes[2].data()});
-    shorten_by_roughness(normals, roughness, {}, 1);
+    for (const std::string& warning : shorten_by_roughness(normals, roughness, {}, 1).warnings)
+      log_named_warning(warning);
     planes = normals.take_planes();
   }
   std::vector<glm::vec3> texels;
@@ -105,6 +106,7 @@ void add_materials(const MapOptions& options, const BakedHeader& baked, gl::Norm
   if (!source.weights.empty()) {
     warn_of_another(options.file, baked, "weights", "--weights", source.weights, "");
     WeightMap map = read_weight_map(source.weights, image.width, image.height, {}, 1);
+    for (const std::string& warning : map.warnings) log_named_warning(warning);
     const auto count = static_cast<std::size_t>(map.count);
     image.weight_count = map.count;
     image.weights.resize(image.normals.size() * count);
@@ -117,6 +119,7 @@ void add_materials(const MapOptions& options, const BakedHeader& baked, gl::Norm
   if (source.albedo.empty()) return;
   warn_of_another(options.file, baked, "albedo", "--albedo", source.albedo, "");
   const ColourMap colours = read_albedo_map(source.albedo, image.width, image.height, 1);
+  for (const std::string& note : colours.notes) log_warning(source.albedo, note);
   for (std::size_t i = 0; i < colours.r.size(); ++i)
     image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
 }

@@ -86,8 +86,10 @@ ImageSurvey::Range ImageSurvey::range(int channel) const {
 void ImageSurvey::add_row(int row, const float* values) {
   const auto channel_count = static_cast<std::size_t>(info_.channel_count);
   for (int column = 0; column < info_.width; ++column, values += channel_count) {
-    bool is_finite = true;
+    bool is_finite = true, is_nan = true, is_zero = true;
     for (std::size_t c = 0; c < channel_count; ++c) {
+      is_nan &= std::isnan(values[c]);
+      is_zero &= values[c] == 0.0f;
       if (std::isfinite(values[c]) && channel_count == 1) {
         add_value(values[c]);
       } else if (std::isfinite(values[c])) {
@@ -97,6 +99,8 @@ void ImageSurvey::add_row(int row, const float* values) {
         is_finite = false;
       }
     }
+    all_nan_count_ += is_nan ? 1 : 0;
+    all_zero_count_ += is_zero ? 1 : 0;
     if (!is_finite) {
       if (nonfinite_count_++ == 0) first_nonfinite_ = std::int64_t{row} * info_.width + column;
     } else if (channel_count > 1) {

@@ -35,6 +35,9 @@ class ImageSurvey {
   /// Texels of which a channel is NaN or infinite, and the first of them, by rows.
   std::int64_t nonfinite_count() const { return nonfinite_count_; }
   std::int64_t first_nonfinite() const { return first_nonfinite_; }
+  /// Texels of which every channel is NaN, and those of which every channel is 0.
+  std::int64_t all_nan_count() const { return all_nan_count_; }
+  std::int64_t all_zero_count() const { return all_zero_count_; }
   /// Rms distance of three channels from their mean, over the finite texels. For floats relative to the rms of the
   /// values (a height in metres and a dim photograph both have their own scale), for integers in units of the whole
   /// range; the larger of that over all texels and that without the 1 % of the largest values, so that a few outliers
@@ -59,6 +62,8 @@ class ImageSurvey {
   float second_low_ = std::numeric_limits<float>::infinity();
   std::int64_t nonfinite_count_ = 0;
   std::int64_t first_nonfinite_ = -1;
+  std::int64_t all_nan_count_ = 0;
+  std::int64_t all_zero_count_ = 0;
   struct ChromaSums {
     double chroma = 0.0, values = 0.0, count = 0.0;  // squares
     double grey = 0.0;                               // three times the channels' mean

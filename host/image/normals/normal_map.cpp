@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/messages/option_words.h"
 #include "host/image/image_reader.h"
 #include "host/image/normals/encoding_detection.h"
+#include "host/image/normals/flat_map.h"
 #include "host/image/normals/height_dequantize.h"
 #include "host/image/normals/height_field.h"
 #include "host/image/normals/image_survey.h"
@@ -51,7 +53,7 @@ std::string step_text(const SeamStep& step) {
 
 struct Direction {
   const char* name;    // "s (x)"
-  const char* option;  // "--swrap"
+  const char* option;  // "swrap"
   const SeamStep& step;
   WrapOrigin origin;
   bool has_neighbour;  // a tile of its set goes on there
@@ -76,9 +78,9 @@ void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& fou
   std::string text = "it is taken to repeat, but does not seem to:";
   for (const Direction& one : doubtful)
     text += fmt::format("{} along {} {}", &one == &doubtful.front() ? "" : ";", one.name, step_text(one.step));
-  text +=
-      fmt::format(". {0} clamp ends it at its border, {0} auto lets the map decide, {0} periodic says that it repeats",
-                  doubtful.size() > 1 ? "--wrap" : doubtful.front().option);
+  text += advice(fmt::format(
+      ". <{0} clamp> ends it at its border, <{0} auto> lets the map decide, <{0} periodic> says that it repeats",
+      doubtful.size() > 1 ? "wrap" : doubtful.front().option));
   found.warnings.push_back(text);
 }
 
@@ -95,10 +97,10 @@ NormalMapSettings with_wrap(NormalMapSettings settings, const Direction& s, cons
 }
 
 Direction direction_s(const MapSeams& seams, const NormalMapSettings& settings, bool has_neighbour) {
-  return {"s (x)", "--swrap", seams.s, settings.wrap_s_origin, has_neighbour};
+  return {"s (x)", "swrap", seams.s, settings.wrap_s_origin, has_neighbour};
 }
 Direction direction_t(const MapSeams& seams, const NormalMapSettings& settings, bool has_neighbour) {
-  return {"t (y)", "--twrap", seams.t, settings.wrap_t_origin, has_neighbour};
+  return {"t (y)", "twrap", seams.t, settings.wrap_t_origin, has_neighbour};
 }
 
 // A map that decides itself does not repeat where its surface goes on in another tile, whatever lies at the other end.
@@ -245,6 +247,10 @@ NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSetti
   if (!encoding.is_height_field) map.report.tiles = record;
   map.report.format = info.format;
   map.report.encoding_reason = encoding.reason;
+  // Heights that are all alike but for a small scale are warned of already, and a ramp of heights is a surface.
+  const Flatness flatness = flatness_of(map.normals);
+  if (!encoding.is_height_field || (flatness == Flatness::kFlat && map.report.warnings.empty()))
+    if (const std::string note = flat_note(flatness); !note.empty()) map.report.warnings.push_back(note);
   map.report.warnings.insert(map.report.warnings.begin(), encoding.warnings.begin(), encoding.warnings.end());
   map.report.warnings.insert(map.report.warnings.begin(), info.notes.begin(), info.notes.end());
   return map;

@@ -35,6 +35,7 @@ void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& jso
   json["green"] = !settings.green ? "auto" : *settings.green == GreenAxis::kUp ? "up" : "down";
   json["signed"] = yes_or_no(settings.is_signed);
   json["two_channel"] = yes_or_no(settings.two_channel);
+  if (settings.z_range) json["z_range"] = *settings.z_range == ZRange::kSigned ? "signed" : "positive";
   json["height_scale"] = settings.height_scale;
   if (settings.dequantize) json["dequantize"] = true;
   if (settings.normal_scale != 1.0f) json["normal_scale"] = settings.normal_scale;
@@ -55,6 +56,9 @@ NormalMapSettings parse_reading_settings(const std::string& text) {
   if (green == "down") settings.green = GreenAxis::kDown;
   settings.is_signed = parse_yes_or_no(text_of(json, "signed"));
   settings.two_channel = parse_yes_or_no(text_of(json, "two_channel"));
+  const std::string z_range = text_of(json, "z_range");
+  if (z_range == "signed") settings.z_range = ZRange::kSigned;
+  if (z_range == "positive") settings.z_range = ZRange::kPositive;
   const auto scale = json.find("height_scale");
   if (scale != json.end() && scale->is_number() && std::isfinite(scale->get<float>()) && scale->get<float>() != 0.0f)
     settings.height_scale = scale->get<float>();

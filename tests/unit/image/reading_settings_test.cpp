@@ -34,6 +34,9 @@ TEST(ReadingSettingsTest, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(parse_reading_settings(text).normal_scale, 0.3f);
   EXPECT_TRUE(parse_reading_settings(text).dequantize);
   EXPECT_EQ(parse_reading_settings(text).wrap_t, WrapMode::kBlack);
+  EXPECT_EQ(parse_reading_settings(text).z_range, std::nullopt);
+  settings.z_range = ZRange::kPositive;
+  EXPECT_EQ(parse_reading_settings(to_text(settings)).z_range, ZRange::kPositive);
 }
 
 TEST(ReadingSettingsTest, WhatIsNotUnderstoodStaysAtItsDefault) {
