@@ -3,10 +3,10 @@
 // starts. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009, "A fast iterative
 // shrinkage-thresholding algorithm", FISTA with constant steps): the largest eigenvalue of the energy is 64.
 //
-// Measured on smooth surfaces of 8 bits at a step of 45 degrees: the mean error of normals falls from 17 degrees to 0.8
-// with 64 steps at the finest level, to 2.3 with 16 and 0.2 with 300. Ramps are the plate's own shape: below 0.1, and 0.6
-// at most where a plateau is longer than the map is high. More steps at coarse levels would not help: the bounds of their
-// means are too wide for a plate that is left to itself.
+// Measured on smooth surfaces of 8 bits at a step of 45 degrees: the mean error of normals falls from 17 degrees to
+// 0.8 with 64 steps at the finest level, to 2.3 with 16 and 0.2 with 300. Ramps are the plate's own shape: below 0.1
+// degrees, and 0.6 at most where a plateau is longer than the map is high. More steps at coarse levels would not help:
+// the bounds of their means are too wide for a plate that is left to itself.
 #include "host/image/normals/thin_plate.h"
 
 #include <algorithm>
