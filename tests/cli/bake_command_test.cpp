@@ -60,7 +60,7 @@ TEST_F(BakeCommandTest, WhatWasBakedIsNoMap) {
                                std::filesystem::copy_options::overwrite_existing);
     for (const char* file : {"a.ndf.exr", "renamed.exr"})
       for (const char* command : {"bake", "mip", "tradeoff"})
-        expect_failure(multum({command, path(file), "-o", path("b.exr")}), kInput,
+        expect_refusal(multum({command, path(file), "-o", path("b.exr")}), kInput,
                        {path(file), "multum baked from map_normal.png", "Give map_normal.png itself", "multum export",
                         "multum-view", "multum info"});
   }
