@@ -16,6 +16,7 @@
 #include "host/base/log.h"
 #include "host/base/processes/machine.h"
 #include "host/base/version.h"
+#include "host/image/normals/tile_set.h"
 #include "host/opencl/device_counts.h"
 
 namespace multum {
@@ -67,11 +68,18 @@ std::uint64_t window_bytes(const BakeJob& job) {
   return memory - kTaken;
 }
 
-BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings) {
+// `tiles`: what other tiles of its set gave to the map.
+BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings,
+                                const std::string& tiles = "") {
   BakedProvenance from;
   from.software = software_version();
   from.source_name = source;
   from.source_hash = job.hashes->hash(job.input);
+  if (!tiles.empty()) {
+    from.source_file_hash = from.source_hash;
+    from.source_tiles = tiles;
+    from.source_hash = tile_source_hash(from.source_file_hash, tiles);
+  }
   from.settings = settings;
   from.settings_hash = hash_text(settings);
   return from;
@@ -185,7 +193,8 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   device.restart_buffer_peak();
   BakedHeader header = baked_header_of(job, source);
   header.provenance =
-      make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job));
+      make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job),
+                      source.map.report.tiles);
   header.provenance.reading = reading_json(job, source);
   report.first_level = header.first_level;
   report.stored_only = job.stored_only;

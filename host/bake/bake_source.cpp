@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/files/json_file.h"
 #include "host/base/log.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/processes/machine.h"
 #include "host/image/colour_map.h"
 
@@ -33,9 +34,10 @@ void check_range(const BakeJob& job, float largest) {
   const bool is_float = job.encoding == StorageEncoding::kFloat;
   const float most = is_float ? kFloatMax : kHalfMax;
   if (largest > most)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: found a colour of {:g}, expected at most {:g}{}", job.albedo, largest, most,
-                            is_float ? "" : ", the largest half float; --data-format float stores larger ones"));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: found a colour of {:g}, expected at most {:g}{}", job.albedo, largest, most,
+                    is_float ? "" : ", the largest half float" + advice("; <data_format float> stores larger ones")));
 }
 
 // In the texels' place, from here on.
@@ -107,10 +109,13 @@ BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* 
     check_range(job, albedo.largest);
     source.albedo.emplace(std::move(albedo.planes));
     source.albedo_clamped = albedo.clamped_count;
-    source.albedo_notes = std::move(albedo.notes);
     source.albedo_format = std::move(albedo.format);
+    for (const std::string& note : albedo.notes) source.map_warnings.push_back(job.albedo + ": " + note);
   }
-  if (!job.weights.empty()) source.weights = read_weight_map(job.weights, width, height, spill, job.threads);
+  if (!job.weights.empty()) {
+    source.weights = read_weight_map(job.weights, width, height, spill, job.threads);
+    for (const std::string& warning : source.weights->warnings) source.map_warnings.push_back(warning);
+  }
   if (!job.roughness.empty()) {
     source.roughness = shorten_by_roughness(source.map.normals, roughness_file(job), spill, job.threads);
     source.mean_cosine = source.roughness->mean_cosine;
@@ -138,7 +143,7 @@ void log_source(const BakeJob& job, const BakeSource& source) {
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
   for (const std::string& warning : found.warnings) log_warning(job.input, warning);
-  for (const std::string& note : source.albedo_notes) log_warning(job.albedo, note);
+  for (const std::string& warning : source.map_warnings) log_named_warning(warning);
   if (source.roughness) {
     const ChannelFile file = roughness_file(job);
     log_info(fmt::format("{}: {}{}", file.path, file.is_gloss ? "gloss, read as roughness = 1 - gloss: " : "",

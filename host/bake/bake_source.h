@@ -27,7 +27,7 @@ struct BakeSource {
   double mean_cosine = 1.0;                                 // of the roughness map
   std::optional<RoughnessReport> roughness = std::nullopt;  // of the file it was read from
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
-  std::vector<std::string> albedo_notes = {};               // ColourRows::notes
+  std::vector<std::string> map_warnings = {};               // of albedo and weights, with the file's name
   std::string albedo_format = {};                           // ColourRows::format
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }

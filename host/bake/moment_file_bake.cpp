@@ -12,6 +12,7 @@
 #include "host/bake/file_bake_steps.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/messages/option_words.h"
 #include "host/pyramid/box_pyramid.h"
 
 namespace multum {
@@ -32,8 +33,8 @@ void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
       run.job.input,
       fmt::format(
           "{:.1f} % of the normals are steeper than slopes of {} (87 degrees) and count as that steep: LEAN shades too "
-          "narrow a highlight there; --ndf vmf has no such limit",
-          100.0 * share, kSlopeMax));
+          "narrow a highlight there{}",
+          100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
 }
 
 void bake_moment_file(const BakeRun& run, BakeReport& report, Progress* progress) {

@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/log.h"
+#include "host/base/messages/option_words.h"
 #include "host/movmf/gathered_shards.h"
 #include "host/movmf/map_shard.h"
 #include "host/movmf/movmf_bake.h"
@@ -40,13 +41,13 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
       job.input,
       fmt::format(
           "{} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
-          "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp; {}",
+          "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp{}",
           report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
           storage_encoding_name(header.header.encoding), kappa_max,
           header.header.encoding == StorageEncoding::kHalf
-              ? fmt::format("--data-format snorm16 keeps kappa up to {:.0f}, float more",
-                            storage_kappa_max(header.header.representation, StorageEncoding::kSnorm16))
-              : "--data-format float keeps them"));
+              ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
+                                   storage_kappa_max(header.header.representation, StorageEncoding::kSnorm16)))
+              : advice("; <data_format float> keeps them")));
 }
 
 // The finest level that is fitted has three quarters of all rows. Of a map of up to so many texels it is fitted in some

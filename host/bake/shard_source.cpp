@@ -19,7 +19,7 @@ namespace multum {
 // As notes have them, written and read by one list.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
                                    nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
-                                   warnings)
+                                   tiles, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RoughnessReport, mean_cosine, least, mean, most, share_zero, share_one, share_mirror,
                                    warnings)
 
@@ -58,7 +58,7 @@ BakeSource source_of(const NoteJson& note, const std::string& share, const Spill
   note.at("mean_cosine").get_to(source.mean_cosine);
   if (note.contains("roughness")) source.roughness = note.at("roughness").get<RoughnessReport>();
   note.at("albedo_clamped").get_to(source.albedo_clamped);
-  note.at("albedo_notes").get_to(source.albedo_notes);
+  note.at("map_warnings").get_to(source.map_warnings);
   note.at("albedo_format").get_to(source.albedo_format);
   if (note.at("albedo").get<bool>()) source.albedo.emplace(make_plane_store(width, height, spill));
   if (weight_count > 0) {
@@ -139,7 +139,7 @@ std::string shard_note(const BakeJob& job, const BakeSource& source) {
                    {"weights", source.weights ? source.weights->count : 0},
                    {"mean_cosine", source.mean_cosine},
                    {"albedo_clamped", source.albedo_clamped},
-                   {"albedo_notes", source.albedo_notes},
+                   {"map_warnings", source.map_warnings},
                    {"albedo_format", source.albedo_format},
                    {"report", source.map.report},
                    {"files", NoteJson::array()}};

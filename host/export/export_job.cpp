@@ -79,11 +79,14 @@ class MeterSink : public MaterialSink {
 };
 
 // Null where the job is not to be resumed, or another process exports to the same place.
-std::unique_ptr<FitJournal> open_journal(const ExportJob& job, InputHashes& hashes) {
+std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
-  if (job.resume)
-    return FitJournal::open(name, json_text(fit_key(job, [&](const std::string& file) { return hashes.hash(file); })));
+  if (job.resume) {
+    nlohmann::json key = fit_key(job, [&](const std::string& file) { return source.hashes->hash(file); });
+    if (!source.map.report.tiles.empty()) key["tiles"] = source.map.report.tiles;
+    return FitJournal::open(name, json_text(key));
+  }
   WorkFolder::drop(partial_folder_of(name));
   return nullptr;
 }
@@ -92,7 +95,9 @@ void make_files(const ExportJob& job, const ExportSource& source, const Material
                 FitJournal* journal, Device& device, ExportReport& report, Progress* progress) {
   Stopwatch stopwatch;
   std::optional<ExportMeter> meter;
-  if (job.measure) meter.emplace(report.width, report.height, job.accuracy, source.lobes.get());
+  ExportAccuracySettings accuracy = job.accuracy;
+  accuracy.texels = output.texels;
+  if (job.measure) meter.emplace(report.width, report.height, accuracy, source.lobes.get());
   std::optional<MeterSink> stored;
   if (meter) stored.emplace(*meter);
   const std::unique_ptr<MaterialWriter> writer =
@@ -194,7 +199,7 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
   const DeviceCounts counts(device);
   report.device = device.info().name;
-  const std::unique_ptr<FitJournal> journal = open_journal(job, *source.hashes);
+  const std::unique_ptr<FitJournal> journal = open_journal(job, source);
   try {
     make_files(job, source, output, journal.get(), device, report, progress);
   } catch (const Cancelled&) {

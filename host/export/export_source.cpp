@@ -9,6 +9,7 @@
 #include "host/asset/baked_file.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/image/normals/flat_map.h"
 
 namespace multum {
 namespace {
@@ -87,6 +88,9 @@ ExportSource read_export_source(const ExportJob& job, const std::string& folder,
   if (has_surface)
     source.surface = surface_normals(source.map.normals, {source.map.report.wrap_s, source.map.report.wrap_t}, spill,
                                      job.threads, progress);
+  if (is_baked_name(job.input))
+    if (const std::string note = flat_note(flatness_of(source.map.normals)); !note.empty())
+      source.map.report.warnings.push_back(note);
   const NormalMapReport& found = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
@@ -95,6 +99,8 @@ ExportSource read_export_source(const ExportJob& job, const std::string& folder,
     log_info(fmt::format("{}: {}", material_files_of(job).roughness.path, source.material->roughness->to_text()));
     for (const std::string& warning : source.material->roughness->warnings) log_named_warning(warning);
   }
+  if (source.material)
+    for (const std::string& warning : source.material->warnings) log_named_warning(warning);
   return source;
 }
 

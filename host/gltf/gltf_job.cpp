@@ -74,9 +74,11 @@ class GltfConversion {
     if (folder_ == nullptr) throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
     folder_->clear();
     if (job_.format == GltfTextureFormat::kUastc && !plan.sources.empty()) check_uastc_encoder(uastc());
-    const std::vector<PreparedSource> prepared = prepare(asset, plan);
+    std::vector<PreparedSource> prepared;
+    for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
     lap("read");
     const std::vector<SourceTextures> textures = make_textures(asset, prepared);
+    report_materials(prepared, plan);
 
     progress_stage(progress_, "write");
     RewrittenGltf rewritten = rewrite_gltf(asset, plan, textures);
@@ -102,9 +104,14 @@ class GltfConversion {
 
   UastcSettings uastc() const { return {"--format", folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
   SourceFitSettings fit_settings() const {
-    return {folder_->path(),   job_.is_fast,
-            job_.surface,      job_.format == GltfTextureFormat::kUastc ? kBasisSideMultiple : 1,
-            job_.memory_bytes, job_.threads};
+    return {.folder = folder_->path(),
+            .is_fast = job_.is_fast,
+            .surface = job_.surface,
+            .z_range = job_.z_range,
+            .two_channel = job_.two_channel,
+            .side_multiple = job_.format == GltfTextureFormat::kUastc ? kBasisSideMultiple : 1,
+            .memory_bytes = job_.memory_bytes,
+            .threads = job_.threads};
   }
 
   void warn_of_format(const GltfPlan& plan) {
@@ -121,10 +128,8 @@ class GltfConversion {
           "them");
   }
 
-  // What each source's fit will be; a source that is not fitted after all leaves its materials as they are.
-  std::vector<PreparedSource> prepare(const GltfAsset& asset, GltfPlan& plan) {
-    std::vector<PreparedSource> prepared;
-    for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
+  // A source that is not fitted after all leaves its materials as they are.
+  void report_materials(const std::vector<PreparedSource>& prepared, GltfPlan& plan) {
     std::vector<int> numbers(plan.sources.size(), -1);
     int count = 0;
     for (std::size_t s = 0; s < prepared.size(); ++s)
@@ -133,16 +138,37 @@ class GltfConversion {
       if (material.kept.empty()) {
         const PreparedSource& source = prepared[material.source];
         material.kept = source.kept;
+        material.is_bad = source.is_bad;
         material.notes.insert(material.notes.end(), source.notes.begin(), source.notes.end());
       }
       const bool is_kept = !material.kept.empty();
       report_.materials.push_back({material.name, material.kept, is_kept ? std::vector<std::string>{} : material.notes,
                                    is_kept ? -1 : numbers[material.source]});
     }
-    return prepared;
+    warn_of_bad(plan);
   }
 
-  std::vector<SourceTextures> make_textures(const GltfAsset& asset, const std::vector<PreparedSource>& prepared) {
+  // One bad map does not keep the others from being fitted; where there are no others, nothing would be.
+  void warn_of_bad(const GltfPlan& plan) {
+    for (const MaterialPlan& material : plan.materials) {
+      if (!material.is_bad) continue;
+      if (report_.fitted_count() == 0) refuse_file(job_.input, fmt::format("'{}': {}", material.name, material.kept));
+      warn(fmt::format("material '{}' stays as it was: {}", material.name, material.kept));
+    }
+  }
+
+  // An image that cannot be used, or that is no normal map, is a reason to keep the materials that have it.
+  std::optional<FittedSource> fit(const GltfAsset& asset, PreparedSource& source) {
+    try {
+      return fit_source(device_, asset, source, report_.textures.size(), fit_settings(), progress_);
+    } catch (const Error& error) {
+      source.kept = why_kept(asset, error);
+      source.is_bad = true;
+      return std::nullopt;
+    }
+  }
+
+  std::vector<SourceTextures> make_textures(const GltfAsset& asset, std::vector<PreparedSource>& prepared) {
     std::uint64_t units = 0;
     for (const PreparedSource& source : prepared)
       if (source.kept.empty())
@@ -150,17 +176,17 @@ class GltfConversion {
     progress_start(progress_, units);
     std::vector<SourceTextures> made;
     double fit_seconds = 0.0, encode_seconds = 0.0, lobe_seconds = 0.0;
-    for (const PreparedSource& source : prepared) {
+    for (PreparedSource& source : prepared) {
       made.emplace_back();
       if (!source.kept.empty()) continue;
-      const FittedSource fitted =
-          fit_source(device_, asset, source, report_.textures.size(), fit_settings(), progress_);
+      const std::optional<FittedSource> fitted = fit(asset, source);
+      if (!fitted) continue;
       fit_seconds += stopwatch_.lap();
       progress_stage(progress_, "encode");
-      report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
-      made.back().normal = encode(fitted.normal, source, "normal");
-      made.back().surface = encode(fitted.surface, source, "metallic_roughness");
-      if (source.source.is_anisotropic) made.back().anisotropy = encode(fitted.anisotropy, source, "anisotropy");
+      report_.textures.push_back({source.width, source.height, fitted->normal->level_count(), {}});
+      made.back().normal = encode(fitted->normal, source, "normal");
+      made.back().surface = encode(fitted->surface, source, "metallic_roughness");
+      if (source.source.is_anisotropic) made.back().anisotropy = encode(fitted->anisotropy, source, "anisotropy");
       encode_seconds += stopwatch_.lap();
       if (!job_.has_lobes) continue;
       progress_stage(progress_, "lobes");

@@ -5,12 +5,14 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/base/progress.h"
 #include "host/gltf/texture_encoding.h"
+#include "host/image/normals/normal_map.h"
 #include "host/image/surface_points.h"
 #include "host/opencl/device.h"
 
@@ -25,6 +27,8 @@ struct GltfJob {
   bool has_lobes = false;  // beside the fitted textures, in MULTUM_lobes
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
+  std::optional<ZRange> z_range;             // of all normal maps; unset: from statistics
+  bool two_channel = false;                  // rebuild z of all normal maps
   int uastc_effort = 1;
   std::string encoder;                                    // UastcSettings::encoder
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and maps; changes no byte

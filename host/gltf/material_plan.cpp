@@ -42,7 +42,8 @@ class Planner {
       what_ = name != material.end() && name->is_string() && !name->get_ref<const std::string&>().empty()
                   ? name->get<std::string>()
                   : fmt::format("material {}", number);
-      MaterialPlan made{what_, "", 0, {}};
+      MaterialPlan made;
+      made.name = what_;
       made.kept = plan_material(material, number, made);
       plan_.materials.push_back(std::move(made));
     }
@@ -180,9 +181,10 @@ class Planner {
     source.wrap_t = normal->wrap[1];
     source.normal_scale = number_at(*object_at(material, "normalTexture"), "scale", 1.0);
     constexpr double kScaleMax = 1e6;  // any larger makes all normals horizontal
-    if (!(std::abs(source.normal_scale) <= kScaleMax))
-      refuse(
-          fmt::format("normalTexture.scale is {:g}, expected at most {:g} either way", source.normal_scale, kScaleMax));
+    made.is_bad = !(std::abs(source.normal_scale) <= kScaleMax);
+    if (made.is_bad)
+      return fmt::format("normalTexture.scale is {:g}, expected at most {:g} either way", source.normal_scale,
+                         kScaleMax);
     source.roughness_factor = share_at(surface, "roughnessFactor");
     share_at(surface, "metallicFactor");
     source.has_occlusion = carries_occlusion(material, number, rough, made);

@@ -33,6 +33,7 @@ struct MaterialPlan {
   std::string kept;        // why it stays as it is; empty: it is fitted
   std::size_t source = 0;  // in GltfPlan::sources
   std::vector<std::string> notes;
+  bool is_bad = false;  // `kept` is a fault of the model, which is warned of
 };
 
 struct GltfPlan {

@@ -50,7 +50,7 @@ float fourth_power(float v) { return v * v * (v * v); }
 
 // Roughness times its factor, occlusion and metalness, as the image has them: red is occlusion, green roughness, blue
 // metalness; of grey images all three.
-PlaneStore read_surface(const std::string& file, const LobeSource& source, bool is_fourth_power,
+PlaneStore read_surface(const GltfAsset& asset, const std::string& file, const LobeSource& source, bool is_fourth_power,
                         const SourceFitSettings& settings) {
   ImageReader reader(file, reading_of(settings));
   const RawImageInfo info = reader.info();
@@ -58,6 +58,8 @@ PlaneStore read_surface(const std::string& file, const LobeSource& source, bool 
   const auto channels = size_of(info.channel_count), width = size_of(info.width);
   const bool is_grey = channels < 3;
   const auto factor = static_cast<float>(source.roughness_factor);
+  for (const std::string& note : info.notes)
+    log_warning(fmt::format("{}: image {}", asset.path, *source.surface_image), note);
   PlaneStore planes = make_plane_store(info.width, info.height, spill_of(settings));
   reader.read(
       [&](const RawBand& band) {
@@ -85,8 +87,8 @@ PlaneStore read_normals(const GltfAsset& asset, const PreparedSource& prepared, 
                         Progress* progress) {
   const LobeSource& source = prepared.source;
   NormalMapRows map = of_image(asset, source.normal_image, prepared.normal_file, [&] {
-    return read_normal_map_rows(prepared.normal_file, gltf_normal_reading(source), spill_of(settings), settings.threads,
-                                progress);
+    return read_normal_map_rows(prepared.normal_file, gltf_normal_reading(source, settings), spill_of(settings),
+                                settings.threads, progress);
   });
   for (const std::string& warning : map.report.warnings)
     log_warning(asset.path, fmt::format("image {}: {}", source.normal_image, warning));
@@ -106,7 +108,7 @@ PlaneStore read_material(const GltfAsset& asset, const PreparedSource& prepared,
   return of_image(asset, *source.surface_image, prepared.surface_file, [&] {
     const RawImageInfo info = ImageReader(prepared.surface_file, reading_of(settings)).info();
     const bool is_same = info.width == prepared.width && info.height == prepared.height;
-    PlaneStore planes = read_surface(prepared.surface_file, source, is_same, settings);
+    PlaneStore planes = read_surface(asset, prepared.surface_file, source, is_same, settings);
     if (is_same) return planes;
     // Renderers filter roughness; the fit takes alpha^2.
     return enlarged_planes(
@@ -163,12 +165,14 @@ int rounded_up(int side, int multiple) { return (side + multiple - 1) / multiple
 
 }  // namespace
 
-NormalMapSettings gltf_normal_reading(const LobeSource& source) {
+NormalMapSettings gltf_normal_reading(const LobeSource& source, const SourceFitSettings& settings) {
   NormalMapSettings reading;
   reading.bump_format = BumpFormat::kNormal;
   reading.green = GreenAxis::kUp;
   reading.is_signed = false;
-  reading.two_channel = false;
+  reading.two_channel = settings.two_channel;
+  reading.z_range = settings.z_range;
+  reading.refuse_doubts = true;
   reading.normal_scale = static_cast<float>(source.normal_scale);
   reading.wrap_s = source.wrap_s;
   reading.wrap_t = source.wrap_t;
@@ -177,9 +181,10 @@ NormalMapSettings gltf_normal_reading(const LobeSource& source) {
   return reading;
 }
 
-PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings) {
-  PreparedSource made;
-  made.source = source;
+namespace {
+
+void prepare(const GltfAsset& asset, const SourceFitSettings& settings, PreparedSource& made) {
+  const LobeSource& source = made.source;
   const auto size_of_image = [&](std::size_t image, std::string& file) {
     file = extracted(asset, image, settings.folder);
     return of_image(asset, image, file, [&] {
@@ -210,7 +215,26 @@ PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, 
         fmt::format("{} x {} was enlarged to {} x {}: KHR_texture_basisu has sides that are "
                     "multiples of {}",
                     largest.first, largest.second, made.width, made.height, settings.side_multiple));
+}
+
+}  // namespace
+
+PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings) {
+  PreparedSource made;
+  made.source = source;
+  try {
+    prepare(asset, settings, made);
+  } catch (const Error& error) {
+    made.kept = why_kept(asset, error);
+    made.is_bad = true;
+  }
   return made;
+}
+
+std::string why_kept(const GltfAsset& asset, const Error& error) {
+  if (error.code() != ErrorCode::kInput) throw error;
+  const std::string message = error.what(), beginning = asset.path + ": ";
+  return message.starts_with(beginning) ? message.substr(beginning.size()) : message;
 }
 
 FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSource& prepared, std::size_t number,

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,9 @@ struct SourceFitSettings {
   std::string folder;  // for images and levels
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;
-  int side_multiple = 1;  // sides of textures are multiples of it
+  std::optional<ZRange> z_range;  // of all normal maps; unset: from statistics
+  bool two_channel = false;       // rebuild z of all normal maps
+  int side_multiple = 1;          // sides of textures are multiples of it
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;
   int threads = 1;
 };
@@ -37,6 +40,7 @@ struct PreparedSource {
   std::string normal_file, surface_file;  // in the folder
   int width = 0, height = 0;              // of the textures
   std::string kept;                       // why it is not fitted; empty: it is
+  bool is_bad = false;                    // that reason is a fault of an image
   std::vector<std::string> notes;
 
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
@@ -57,11 +61,16 @@ auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file
   }
 }
 
-/// All that glTF says of a normal texture.
-NormalMapSettings gltf_normal_reading(const LobeSource& source);
+/// All that glTF says of a normal texture, and what the settings say of blue. A blue that is no z is refused.
+NormalMapSettings gltf_normal_reading(const LobeSource& source, const SourceFitSettings& settings);
 
-/// Writes the images into the folder and looks at their sizes. Throws Error(kInput) naming the image, kEnvironment.
+/// Writes the images into the folder and looks at their sizes; an image that cannot be read is a reason to keep the
+/// material. Throws Error(kEnvironment).
 PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings);
+
+/// What is wrong with an image as a reason to keep the material that has it: "image 2: found ...". Throws an error that
+/// is not kInput again.
+std::string why_kept(const GltfAsset& asset, const Error& error);
 
 /// Textures by what they hold; null: there is none.
 struct FittedSource {

@@ -23,7 +23,7 @@ EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const
     BakeJob bake;
     bake.input = prepared.normal_file;
     bake.output = fmt::format("{}/lobes_{}.ndf.exr", settings.folder, number);
-    bake.reading = gltf_normal_reading(source);
+    bake.reading = gltf_normal_reading(source, settings);
     bake.fitting.first_level = 1;  // level 0 is the normal texture's
     bake.surface = settings.surface;
     bake.measure = false;

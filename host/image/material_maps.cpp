@@ -217,6 +217,13 @@ void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
                     file.path, 100.0 * report.share_one));
 }
 
+// What the file says of its picture that is not heeded, with its name.
+std::vector<std::string> named_notes(const std::string& path, const RawImageInfo& info) {
+  std::vector<std::string> notes;
+  for (const std::string& note : info.notes) notes.push_back(path + ": " + note);
+  return notes;
+}
+
 RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSums>& rows, double count) {
   RoughnessSums sums;
   for (const RoughnessSums& row : rows) sums.add(row);
@@ -263,7 +270,10 @@ RoughnessReport read_roughness(const ChannelFile& file, int map_width, int map_h
     }
     use(first_row, row_count, roughness);
   });
-  return report_of(file, sums, static_cast<double>(map_width) * map_height);
+  RoughnessReport report = report_of(file, sums, static_cast<double>(map_width) * map_height);
+  const std::vector<std::string> notes = named_notes(file.path, reader.info());
+  report.warnings.insert(report.warnings.begin(), notes.begin(), notes.end());
+  return report;
 }
 
 }  // namespace
@@ -344,6 +354,8 @@ LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int h
     read_channels(reader, wanted, channel, threads, [&](int first_row, int row_count, const auto& channels) {
       put(plane, first_row, row_count, channels[0]);
     });
+    const std::vector<std::string> notes = named_notes(file.path, reader.info());
+    material.warnings.insert(material.warnings.end(), notes.begin(), notes.end());
   };
   read_plane(1, 0, files.occlusion, "an occlusion map");
   read_plane(2, 2, files.metalness, "a metalness map");
@@ -356,6 +368,7 @@ WeightMap read_weight_map(const std::string& path, int width, int height, const 
   check_size(wanted, reader.info());
   WeightMap map;
   map.count = reader.info().channel_count;
+  map.warnings = named_notes(path, reader.info());
   if (map.count > 4)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: found {} channels, expected the weights of 1 to 4 basis BRDFs", path, map.count));

@@ -84,6 +84,7 @@ struct LobeMaterialFiles {
 struct LobeMaterial {
   PlaneStore planes;  // alpha^2 = roughness^4, occlusion, metalness; 1 where there is no map
   std::optional<RoughnessReport> roughness = std::nullopt;
+  std::vector<std::string> warnings = {};  // of the other maps, with the file's name
 };
 
 /// Reads the maps, which must be of this size. Throws as above.
@@ -94,6 +95,7 @@ LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int h
 struct WeightMap {
   int count = 0;
   std::vector<PlaneStore> rgb_planes;  // three planes each, as many as hold them; planes that are not used are 0
+  std::vector<std::string> warnings;   // with the file's name
 };
 
 /// Reads all channels of a file of 1 to 4. Throws as above.

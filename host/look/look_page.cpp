@@ -41,7 +41,7 @@ void check_map(const LookMap& map, const BakedHeader& header, bool same_source) 
     refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the map by --source",
                                        header.first_level));
   if (map.source.empty() || header.provenance.source_hash.empty() ||
-      hash_file(map.source) == header.provenance.source_hash)
+      hash_file(map.source) == header.provenance.file_hash())
     return;
   const std::string found =
       fmt::format("is not the file that {} was baked from ({})", map.input, header.provenance.source_name);

@@ -12,6 +12,8 @@ namespace {
 using Kind = ParameterKind;
 
 std::vector<Parameter> gltf_rows() {
+  Parameter two_channel = two_channel_parameter(kOnCommandLine), z_range = z_range_parameter(kOnCommandLine);
+  two_channel.group = z_range.group = kSourceGroup;
   Parameter anisotropy = lobe_anisotropy_parameter(kOnCommandLine);
   anisotropy.excludes = {"lobes"};
   return {{.name = "format",
@@ -30,6 +32,8 @@ std::vector<Parameter> gltf_rows() {
            .group = kStorageGroup,
            .excludes = {"anisotropy"},
            .surfaces = kOnCommandLine},
+          std::move(two_channel),
+          std::move(z_range),
           std::move(anisotropy),
           fast_lobe_parameter(kOnCommandLine),
           surface_parameter("; of levels from 1 on", kOnCommandLine)};

@@ -50,6 +50,28 @@ Parameter fast_lobe_parameter(unsigned surfaces) {
           .surfaces = surfaces};
 }
 
+Parameter two_channel_parameter(unsigned surfaces) {
+  return {.name = "two_channel",
+          .help = "read x and y alone, and rebuild z",
+          .default_text = "detected",
+          .hashed_as = "two_channel",
+          .excludes = {"z_range"},
+          .surfaces = surfaces};
+}
+
+Parameter z_range_parameter(unsigned surfaces) {
+  return {.name = "z_range",
+          .kind = ParameterKind::kChoice,
+          .help =
+              "what blue of 0 to 1 stores: signed, z from -1 to 1 as x and y; positive, z from 0 to 1, as some old "
+              "tools write it",
+          .default_text = "detected",
+          .choices = {"signed", "positive"},
+          .hashed_as = "z_range",
+          .excludes = {"two_channel"},
+          .surfaces = surfaces};
+}
+
 Parameter surface_parameter(const std::string& more, unsigned surfaces) {
   return {.name = "surface",
           .kind = ParameterKind::kChoice,

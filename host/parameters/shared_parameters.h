@@ -23,6 +23,9 @@ Parameter encoder_parameter(unsigned surfaces);
 Parameter absolute_geometry_parameter();
 /// `input`, `scene` or another file that is read first.
 Parameter input_parameter(const std::string& name, const std::string& help, unsigned surfaces);
+/// What blue of a normal map holds: `two_channel` and `z_range`.
+Parameter two_channel_parameter(unsigned surfaces);
+Parameter z_range_parameter(unsigned surfaces);
 /// `wrap`, `swrap`, `twrap`. `with_auto`: what the map itself shows may decide.
 std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& default_text, unsigned surfaces);
 

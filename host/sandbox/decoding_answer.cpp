@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <new>
 
+#include "host/base/messages/option_words.h"
 #include "host/base/system_failure.h"
 #include "host/sandbox/damaged_file.h"
 
@@ -27,10 +28,10 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
                 in.text());
   }
   if (kind == DecodingAnswer::kOutOfMemory)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: its decoding needs more than {} bytes of memory, expected a file that needs less "
-                            "(--decode child:SECONDS,MEMORY allows more, for files that you trust)",
-                            file.path, file.memory_max));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: its decoding needs more than {} bytes of memory, expected a file that needs less{}", file.path,
+                    file.memory_max, advice(" (<decode child:SECONDS,MEMORY> allows more, for files that you trust)")));
   if (kind == DecodingAnswer::kNoMemoryHere)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: not enough memory to decode it: found less than the {} bytes that its decoding may "

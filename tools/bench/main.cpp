@@ -26,8 +26,8 @@
 #include "tools/bench/measuring/instructions.h"
 #include "tools/bench/on_gpu.h"
 #include "tools/bench/scale_benchmark.h"
+#include "tools/command_line/before_command.h"
 #include "tools/command_line/choices.h"
-#include "tools/command_line/long_names.h"
 #include "tools/command_line/usage_error.h"
 
 namespace multum::bench {
@@ -303,7 +303,7 @@ int run(int argc, char** argv) {
   CLI::App* contexts_command = app.add_subcommand("contexts", "list the GL contexts that this machine gives");
   contexts_command->add_option("--json", contexts_json, "write them to this file, too");
   const CLI::App* on_gpu_command = add_on_gpu(app, on_gpu, on_gpu_from);
-  refuse_long_names(app);
+  prepare_commands(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -5,6 +5,7 @@
 
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/shown_text.h"
 #include "host/base/stopwatch.h"
 #include "host/base/system_failure.h"
@@ -104,6 +105,7 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
 int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const DeviceChoice& device_choice,
                  const CommonOptions& common, BakePrinting printing) {
   const Stopwatch stopwatch;
+  add_key_words(bake_parameters().names(kInManifest));
   if (o.summary == kStdout) printing.out = stderr;
   std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
   check_result_files(o, maps);

@@ -10,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/processes/machine.h"
 #include "host/base/shown_text.h"
 #include "host/base/system_failure.h"
@@ -217,6 +218,7 @@ int run_export(ExportOptions& o) {
   keep_freed_memory();
   apply(o.values, o.job);
   if (!o.shard_text.empty()) o.shard = parse_work_shard("--shard", o.shard_text);
+  if (has_manifest) add_key_words(export_parameters().names(kInManifest));
   if (has_manifest) return run_export_manifest(o);
   for (const std::string& input : o.inputs)
     if (is_baked_name(input)) check_no_reading_is_given(input, o.values);

@@ -34,6 +34,8 @@ int run_gltf(GltfOptions& o) {
   o.job.is_anisotropic = values.flag("anisotropy");
   o.job.has_lobes = values.flag("lobes");
   o.job.is_fast = values.flag("fast");
+  o.job.two_channel = values.flag("two_channel");
+  o.job.z_range = z_range(values);
   o.job.surface = map_surface(values).value_or(o.job.surface);
   if (const auto bytes = values.bytes("memory")) o.job.memory_bytes = static_cast<std::uint64_t>(*bytes);
   o.job.report = values.text("report").value_or("");

@@ -12,7 +12,7 @@
 #include "host/base/processes/machine.h"
 #include "host/opencl/kernel_caches.h"
 #include "host/opencl/pocl_settings.h"
-#include "tools/command_line/long_names.h"
+#include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/openjd_lines.h"
@@ -112,7 +112,7 @@ int run_command(int argc, char** argv) {
   app.failure_message(usage_error);
   int exit_code = 0;
   add_commands(app, &exit_code);
-  refuse_long_names(app);
+  prepare_commands(app);
   set_kernel_caches(kernel_cache_folders());
   const NewFolders new_folders;
   try {

@@ -16,6 +16,7 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/json_file.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/shown_text.h"
 #include "host/image/files/image_container.h"
 #include "host/parameters/bake_parameters.h"
@@ -67,6 +68,7 @@ int run_plan(const CLI::App& plan_command, const PlanOptions& o) {
   }
   check_is_scene(o.scene);
   check_no_map_option_is_given(plan_command, o.scene);
+  add_key_words(bake_parameters().names(kInScene));
   BakeJob pattern;
   pattern.threads = pattern.writing.threads = apply(o.common);
   const SceneDescription scene = read_scene(o.scene, pattern);
@@ -160,6 +162,7 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
 
 int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice& device_choice,
               const CommonOptions& common, const BakePrinting& printing, const SceneDivision& division) {
+  add_key_words(bake_parameters().names(kInScene));
   SceneRun run;
   run.scene_file = scene_file;
   run.files = {pattern.output};

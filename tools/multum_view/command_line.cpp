@@ -11,7 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
 #include "host/base/nearest_name.h"
-#include "tools/command_line/long_names.h"
+#include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/command_options.h"
 
@@ -176,7 +176,7 @@ int run_view_command(int argc, char** argv) {
   CLI::App app(kDescription, "multum-view");
   app.failure_message(view_usage_error);
   add_commands(app, options);
-  refuse_long_names(app);
+  prepare_commands(app);
   std::string chosen;
   try {
     app.parse(argc, argv);

@@ -85,8 +85,8 @@ void add_map_options(CLI::App& app, MapOptions& options) {
                  "write the shader variants that were drawn with as JSON: flags, text, and the uniforms that the "
                  "driver kept");
   add_parameter_options(app, options.source.reading,
-                        {"bumpformat", "green", "signed", "unsigned", "two_channel", "height_scale", "normal_scale",
-                         "fixnan", "repair_max"},
+                        {"bumpformat", "green", "signed", "unsigned", "two_channel", "z_range", "height_scale",
+                         "dequantize", "normal_scale", "fixnan", "repair_max"},
                         false);
   add_decoding_option(app);
 }

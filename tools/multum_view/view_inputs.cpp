@@ -31,12 +31,12 @@ NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& 
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
-  if (hash_file(options.source.normals) == baked.provenance.source_hash) {
+  if (hash_file(options.source.normals) == baked.provenance.file_hash()) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
   } else if (!baked.provenance.source_hash.empty()) {
     log_warning(options.source.normals,
                 fmt::format("is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
-                            options.file, baked.provenance.source_name, baked.provenance.source_hash,
+                            options.file, baked.provenance.source_name, baked.provenance.file_hash(),
                             baked.first_level > 0 ? "the finest levels, the reference and the baselines"
                                                   : "the reference and the baselines"));
   }
@@ -90,7 +90,8 @@ std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHead
                     (roughness.channel.empty() ? "" : ":" + roughness.channel) + (roughness.is_gloss ? ", gloss" : ""));
     PlaneStore normals(map.width, map.height);
     normals.write_rows(0, map.height, {planes[0].data(), planes[1].data(), planes[2].data()});
-    shorten_by_roughness(normals, roughness, {}, 1);
+    for (const std::string& warning : shorten_by_roughness(normals, roughness, {}, 1).warnings)
+      log_named_warning(warning);
     planes = normals.take_planes();
   }
   std::vector<glm::vec3> texels;
@@ -105,6 +106,7 @@ void add_materials(const MapOptions& options, const BakedHeader& baked, gl::Norm
   if (!source.weights.empty()) {
     warn_of_another(options.file, baked, "weights", "--weights", source.weights, "");
     WeightMap map = read_weight_map(source.weights, image.width, image.height, {}, 1);
+    for (const std::string& warning : map.warnings) log_named_warning(warning);
     const auto count = static_cast<std::size_t>(map.count);
     image.weight_count = map.count;
     image.weights.resize(image.normals.size() * count);
@@ -117,6 +119,7 @@ void add_materials(const MapOptions& options, const BakedHeader& baked, gl::Norm
   if (source.albedo.empty()) return;
   warn_of_another(options.file, baked, "albedo", "--albedo", source.albedo, "");
   const ColourMap colours = read_albedo_map(source.albedo, image.width, image.height, 1);
+  for (const std::string& note : colours.notes) log_warning(source.albedo, note);
   for (std::size_t i = 0; i < colours.r.size(); ++i)
     image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
 }
@@ -184,7 +187,7 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
                 fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
                             "baked from, which has the finer ones ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
-                            baked.height, baked.provenance.source_name, baked.provenance.source_hash));
+                            baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);
   NormalMap normals = read_normal_map(source, source_settings(options, baked), 1, nullptr);
   log_info(source + ": " + normals.report.encoding);

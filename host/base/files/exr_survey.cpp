@@ -58,6 +58,14 @@ void check_exr_table(const std::string& path, std::int64_t file_size, const ExrP
                                   part.height, file_size));
 }
 
+// The first channel that has fewer samples than texels. Channels are [name 0][type 4][flags 4][steps in x 4, in y 4].
+std::string subsampled_channel(const std::string& path, ByteFile& file, std::int64_t position) {
+  for (;; position += 16) {
+    std::string name = exr_string(path, file, position);
+    if (name.empty() || exr_int(file, position + 8) > 1 || exr_int(file, position + 12) > 1) return plain(name);
+  }
+}
+
 // Channels are [name 0][16 bytes], up to an empty name.
 std::int64_t channel_list_size(const std::string& path, ByteFile& file, std::int64_t begin) {
   std::int64_t position = begin;
@@ -147,6 +155,8 @@ std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
     if (attribute.name == "dataWindow" && attribute.size == 16) {
       part.width = exr_int(file, at + 8) - exr_int(file, at) + 1;
       part.height = exr_int(file, at + 12) - exr_int(file, at + 4) + 1;
+    } else if (attribute.name == "channels" && attribute.type == "chlist") {
+      part.subsampled = subsampled_channel(path, file, at);
     } else if (attribute.name == "tiles" && attribute.size == 9) {
       tile_width = exr_int(file, at);
       tile_height = exr_int(file, at + 4);

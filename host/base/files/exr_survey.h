@@ -14,6 +14,7 @@ namespace multum {
 
 struct ExrPartSize {
   std::int64_t width = 0, height = 0;  // of the data window, at least 1
+  std::string subsampled = {};         // a channel that has fewer samples than texels; empty: none
 };
 
 struct ExrAttribute {

@@ -12,6 +12,7 @@
 #include "host/asset/baked_file.h"
 #include "host/base/processes/parallel.h"
 #include "host/base/size_of.h"
+#include "host/base/split_mix.h"
 #include "host/export/accuracy/export_rules.h"
 #include "host/export/accuracy/lobe_optimum.h"
 
@@ -52,6 +53,17 @@ nlohmann::ordered_json json_of(const std::vector<std::string>& ids, const std::v
     json[ids[i]]["wide"] = json_of(errors[i].wide);
   }
   return json;
+}
+
+// An engine's lobe, isotropic, as its textures have it if they are stored as the export's are.
+GgxLobe stored(const GgxLobe& lobe, const std::optional<MaterialTexels>& texels) {
+  if (!texels) return lobe;
+  MaterialRows rows;
+  rows.normals = {glm::vec3(lobe.normal)};
+  rows.roughness = {static_cast<float>(std::sqrt(lobe.alpha_wide))};
+  // Blocks may hold texels that are alike better than 8 bits do, and worse where they differ.
+  round_material(rows, *texels == MaterialTexels::kBlocks ? MaterialTexels::kRgba8 : *texels);
+  return lobe_of_texel(rows, 0);
 }
 
 void add(LobeError& sum, const LobeError& more, double share) {
@@ -109,7 +121,7 @@ CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
   CellAccuracy measured{cell.level, cell.x, cell.y, points.noise, {}};
   std::vector<GgxLobe> lobes = {cell.lobe};
   for (const EngineRule& rule : engine_rules())
-    lobes.push_back(lobe_of_rule(rule, {facets.mean_normal, facets.mean_roughness}));
+    lobes.push_back(stored(lobe_of_rule(rule, {facets.mean_normal, facets.mean_roughness}), settings_.texels));
   // One lobe of GGX under point lights and wide ones.
   const auto of_lobe = [&](const GgxLobe& lobe) {
     return RuleError{error_of_lobe(points, lobe), error_of_lobe(wide, lobe, kWideLightPoints)};

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/base/progress.h"
 #include "host/export/accuracy/cell_reference.h"
 #include "host/export/baked_lobes.h"
+#include "host/export/material_folder.h"
 #include "host/export/material_rows.h"
 #include "host/export/one_lobe_fit.h"
 
@@ -23,6 +25,8 @@ struct ExportAccuracySettings {
   int lights_per_view = 256;
   int wide_lights_per_view = 24;
   bool finds_optimum = false;  // searched for beside the others
+  // As which engines' textures are rounded too, so that no row has a precision that another lacks; nullopt: not at all.
+  std::optional<MaterialTexels> texels;
 };
 
 /// Of one rule in one texel.

@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/files/udim_set.h"
 #include "host/image/normals/reading_parameters.h"
+#include "host/image/normals/tile_set.h"
 #include "host/parameters/export_parameters.h"
 
 namespace multum {
@@ -69,9 +70,11 @@ std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vec
   }
   std::vector<ExportJob> jobs;
   std::map<std::string, std::string> taken;  // output -> input
+  TileSets sets;
   for (const SetMap& map : maps_of_names(inputs)) {
     ExportJob job = pattern;
     job.input = map.path;
+    sets.enter(map.set, map.tile, job.reading);
     if (!map.tile.empty())
       for (std::string ExportJob::*beside : kExportMapsBeside) job.*beside = with_tile(pattern.*beside, map.tile);
     job.output = place_of_map(pattern.output, map, output_suffix(pattern));

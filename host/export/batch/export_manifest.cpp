@@ -112,7 +112,7 @@ ManifestExportResult run_manifest_export(const ManifestExport& map, bool is_dry,
   ManifestExportResult result{find_export_state(map.job), std::nullopt};
   if (is_dry || (result.found.finding == ExportFinding::kInPlace && !map.job.force)) return result;
   result.report = export_file(map.job, device, progress);
-  write_export_record(map.job, result.report->files);
+  write_export_record(map.job, *result.report);
   return result;
 }
 

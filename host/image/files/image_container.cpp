@@ -35,6 +35,54 @@ void add_orientation(ImageContainer& container, int orientation) {
   if (!note.empty()) container.notes.push_back(note);
 }
 
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
+
+// What became of a signature of PNG that has most of its bytes; empty: it is none. Its line ends are there to show
+// transfers that take files for text.
+std::string damaged_png_signature(std::string_view head) {
+  if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
+    return "its line ends were changed from \\n to \\r\\n, as by a transfer as text";
+  if (head.starts_with("\x89PNG\n\x1a"))
+    return "its line ends were changed from \\r\\n to \\n, as by a transfer as text";
+  if (head.size() < kPngSignature.size()) return "";
+  std::string changed;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kPngSignature.size(); ++i) {
+    if (head[i] == kPngSignature[i]) continue;
+    changed += fmt::format("{}byte {} is 0x{:02x} instead of 0x{:02x}", count++ == 0 ? "" : ", ", i + 1,
+                           static_cast<unsigned char>(head[i]), static_cast<unsigned char>(kPngSignature[i]));
+  }
+  return count <= 2 ? changed : "";
+}
+
+// Throws for what no PNG may have: bits a sample that its colour type has not (W3C PNG, table 11.1), or other methods
+// than there are.
+void check_png_header(const std::string& path, ByteFile& file) {
+  const auto field = [&file](std::int64_t at) { return file.big_endian(at, 1, "a PNG header"); };
+  const std::int64_t bits = field(24), colour = field(25);
+  struct ColourType {
+    std::int64_t number;
+    const char* name;
+    std::vector<std::int64_t> bits;
+  };
+  static const std::vector<ColourType> kColourTypes = {{0, "grey", {1, 2, 4, 8, 16}},
+                                                       {2, "RGB", {8, 16}},
+                                                       {3, "a palette", {1, 2, 4, 8}},
+                                                       {4, "grey with alpha", {8, 16}},
+                                                       {6, "RGB with alpha", {8, 16}}};
+  const auto row = std::find_if(kColourTypes.begin(), kColourTypes.end(),
+                                [colour](const ColourType& one) { return one.number == colour; });
+  if (row == kColourTypes.end())
+    refuse_file(path, fmt::format("damaged PNG: found colour type {}, expected 0, 2, 3, 4 or 6", colour));
+  if (std::find(row->bits.begin(), row->bits.end(), bits) == row->bits.end())
+    refuse_file(path, fmt::format("damaged PNG: found {} bits a sample, expected {} of {}", bits,
+                                  fmt::join(row->bits, ", "), row->name));
+  if (field(26) != 0 || field(27) != 0 || field(28) > 1)
+    refuse_file(path, fmt::format("damaged PNG: found methods {}, {} and {} of compression, filters and interlacing, "
+                                  "expected 0, 0 and 0 or 1",
+                                  field(26), field(27), field(28)));
+}
+
 constexpr char kFirstFrame[] = "the file is an animation, of which the first frame is read";
 
 // signature, then chunks of [length 4][type 4][data][CRC 4]; what the picture needs is IHDR PLTE tRNS gAMA sRGB IDAT
@@ -44,7 +92,7 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
   constexpr std::array<std::string_view, 7> kPicture = {"IHDR", "PLTE", "tRNS", "gAMA", "sRGB", "IDAT", "IEND"};
   keep(container, 0, 8);
   std::int64_t position = 8;
-  bool is_srgb = false;
+  bool is_srgb = false, has_palette = false, has_rows = false;
   for (bool ended = false; !ended;) {
     const std::int64_t length = file.big_endian(position, 4, "a PNG chunk");
     const std::string type = file.bytes(position + 4, 4, "a PNG chunk");
@@ -56,7 +104,13 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
       if (type != "IHDR" || length != 13) refuse_file(path, "damaged PNG: the first chunk is not a header");
       container.width = file.big_endian(position + 8, 4, "the width");
       container.height = file.big_endian(position + 12, 4, "the height");
+      check_png_header(path, file);
     }
+    has_palette |= type == "PLTE";
+    if (type == "IDAT" && !has_palette && file.big_endian(25, 1, "a PNG header") == 3)
+      refuse_file(path, "damaged PNG: found no palette (PLTE) before its rows, expected one with colour type 3");
+    has_rows |= type == "IDAT";
+    if (type == "IEND" && !has_rows) refuse_file(path, "damaged PNG: found no rows (IDAT), expected some");
     if (std::find(kPicture.begin(), kPicture.end(), type) != kPicture.end()) {
       keep(container, position, end);
     } else {
@@ -158,11 +212,11 @@ void refuse_baked_file(const std::string& path, ByteFile& file) {
   });
   // A pyramid's finest level is a picture or a height field as others are.
   if (representation.empty() || representation.starts_with("pyramid of ")) return;
-  refuse_file(path,
-              fmt::format("is a file that multum baked from {0} ({1}), expected a map. Give {0} itself, or the baked "
-                          "file to 'multum info', 'multum verify', 'multum export' (as NAME.ndf.exr), 'multum "
-                          "look' or 'multum-view'",
-                          source.empty() ? "a map" : source, representation));
+  const std::string map = source.empty() ? "the map" : source;
+  refuse_file(path, fmt::format("is a file that multum baked from {0} ({1}), expected a map. Give {2} itself, or the "
+                                "baked file to 'multum info', 'multum verify', 'multum export' (as NAME.ndf.exr), "
+                                "'multum look' or 'multum-view'",
+                                source.empty() ? "a map" : source, representation, map));
 }
 
 void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& container, std::int64_t texel_count_max) {
@@ -171,6 +225,12 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   for (const ExrPartSize& part : parts) check_image_size(path, part.width, part.height, texel_count_max);
   container.width = parts.front().width;
   container.height = parts.front().height;
+  if (!parts.front().subsampled.empty())
+    refuse_file(path,
+                fmt::format("found a channel {} with fewer samples than texels, as brightness with differences of "
+                            "colour has (Y, RY, BY), expected red, green and blue of every texel: convert it to "
+                            "RGB first",
+                            parts.front().subsampled));
   if (parts.size() > 1)
     container.notes.push_back(fmt::format("the file has {} parts, of which the first is read", parts.size()));
   keep(container, 0, file.size());
@@ -272,13 +332,14 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
                     tiff.is_reduced ? ", which says that it is a reduced version of another" : ""));
   else if (tiff.is_reduced) container.notes.emplace_back("its picture says that it is a reduced version of another");
   container.texel_metres = tiff.texel_metres;
+  container.no_data = tiff.no_data;
 }
 
 constexpr std::size_t kHeadBytes = 16;  // enough to know any of the formats
 
 std::string format_of(std::string_view head) {
   using namespace std::string_view_literals;
-  if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
+  if (head.starts_with(kPngSignature)) return "png";
   if (head.starts_with("\xFF\xD8\xFF"sv)) return "jpeg";
   if (head.starts_with("RIFF"sv) && head.size() >= 12 && head.substr(8, 4) == "WEBP"sv) return "webp";
   if (head.starts_with("\x76\x2f\x31\x01"sv)) return "openexr";
@@ -317,6 +378,8 @@ ImageContainer inspect_image_container(const std::string& path, std::int64_t tex
   container.file_size = file.size();
   const std::string head = file.bytes(0, std::min<std::int64_t>(kHeadBytes, file.size()), "the first bytes");
   container.format = format_of(head);
+  if (const std::string changed = damaged_png_signature(head); container.format.empty() && !changed.empty())
+    refuse_file(path, fmt::format("damaged PNG: in its signature {}", changed));
   if (container.format.empty()) {
     const std::string other = other_kind(head);
     refuse_file(path, other.empty() ? fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF "

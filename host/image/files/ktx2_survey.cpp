@@ -44,10 +44,11 @@ void find_texels(const std::string& path, ByteFile& file, Ktx2Survey& survey) {
   const auto found = std::find_if(std::begin(kKtx2Texels), std::end(kKtx2Texels),
                                   [&](const Ktx2Texels& one) { return one.vk_format == vk_format; });
   if (found == std::end(kKtx2Texels))
-    refuse_file(path, fmt::format("found a KTX2 texture of VkFormat {} (colour model {}), expected texels as they are "
-                                  "(R8, RG8, RGBA8 or RGBA16F) or UASTC: give the image that it was made of, or export "
-                                  "with --texels rgba8",
-                                  vk_format, model));
+    refuse_file(path,
+                fmt::format("found a KTX2 texture of VkFormat {} (colour model {}), expected texels as they are "
+                            "(R8, RG8, RGBA8 or RGBA16F) or UASTC: give the image that it was made of, or the output "
+                            "of multum export --texels rgba8",
+                            vk_format, model));
   survey.base_type = found->base_type;
   survey.channel_count = found->channels;
   survey.is_srgb = survey.is_srgb || found->is_srgb;

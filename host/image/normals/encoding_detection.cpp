@@ -4,11 +4,13 @@
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
 //     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo is like a height: a warning says so. One
 //     value tells nothing and two are a mask: refused.
+//     So are heights whose bytes are spread over channels (packed_heights.h).
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
 //     What nearly flat normals round their z to is not set aside: there both readings are the same up to rounding.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
-//  4. Refused unless it looks like normals (`refusal` below).
-//  5. Green by the gradient agreement; up when it is undecided. What the caller says goes before it; a warning names
+//  4. z in 0..1: blue itself, where only that gives unit length (`is_z_positive`).
+//  5. Refused unless it looks like normals (`refusal` below), and where blue is not z (`blue_doubt`).
+//  6. Green by the gradient agreement; up when it is undecided. What the caller says goes before it; a warning names
 //  the
 //     disagreement.
 #include "host/image/normals/encoding_detection.h"
@@ -21,7 +23,9 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/messages/option_words.h"
 #include "host/image/files/number_type.h"
+#include "host/image/normals/packed_heights.h"
 #include "host/image/normals/vector_statistics.h"
 
 namespace multum {
@@ -30,6 +34,7 @@ namespace {
 struct Reading {
   VectorEncoding encoding;
   VectorStatistics statistics;
+  double signed_z_error = 0.0;  // of a positive z: the error of lengths with the other
 };
 
 // Where the numbers about the numbers come from: the survey, or the image again for what the survey could not foresee.
@@ -47,16 +52,7 @@ struct Evidence {
 
 // Compression leaves colours of up to a code of 8 bits. With more bits, what differs between channels as much as it
 // does between texels is no such noise: normals that are short, around mid-grey.
-bool is_grey(const Evidence& evidence) {
-  constexpr double kChromaMax = 1.0 / 255.0, kChromaOfContrastMax = 0.25;
-  if (evidence.info().channel_count != 3) return false;
-  const double chroma = evidence.survey.chroma_rms();
-  if (chroma == 0.0) return true;
-  if (evidence.info().sample_type != SampleType::kUint8 &&
-      chroma > kChromaOfContrastMax * evidence.survey.grey_deviation())
-    return false;
-  return chroma <= kChromaMax;
-}
+bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
 // Whether a finite value of the first channel is further than `margin` from both ends of its range. Of most images the
 // first rows say so.
@@ -76,7 +72,7 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
 // Why a grey image is no height field, nullopt when it may be one: all its finite values are the same, or are one of
 // two, up to a fiftieth of what lies between them (8 bits of a compressed mask).
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
-  const ImageSurvey::Range& range = evidence.survey.range(0);
+  const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
   if (range.high == range.low) return fmt::format("every texel is {:.4g}, which tells nothing", range.low);
   const double margin = 0.02 * (static_cast<double>(range.high) - static_cast<double>(range.low));
@@ -127,6 +123,7 @@ VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings&
   VectorEncoding encoding;
   encoding.flat_pair = info.sample_type == SampleType::kUint8;
   encoding.rebuild_z = settings.two_channel.value_or(info.channel_count == 2);
+  encoding.positive_z = !encoding.rebuild_z && settings.z_range == ZRange::kPositive;
   return encoding;
 }
 
@@ -157,11 +154,33 @@ bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
 }
 
+// Old tools and some models store z in 0..1. Read as 2 * blue - 1, tilts are too large: by 0.6 degrees at 16 degrees, 8
+// at 36, 30 at 60. Measured: files so made have an error of positive lengths of 0.0012 to 0.002 in 8 bits, 0.01 to 0.02
+// after JPEG, at most a third of the other where it matters. Real maps that blurring or compression shortened reach
+// 0.020 and a ratio of 2.4, or 0.023 and 4.5; one of 636 (a picture frame) has 0.005 and 5, and is such a file.
+bool is_z_positive(const Evidence& evidence, const Reading& reading, const NormalMapSettings& settings) {
+  constexpr double kExact = 0.012, kExactRatio = 3.0, kCompressed = 0.03, kCompressedRatio = 6.0;
+  const VectorStatistics& s = reading.statistics;
+  if (settings.z_range || reading.encoding.is_signed || reading.encoding.rebuild_z) return false;
+  // Half a step of 8 bits in x, y and z makes an error of 0.0023, and codes of 254 for 1 three times that.
+  const double least = evidence.info().sample_type == SampleType::kUint8 ? 0.007 : 0.0005;
+  if (s.length_error < least) return false;
+  const double ratio = s.length_error / std::max(1e-9, s.positive_length_error);
+  return (s.positive_length_error <= kExact && ratio >= kExactRatio) ||
+         (s.positive_length_error <= kCompressed && ratio >= kCompressedRatio);
+}
+
 Reading best_reading(const Evidence& evidence, const NormalMapSettings& settings) {
   VectorEncoding encoding = first_encoding(evidence.info(), settings);
   const Reading first = best_signedness(evidence, encoding, settings);
-  if (settings.two_channel.has_value() || evidence.info().channel_count == 2) return first;
+  if (settings.two_channel.value_or(false) || evidence.info().channel_count == 2) return first;
+  if (is_z_positive(evidence, first, settings)) {
+    encoding = first.encoding;
+    encoding.positive_z = true;
+    return {encoding, evidence.statistics(encoding), first.statistics.length_error};
+  }
   if (!is_blue_constant(evidence, first.statistics)) return first;
+  if (settings.two_channel.has_value() || settings.z_range) return first;
   if (first.statistics.unit_share_10 >= 0.8 && !is_blue_filler(evidence, first)) return first;
   encoding.rebuild_z = true;
   const Reading rebuilt = best_signedness(evidence, encoding, settings);
@@ -226,28 +245,97 @@ std::optional<std::string> refusal(const Reading& reading) {
   return reading.encoding.rebuild_z ? two_channel_refusal(s) : vector_refusal(s);
 }
 
+// Share of texels for which is_empty() holds.
+double empty_share(const Evidence& evidence, const Reading& reading) {
+  const bool is_zero_empty = reading.encoding.is_signed && !reading.encoding.rebuild_z;
+  const std::int64_t count =
+      evidence.survey.all_nan_count() + (is_zero_empty ? evidence.survey.all_zero_count() : std::int64_t{0});
+  return static_cast<double>(count) / (static_cast<double>(evidence.info().width) * evidence.info().height);
+}
+
 // A constant red beside an alpha: compressed maps of one good channel and a better alpha keep x there (DXT5nm).
 bool has_x_in_alpha(const Evidence& evidence) {
   if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
   const auto spread = [&evidence](int channel) {
-    const ImageSurvey::Range& range = evidence.survey.range(channel);
+    const ImageSurvey::Range range = evidence.survey.range(channel);
     return static_cast<double>(range.high) - static_cast<double>(range.low);
   };
   constexpr double kNoise = 2.5 / 255.0;
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
+// The reading of x and y alone, where it makes sense: the slopes of a surface, and lengths that leave room for z.
+bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
+  if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
+  VectorEncoding encoding = reading.encoding;
+  encoding.rebuild_z = true;
+  encoding.positive_z = false;
+  const VectorStatistics s = evidence.statistics(encoding);
+  return s.texel_count > 0.0 && !two_channel_refusal(s) && std::abs(s.gradient_agreement) >= 0.25;
+}
+
+// Why blue is not the z of red and green: another map is kept there (occlusion, smoothness, height), as in LabPBR
+// packs. Lengths then scatter at every scale, and the tilt explains little of blue. Measured (share of unit lengths,
+// dependence of z on the tilt, spread of lengths of 4 x 4 texels): 12 lossy maps have 0.23 to 0.75, 0.11 to 0.86, 0.02
+// to 0.11; of 109 maps made of 25 real ones with occlusion, gloss or height in blue half have a dependence below 0.26
+// and a spread above 0.11. Blue that is an occlusion computed from the same surface depends on the tilt by up to 0.8,
+// as some antialiased maps do: such maps are warned of. `turn`: degrees rms by which the two readings differ; where
+// they hardly do, nothing is said.
+enum class BlueDoubt { kNone, kWarned, kRefused };
+BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (reading.encoding.rebuild_z || reading.encoding.positive_z || s.beyond_share > 0.005) return BlueDoubt::kNone;
+  if (has_one_length(s) || is_blue_constant(evidence, s)) return BlueDoubt::kNone;
+  const double turn = s.rebuilt_angle, spread = s.block_length_spread;
+  if (s.unit_share_10 < 0.7 && s.z_dependence < 0.26 && spread > 0.1 && turn > 1.5) return BlueDoubt::kRefused;
+  if (s.unit_share_10 < 0.85 && s.z_dependence < 0.5 && spread > 0.13 && turn > 3.0) return BlueDoubt::kRefused;
+  if (s.unit_share_10 < 0.7 && spread > 0.125 && turn > 2.0) return BlueDoubt::kWarned;
+  return BlueDoubt::kNone;
+}
+
+std::string blue_doubt_text(const VectorStatistics& s) {
+  return fmt::format(
+      "blue does not follow red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
+      "{:.0f} % "
+      "of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, smoothness "
+      "or "
+      "height",
+      100.0 * s.block_length_spread, s.length_mean, 100.0 * s.z_dependence * s.z_dependence, s.rebuilt_angle);
+}
+
+// Refuses or warns, unless the settings say what blue is.
+void check_blue(const std::string& path, const Evidence& evidence, const Reading& reading,
+                const NormalMapSettings& settings, std::vector<std::string>& warnings) {
+  if (settings.z_range) return;
+  const BlueDoubt doubt = blue_doubt(evidence, reading);
+  if (doubt == BlueDoubt::kNone) return;
+  const std::string text = blue_doubt_text(reading.statistics);
+  const std::string advised =
+      advice(". <two_channel> reads red and green alone") + advice(", <z_range signed> takes blue for z all the same");
+  const bool is_refusing = settings.bump_format == BumpFormat::kAuto || settings.refuse_doubts;
+  if (doubt == BlueDoubt::kRefused && is_refusing)
+    throw Error(ErrorCode::kInput, fmt::format("{}: {}; expected the z of unit vectors{}", path, text, advised));
+  warnings.push_back(text + advised);
+}
+
 // --bumpformat cannot help a map with its x in alpha, which is not read: the message does not offer it.
-[[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const std::string& why) {
+[[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const Reading& reading,
+                                 const std::string& why) {
   if (has_x_in_alpha(evidence))
     throw Error(ErrorCode::kInput,
                 path +
                     ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
                     "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
-  throw Error(ErrorCode::kInput,
-              fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
-                          "grey. If it is one all the same, give --bumpformat normal or height",
-                          path, why));
+  throw Error(
+      ErrorCode::kInput,
+      fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
+                  "grey{}{}",
+                  path, why,
+                  is_two_channel_plausible(evidence, reading)
+                      ? advice(". If blue is not z (occlusion, smoothness, height), give <two_channel>: red and "
+                               "green are the slopes of a surface")
+                      : "",
+                  advice(". If it is one all the same, give <bumpformat normal> or <bumpformat height>")));
 }
 
 // Of the options given, those that say nothing of what the file was taken for.
@@ -255,20 +343,23 @@ void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, con
                      std::vector<std::string>& warnings) {
   std::string names;
   for (const auto& [is_given, name] : given)
-    if (is_given) names += (names.empty() ? "" : ", ") + std::string(name);
+    if (is_given) names += (names.empty() ? "" : ", ") + option_text(name).value_or(name);
   if (!names.empty()) warnings.push_back(names + ": without effect on " + what);
 }
 
-DetectedEncoding height_field(const std::string& reason, const NormalMapSettings& settings) {
+DetectedEncoding height_field(const std::string& reason, const HeightReading& reading,
+                              const NormalMapSettings& settings) {
   DetectedEncoding result;
   result.is_height_field = true;
+  result.heights = reading;
   result.reason = reason;
   const bool is_signed = settings.is_signed.value_or(false);
-  warn_of_ignored({{settings.green.has_value(), "--green"},
-                   {is_signed, "--signed"},
-                   {settings.is_signed.has_value() && !is_signed, "--unsigned"},
-                   {settings.two_channel.has_value(), "--two-channel"},
-                   {settings.normal_scale != 1.0f, "--normal-scale"}},
+  warn_of_ignored({{settings.green.has_value(), "green"},
+                   {is_signed, "signed"},
+                   {settings.is_signed.has_value() && !is_signed, "unsigned"},
+                   {settings.two_channel.has_value(), "two_channel"},
+                   {settings.z_range.has_value(), "z_range"},
+                   {settings.normal_scale != 1.0f, "normal_scale"}},
                   "a height field", result.warnings);
   return result;
 }
@@ -278,9 +369,50 @@ DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, c
   if (const std::optional<std::string> why = grey_refusal(evidence))
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
-                            "values. If it is one all the same, give --bumpformat height",
-                            path, *why));
-  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height", settings);
+                            "values{}",
+                            path, *why, advice(". If it is one all the same, give <bumpformat height>")));
+  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height",
+                      {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+}
+
+// The coding that was asked for.
+std::optional<HeightCoding> coding_of(BumpFormat format) {
+  switch (format) {
+    case BumpFormat::kPacked16: return HeightCoding::kPacked16;
+    case BumpFormat::kPacked24: return HeightCoding::kPacked24;
+    case BumpFormat::kTerrarium: return HeightCoding::kTerrarium;
+    case BumpFormat::kMapbox: return HeightCoding::kMapbox;
+    default: return std::nullopt;
+  }
+}
+
+DetectedEncoding packed_heights(const std::string& path, const Evidence& evidence, HeightCoding coding,
+                                const NormalMapSettings& settings) {
+  const int channel_count = coding == HeightCoding::kPacked16 ? 2 : 3;
+  if (evidence.info().base_type != number_type::kUint8 || evidence.info().channel_count < channel_count)
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {}, expected {} channels of 8 bits for {}", path,
+                                               evidence.info().format, channel_count, height_coding_name(coding)));
+  return height_field(coding_of(settings.bump_format)
+                          ? height_coding_name(coding) + ", as asked for"
+                          : height_coding_name(coding) + ": they are continuous, where the channels by themselves jump",
+                      {coding, std::nullopt}, settings);
+}
+
+// Reads what the caller said to be heights.
+DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
+  if (is_grey(evidence))
+    return height_field(
+        evidence.info().channel_count == 1 ? "as asked for" : "as asked for; the mean of equal colour channels",
+        {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+  if (const std::optional<HeightCoding> packed = find_packed_heights(evidence.image))
+    return packed_heights(path, evidence, *packed, settings);
+  throw Error(
+      ErrorCode::kInput,
+      fmt::format("{}: found colours, whose channels differ by {:.3g} of their {} rms, expected heights as asked for: "
+                  "one channel, or equal ones. Save the channel that has them as grey (oiiotool IN --ch R -o OUT){}",
+                  path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
+                  advice("; if its bytes are spread over the channels, give <bumpformat packed16>, packed24, terrarium "
+                         "or mapbox")));
 }
 
 // The threshold lies between the maps that are known and those that are not (0.15 and 0.31, see vector_statistics.cpp);
@@ -293,7 +425,6 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
 }
 
 const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
-const char* green_option(GreenAxis green) { return green == GreenAxis::kUp ? "--green up" : "--green down"; }
 
 // Normals times a constant are normalised, which a file of something else would be too.
 void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
@@ -311,36 +442,59 @@ void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> f
   if (!settings.green && !found) {
     // Where nothing is tilted, green is 0 either way.
     if (s.tilted_share > 0.0)
-      warnings.emplace_back(
-          "which way green points cannot be told from the statistics; up (OpenGL) is taken, --green up or --green down "
-          "says it");
+      warnings.emplace_back("which way green points cannot be told from the statistics; up (OpenGL) is taken" +
+                            advice(", <green up> or <green down> says it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
         fmt::format("green is read as {}, as asked for, but red and green are the slopes of a surface whose green "
-                    "points {} (gradient agreement {:+.2f}): unless you know better, leave the setting out, or say {}",
-                    green_name(*settings.green), green_name(*found), s.gradient_agreement, green_option(*found)));
+                    "points {} (gradient agreement {:+.2f}){}",
+                    green_name(*settings.green), green_name(*found), s.gradient_agreement,
+                    advice(fmt::format(": unless you know better, leave the setting out, or say <green {}>",
+                                       *found == GreenAxis::kUp ? "up" : "down"))));
   }
 }
 
 std::string describe(const VectorEncoding& encoding, const char* green_note) {
   return fmt::format("normal map, {}, {}green {}{}", encoding.is_signed ? "signed" : "unsigned",
-                     encoding.rebuild_z ? "two channels (z rebuilt), " : "", green_name(encoding.green), green_note);
+                     encoding.rebuild_z    ? "two channels (z rebuilt), "
+                     : encoding.positive_z ? "z from 0 to 1, "
+                                           : "",
+                     green_name(encoding.green), green_note);
+}
+
+// Warns where a set's green is not the one that the map by itself seems to have.
+void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
+  if (!own || !of_set || *own == *of_set) return;
+  warnings.push_back(fmt::format(
+      "green is read as {}, as in the first tile of its set that can tell, but this tile is the slopes of a "
+      "surface whose green points {}{}",
+      green_name(*of_set), green_name(*own), advice(": <green up> or <green down> says what holds for all tiles")));
 }
 
 }  // namespace
 
+bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey) {
+  constexpr double kChromaMax = 1.0 / 255.0, kChromaOfContrastMax = 0.25;
+  if (info.channel_count < 2) return true;
+  const double chroma = survey.chroma_rms();
+  if (chroma == 0.0) return true;
+  if (info.sample_type != SampleType::kUint8 && chroma > kChromaOfContrastMax * survey.grey_deviation()) return false;
+  return chroma <= kChromaMax;
+}
+
 std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings) {
-  if (settings.bump_format == BumpFormat::kHeight || info.channel_count == 1) return {};
+  const bool are_heights = settings.bump_format != BumpFormat::kAuto && settings.bump_format != BumpFormat::kNormal;
+  if (are_heights || info.channel_count == 1) return {};
   return signedness_candidates(info.sample_type, first_encoding(info, settings), settings);
 }
 
 DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
-                                 const NormalMapSettings& settings, int threads) {
+                                 const NormalMapSettings& settings, int threads, const GreenOfSet& green_of_set) {
   const Evidence evidence{image, survey, threads};
   const int channel_count = image.info().channel_count;
-  if (settings.bump_format == BumpFormat::kHeight)
-    return height_field(channel_count == 1 ? "as asked for" : "as asked for; the mean of the colour channels",
-                        settings);
+  if (settings.bump_format == BumpFormat::kHeight) return asked_heights(path, evidence, settings);
+  if (const std::optional<HeightCoding> coding = coding_of(settings.bump_format))
+    return packed_heights(path, evidence, *coding, settings);
   if (channel_count == 1 && settings.two_channel.value_or(false))
     throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
                                                "two-channel map has x and y",
@@ -350,29 +504,48 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
       throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
     return grey_image(path, evidence, "1 channel", settings);
   }
-  if (settings.bump_format == BumpFormat::kAuto && is_grey(evidence))
-    return grey_image(path, evidence, "red, green and blue are equal", settings);
+  if (settings.bump_format == BumpFormat::kAuto) {
+    if (channel_count == 3 && is_grey(evidence))
+      return grey_image(path, evidence, "red, green and blue are equal", settings);
+    if (const std::optional<HeightCoding> packed = find_packed_heights(image))
+      return packed_heights(path, evidence, *packed, settings);
+  }
+  if (settings.refuse_doubts && is_grey(evidence))
+    throw Error(ErrorCode::kInput, path + ": found a grey image, expected a normal map");
 
   const Reading reading = best_reading(evidence, settings);
   if (settings.bump_format == BumpFormat::kAuto) {
     if (const std::optional<std::string> why = refusal(reading))
-      refuse_vectors(path, evidence, fmt::format("{} ({})", *why, summary(reading)));
+      refuse_vectors(path, evidence, reading, fmt::format("{} ({})", *why, summary(reading)));
   }
   DetectedEncoding result;
+  check_blue(path, evidence, reading, settings, result.warnings);
   result.vectors = reading.encoding;
-  const std::optional<GreenAxis> found_green = green_from_gradients(reading.statistics);
+  result.vectors.empty_is_unused = empty_share(evidence, reading) > kUnusedShareNoted;
+  const std::optional<GreenAxis> own_green = green_from_gradients(reading.statistics);
+  const bool asks_set = green_of_set && !settings.green;
+  const std::optional<GreenAxis> found_green = asks_set ? green_of_set(own_green) : own_green;
   result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
-  const char* green_note = settings.green.has_value() ? ", as asked for" : found_green.has_value() ? "" : ", undecided";
+  const char* green_note = settings.green.has_value()             ? ", as asked for"
+                           : !found_green.has_value()             ? ", undecided"
+                           : asks_set && found_green != own_green ? ", as its set has it"
+                                                                  : "";
   result.description = describe(result.vectors, green_note);
   result.reason = summary(reading);
   result.vectors.tilt = settings.normal_scale;
   if (settings.normal_scale != 1.0f) result.description += fmt::format(", scaled by {:g}", settings.normal_scale);
   const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
-  warn_of_ignored({{is_scaled, "--height-scale"}}, "a normal map", result.warnings);
+  warn_of_ignored({{is_scaled, "height_scale"}}, "a normal map", result.warnings);
   if (reading.encoding.rebuild_z && channel_count > 2 && !settings.two_channel)
     result.reason += fmt::format(", blue is {:.3g} throughout, which completes no vector", reading.statistics.blue_min);
+  if (reading.signed_z_error > 0.0)
+    result.reason += fmt::format(
+        ", lengths are within {:.2g} % of 1 (rms of tilted texels) if z is blue, within {:.2g} % "
+        "if it is 2 blue - 1",
+        100.0 * reading.statistics.length_error, 100.0 * reading.signed_z_error);
   warn_of_length(reading, result.warnings);
   warn_of_green(settings, found_green, reading.statistics, result.warnings);
+  if (asks_set) warn_of_set(own_green, found_green, result.warnings);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/processes/parallel.h"
 
 namespace multum {
@@ -45,6 +46,10 @@ struct Decoding {
   // The normal of one texel, flat where there is none.
   TexelState decode(float r, float g, float b, glm::dvec3& n, TexelCounts& counts) const {
     n = glm::dvec3(0.0, 0.0, 1.0);
+    if (encoding.empty_is_unused && is_empty(encoding, r, g, b)) {
+      ++counts.unused;
+      return TexelState::kUnused;
+    }
     if (!is_vector_value(r) || !is_vector_value(g) || !is_vector_value(b)) {
       ++counts.nonfinite;
       return TexelState::kNonfinite;
@@ -136,19 +141,19 @@ DecodedRows repaired_rows(const Decoding& decoding, int row_begin, int row_end, 
   return rows;
 }
 
-// Adds a warning to the report when more than kUnusedShareNoted of the texels are black; throws Error(kInput) for more
-// than kUnusedShareMax unless the settings say that it is a normal map.
-void check_unused_share(const std::string& path, NormalMapRows& map, const NormalMapSettings& settings) {
+// Adds a warning to the report when more than kUnusedShareNoted of the texels were never written; throws Error(kInput)
+// for more than kUnusedShareMax unless the settings say that it is a normal map. `empty`: what such texels hold.
+void check_unused_share(const std::string& path, NormalMapRows& map, const NormalMapSettings& settings,
+                        const char* empty) {
   const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
   const double share = static_cast<double>(map.report.unused_texels) / texel_count;
   if (share <= kUnusedShareNoted) return;
-  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are black, which is not a normal",
-                                        map.report.unused_texels, texel_count, 100.0 * share);
+  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are {}, which is not a normal",
+                                        map.report.unused_texels, texel_count, 100.0 * share, empty);
   if (share > kUnusedShareMax && settings.bump_format != BumpFormat::kNormal)
-    throw Error(
-        ErrorCode::kInput,
-        fmt::format("{}: {}; expected at most {:.0f} % (if it is a normal map all the same, give --bumpformat normal)",
-                    path, found, 100.0 * kUnusedShareMax));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: {}; expected at most {:.0f} %{}", path, found, 100.0 * kUnusedShareMax,
+                            advice(" (if it is a normal map all the same, give <bumpformat normal>)")));
   map.report.warnings.push_back(found + "; they are taken as never written, and as flat");
 }
 
@@ -165,9 +170,10 @@ void check_repair_share(const std::string& path, const NormalMapRows& map, const
       ErrorCode::kInput,
       fmt::format(
           "{}: {} of {:.0f} texels ({:.2f} %) hold no usable normal: {} not finite, {} of zero length, {} below "
-          "the horizon; expected at most {:.2f} % (raise --repair-max to repair them all the same){}",
+          "the horizon; expected at most {:.2f} %{}{}",
           path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
-          report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max), hint));
+          report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max),
+          advice(" (raise <repair_max> to repair them all the same)"), hint));
 }
 
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
@@ -193,7 +199,7 @@ NormalMapRows decode_normals(const std::string& path, const RawImage& image, con
     map.report.zero_length_repaired += band.zero_length;
     map.report.below_horizon_repaired += band.below_horizon;
   }
-  check_unused_share(path, map, settings);
+  check_unused_share(path, map, settings, encoding.empty_is_unused ? "black or NaN" : "black");
   check_repair_share(path, map, settings);
   return map;
 }

@@ -13,9 +13,11 @@
 namespace multum {
 
 struct VectorEncoding {
-  bool is_signed = false;  // numbers are the vector; otherwise v * 2 - 1
-  bool rebuild_z = false;  // z = sqrt(1 - x^2 - y^2), whatever blue holds
-  bool flat_pair = false;  // 8 bits: a texel whose red and green are both 127 or 128 has x = y = 0
+  bool is_signed = false;        // numbers are the vector; otherwise v * 2 - 1
+  bool rebuild_z = false;        // z = sqrt(1 - x^2 - y^2), whatever blue holds
+  bool positive_z = false;       // unsigned numbers whose blue is z itself: ZRange::kPositive
+  bool empty_is_unused = false;  // texels for which is_empty() holds were never written
+  bool flat_pair = false;        // 8 bits: a texel whose red and green are both 127 or 128 has x = y = 0
   GreenAxis green = GreenAxis::kUp;
   float tilt = 1.0f;  // x and y times this, once the vector is whole: NormalMapSettings::normal_scale
 
@@ -33,7 +35,8 @@ constexpr double kHorizonZ = 1.0 / 512.0;
 /// texels of a map, and is read as exactly flat instead of tilted by 0.3 degrees.
 inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g, float b) {
   glm::dvec3 v(r, g, b);
-  if (!encoding.is_signed) v = v * 2.0 - 1.0;
+  if (!encoding.is_signed)
+    v = glm::dvec3(v.x * 2.0 - 1.0, v.y * 2.0 - 1.0, encoding.positive_z ? v.z : v.z * 2.0 - 1.0);
   constexpr double kHalfCode = 1.01 / 255.0;
   if (encoding.flat_pair && std::abs(v.x) < kHalfCode && std::abs(v.y) < kHalfCode) v.x = v.y = 0.0;
   if (encoding.rebuild_z) v.z = std::sqrt(std::fmax(0.0, 1.0 - v.x * v.x - v.y * v.y));
@@ -52,6 +55,13 @@ inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b)
   constexpr float kBlackMax = 4.5f / 255.0f;
   return !encoding.is_signed && r <= kBlackMax && g <= kBlackMax && b <= kBlackMax && r >= 0.0f && g >= 0.0f &&
          b >= 0.0f;
+}
+
+/// True where a file with signs or floats was never written: painters and bakers leave 0 or NaN outside of charts. It
+/// is no vector either way. Single ones are faults of a renderer, which are repaired. Where z is rebuilt, 0 is flat.
+inline bool is_empty(const VectorEncoding& encoding, float r, float g, float b) {
+  if (std::isnan(r)) return std::isnan(g) && (encoding.rebuild_z || std::isnan(b));
+  return encoding.is_signed && !encoding.rebuild_z && r == 0.0f && g == 0.0f && b == 0.0f;
 }
 
 /// An image of 2 or 3 channels, by bands, of which at most a few a thread are in memory. Fills the report's counts, not

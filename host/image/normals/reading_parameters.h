@@ -10,8 +10,14 @@
 
 namespace multum {
 
+/// The words of the parameter `bumpformat`.
+const Choices<BumpFormat>& bump_formats();
+
 /// The parameter `surface`, where it is given.
 std::optional<MapSurface> map_surface(const ParameterValues& values);
+
+/// The parameter `z_range`, where it is given.
+std::optional<ZRange> z_range(const ParameterValues& values);
 
 /// What was given replaces what `settings` hold. `values` are of bake_parameters().
 void apply_reading(const ParameterValues& values, NormalMapSettings& settings);

@@ -5,12 +5,18 @@
 // compression destroys it at 1, and averaged. Measured on 36 real normal maps: 29 lie beyond +-0.31, the others (random
 // facets, hard edges, lossy or hand-painted) within 0.15; 19 colour images lie within 0.14, all but one within 0.09.
 // (Frankot & Chellappa 1988, "A method for enforcing integrability", states the condition.)
+// Whether blue is z is told by how much of its variance the tilt explains (correlation ratio in bins of the tilt), and
+// by lengths averaged over 4 x 4 texels: lossy compression scatters lengths at single texels, another map in blue does
+// so at every scale.
 #include "host/image/normals/vector_statistics.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
+
+#include <glm/geometric.hpp>
 
 #include "host/base/processes/parallel.h"
 
@@ -40,16 +46,48 @@ struct CorrelationSums {
   }
 };
 
+// Correlation ratio of z on the tilt: the share of z's variance that its means in bins of the tilt explain, less what
+// as many bins explain of noise.
+struct DependenceSums {
+  static constexpr std::size_t kBinCount = 32;
+  std::array<double, kBinCount> count{}, z{};
+  double squares = 0;
+
+  void add(double tilt, double value) {
+    const auto bin = std::min(kBinCount - 1, static_cast<std::size_t>(tilt * static_cast<double>(kBinCount)));
+    count[bin] += 1, z[bin] += value, squares += value * value;
+  }
+  void add(const DependenceSums& o) {
+    for (std::size_t i = 0; i < kBinCount; ++i) count[i] += o.count[i], z[i] += o.z[i];
+    squares += o.squares;
+  }
+  double ratio() const {
+    double n = 0, sum = 0, of_bins = 0, bins = 0;
+    for (std::size_t i = 0; i < kBinCount; ++i) {
+      if (count[i] == 0) continue;
+      n += count[i], sum += z[i], of_bins += z[i] * z[i] / count[i], bins += 1;
+    }
+    const double total = squares - sum * sum / std::max(1.0, n);
+    if (n <= bins || total < 1e-12 * n) return 0.0;
+    const double within = (squares - of_bins) / (n - bins);
+    return std::sqrt(std::max(0.0, 1.0 - within / (total / (n - 1))));
+  }
+};
+
 struct BandSums {
   double n = 0, unit_5 = 0, unit_10 = 0, unit_20 = 0, below = 0, beyond = 0, tilted = 0, negative = 0;
   double x = 0, y = 0, z = 0, rebuilt_z = 0;
   double blue_min = 1e30, blue_max = -1e30;
   double rebuilt_z_min = 1.0, side_max = 0.0;
   double log_length = 0, log_length_squares = 0;
+  double weights = 0, length_errors = 0, positive_length_errors = 0, rebuilt_sines = 0;
+  double blocks = 0, log_block = 0, log_block_squares = 0;
   CorrelationSums z_and_rebuilt;
+  DependenceSums dependence;
   std::array<CorrelationSums, kScaleCount> gradients;
 
-  void add_vector(const glm::dvec3& v) {
+  // `blue`: z as it would be if blue were z itself.
+  void add_vector(const glm::dvec3& v, double blue) {
     const double xy2 = v.x * v.x + v.y * v.y;
     const double length = std::sqrt(xy2 + v.z * v.z);
     const double deviation = std::abs(length - 1.0);
@@ -68,6 +106,22 @@ struct BandSums {
     side_max = std::max({side_max, std::abs(v.x), std::abs(v.y)});
     const double log = std::log(std::max(length, 1e-30));
     log_length += log, log_length_squares += log * log;
+    add_use_of_blue(v, length, z_of_unit, blue);
+  }
+  // The vector and the one of rebuilt z are in one plane: the sine of the angle is tilt * (difference of z) / lengths.
+  void add_use_of_blue(const glm::dvec3& v, double length, double z_of_unit, double blue) {
+    const double weight = std::min(1.0, v.x * v.x + v.y * v.y), tilt = std::sqrt(weight);
+    const double positive_length = std::sqrt(weight + blue * blue);
+    weights += weight;
+    length_errors += weight * (length - 1.0) * (length - 1.0);
+    positive_length_errors += weight * (positive_length - 1.0) * (positive_length - 1.0);
+    const double sine = length > 0.0 ? tilt * (v.z - z_of_unit) / length : 0.0;
+    rebuilt_sines += sine * sine;
+    dependence.add(tilt, v.z);
+  }
+  void add_block(double mean_length) {
+    const double log = std::log(std::max(mean_length, 1e-30));
+    blocks += 1, log_block += log, log_block_squares += log * log;
   }
   void add(const BandSums& o) {
     n += o.n, unit_5 += o.unit_5, unit_10 += o.unit_10, unit_20 += o.unit_20, below += o.below, beyond += o.beyond;
@@ -76,7 +130,11 @@ struct BandSums {
     blue_min = std::min(blue_min, o.blue_min), blue_max = std::max(blue_max, o.blue_max);
     rebuilt_z_min = std::min(rebuilt_z_min, o.rebuilt_z_min), side_max = std::max(side_max, o.side_max);
     log_length += o.log_length, log_length_squares += o.log_length_squares;
+    weights += o.weights, length_errors += o.length_errors, positive_length_errors += o.positive_length_errors;
+    rebuilt_sines += o.rebuilt_sines;
+    blocks += o.blocks, log_block += o.log_block, log_block_squares += o.log_block_squares;
     z_and_rebuilt.add(o.z_and_rebuilt);
+    dependence.add(o.dependence);
     for (std::size_t s = 0; s < gradients.size(); ++s) gradients[s].add(o.gradients[s]);
   }
 };
@@ -109,9 +167,13 @@ class StatisticsBand {
   StatisticsBand(const RawImageInfo& info, const VectorEncoding& encoding)
       : encoding_(encoding),
         column_count_(static_cast<std::size_t>(std::min(info.width, kStatisticsColumns))),
-        channel_count_(static_cast<std::size_t>(info.channel_count)) {}
+        channel_count_(static_cast<std::size_t>(info.channel_count)),
+        blocks_(column_count_ / kBlockSide) {}
 
-  void add_row(const float* values) { add_scaled_row(0, decoded(values)); }
+  void add_row(const float* values) {
+    add_scaled_row(0, decoded(values));
+    if (++block_rows_ % kBlockSide == 0) end_blocks();
+  }
   const BandSums& sums() const { return sums_; }
 
  private:
@@ -119,6 +181,10 @@ class StatisticsBand {
     std::size_t row_count = 0;
     std::array<VectorRow, 3> rows;  // row i is at i % 3
     const VectorRow& row_from_last(std::size_t back) const { return rows[(row_count - 1 - back) % 3]; }
+  };
+  static constexpr std::size_t kBlockSide = 4;
+  struct Block {
+    double length = 0, count = 0;
   };
 
   // Sums what concerns single texels. Texels without a vector are flat for the gradients.
@@ -128,13 +194,25 @@ class StatisticsBand {
       const float r = values[i * channel_count_];
       const float g = values[i * channel_count_ + 1];
       const float b = channel_count_ > 2 ? values[i * channel_count_ + 2] : 0.0f;
-      if (!is_vector_value(r) || !is_vector_value(g) || !is_vector_value(b) || is_unused(encoding_, r, g, b)) continue;
+      if (!is_vector_value(r) || !is_vector_value(g) || !is_vector_value(b) || is_unused(encoding_, r, g, b) ||
+          is_empty(encoding_, r, g, b))
+        continue;
       row[i] = decode_vector(encoding_, r, g, b);
-      sums_.add_vector(row[i]);
+      sums_.add_vector(row[i], static_cast<double>(b));
+      if (i / kBlockSide < blocks_.size()) {
+        blocks_[i / kBlockSide].length += glm::length(row[i]);
+        blocks_[i / kBlockSide].count += 1;
+      }
       sums_.blue_min = std::min(sums_.blue_min, static_cast<double>(b));
       sums_.blue_max = std::max(sums_.blue_max, static_cast<double>(b));
     }
     return row;
+  }
+  void end_blocks() {
+    for (Block& block : blocks_) {
+      if (block.count > 0) sums_.add_block(block.length / block.count);
+      block = {};
+    }
   }
   void add_scaled_row(std::size_t s, VectorRow row) {
     Scale& scale = scales_[s];
@@ -150,12 +228,25 @@ class StatisticsBand {
   std::size_t channel_count_;
   BandSums sums_;
   std::array<Scale, kScaleCount> scales_;
+  std::size_t block_rows_ = 0;
+  std::vector<Block> blocks_;
 };
 
 // Every how many bands one is looked at.
 int band_stride(const RawImageInfo& info) {
   constexpr std::int64_t kTexelsMax = std::int64_t{1} << 22;
   return static_cast<int>(1 + (std::int64_t{info.width} * info.height - 1) / kTexelsMax);
+}
+
+void add_use_of_blue(const BandSums& sums, VectorStatistics& result) {
+  const auto rms = [](double squares, double count) { return count > 0.0 ? std::sqrt(squares / count) : 0.0; };
+  result.length_error = rms(sums.length_errors, sums.weights);
+  result.positive_length_error = rms(sums.positive_length_errors, sums.weights);
+  result.z_dependence = sums.dependence.ratio();
+  result.rebuilt_angle = std::asin(std::min(1.0, rms(sums.rebuilt_sines, sums.n))) * 180.0 / std::numbers::pi;
+  if (sums.blocks == 0.0) return;
+  const double mean = sums.log_block / sums.blocks;
+  result.block_length_spread = std::sqrt(std::max(0.0, sums.log_block_squares / sums.blocks - mean * mean));
 }
 
 VectorStatistics statistics_of(const BandSums& sums) {
@@ -181,6 +272,7 @@ VectorStatistics statistics_of(const BandSums& sums) {
   const double log_mean = sums.log_length / sums.n;
   result.length_mean = std::exp(log_mean);
   result.length_spread = std::sqrt(std::max(0.0, sums.log_length_squares / sums.n - log_mean * log_mean));
+  add_use_of_blue(sums, result);
   // A scale with fewer samples than this says nothing: the correlation of 64 random pairs is 0.125 from 0 by chance.
   constexpr double kSamplesMin = 64;
   int scale_count = 0;

@@ -29,6 +29,12 @@ struct VectorStatistics {
   double length_spread = 0.0;       // standard deviation of ln |v|: 0.05 is lengths within about 5 % of one another
   double gradient_agreement = 0.0;  // -1..1, see vector_statistics.cpp; + green up, - green down, 0 no surface's slopes
   double gradient_sample_count = 0.0;
+  // What follows tells whether blue is z, of readings that take z from blue.
+  double length_error = 0.0;  // rms of |v| - 1, weighted by x^2 + y^2: where nothing is tilted z does not matter
+  double positive_length_error = 0.0;  // the same of (x, y, blue): ZRange::kPositive
+  double z_dependence = 0.0;           // correlation ratio of z on sqrt(x^2 + y^2), 0 to 1: 1 is a function of it
+  double block_length_spread = 0.0;    // standard deviation of ln of the mean |v| of 4 x 4 texels
+  double rebuilt_angle = 0.0;          // degrees, rms between the vector and the one of rebuilt z
 };
 
 /// Statistics of rows that come one by one, from the top, each once. Of them at most about 16 Mi texels are looked at

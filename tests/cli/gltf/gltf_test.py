@@ -209,6 +209,33 @@ class GltfTest(FolderCase):
         model = plain_model(normal=b"\xabKTX 20\xbb\r\n\x1a\n" + b"\0" * 68)
         self.assert_kept(model, "no PNG, JPEG or WebP")
 
+    def test_one_bad_map_leaves_the_others(self):
+        grey = png(16, 16, lambda x, y: (128, 128, 128))
+        slopes = bumps(32, 32, 0.3)
+        # Occlusion where z should be.
+        packed_blue = png(32, 32, lambda x, y: (code(0.3 * math.sin(0.6 * x)), code(0.3 * math.sin(0.6 * y)),
+                                                round(150 + 50 * math.sin(0.2 * x) + 55 * math.cos(0.3 * y))))
+        for bad, scale, options, word in ((grey, 1.0, (), "grey"), (slopes, 1e300, (), "scale is 1e+300"),
+                                          (slopes[:300], 1.0, (), "cut"), (packed_blue, 1.0, (), "--two-channel"),
+                                          (packed_blue, 1.0, ("--two-channel",), None)):
+            with self.subTest(word=word):
+                model = plain_model()
+                texture = model.texture(model.image(bad))
+                model.material(name="other", normalTexture={"index": texture, "scale": scale})
+                after, report = self.convert(model, *options)
+                self.assertTrue(report["materials"][0]["fitted"])
+                self.assertEqual(report["materials"][1]["fitted"], word is None)
+                if word is None:
+                    continue
+                self.assertIn(word, report["materials"][1]["kept"])
+                self.assertIn("'other' stays as it was", self.messages)
+                self.assertNotIn("--green", self.messages)
+                self.assertEqual(after.json["materials"][1], model.json["materials"][1])
+                self.assertEqual(after.image(texture), bad)
+        # Advice of other commands is left out.
+        self.convert(plain_model(normal=bumps(32, 32, -0.6)))
+        self.assertNotIn("--green", self.messages)
+
     def test_the_same_combination_is_fitted_once(self):
         model = plain_model()
         first = model.json["materials"][0]

@@ -236,6 +236,50 @@ TEST(ImageReaderTest, PalettesOfTiff) {
   }
 }
 
+// What is wrong is said, not only that something is (the files x*.png of PngSuite).
+TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
+  const TemporaryFolder folder;
+  write_test_image(folder / "good.png", gradient_image(16, 16, 3));
+  const std::string good = file_bytes(folder / "good.png");
+  const auto expect_cause = [&](const std::string& bytes, const std::vector<std::string>& words) {
+    write_bytes(folder / "a.png", bytes);
+    expect_error(ErrorCode::kInput, words, [&] { read_raw(folder / "a.png"); });
+  };
+  const auto with_byte = [&good](std::size_t at, int value) {
+    std::string bytes = good;
+    bytes[at] = static_cast<char>(value);
+    return bytes;
+  };
+  expect_cause(with_byte(0, 0x09), {"a.png", "damaged PNG", "signature", "byte 1 is 0x09 instead of 0x89"});
+  expect_cause(with_byte(1, 'Q'), {"signature", "byte 2"});
+  expect_cause(with_byte(3, 'g'), {"signature", "byte 4"});
+  expect_cause(with_byte(6, ' '), {"signature", "byte 7"});
+  expect_cause("\x89PNG\n\x1a\n" + good.substr(8), {"signature", "transfer as text"});
+  expect_cause("\x89PNG\r\r\n\x1a\r\n" + good.substr(8), {"signature", "transfer as text"});
+  expect_cause(with_byte(24, 3), {"found 3 bits a sample", "expected 8, 16 of RGB"});
+  expect_cause(with_byte(24, 99), {"found 99 bits"});
+  expect_cause(with_byte(25, 1), {"found colour type 1"});
+  expect_cause(with_byte(25, 3), {"PLTE"});
+  expect_cause(with_byte(28, 5), {"interlacing"});
+  expect_cause(with_byte(29, 0x77), {"CRC"});  // of the header
+  const std::size_t rows = good.find("IDAT") - 4, end = good.find("IEND") - 4;
+  expect_cause(good.substr(0, rows) + good.substr(end), {"no rows (IDAT)"});
+}
+
+// Brightness with differences of colour has fewer samples of these, which OpenImageIO calls damaged.
+TEST(ImageReaderTest, SubsampledChannelsOfExrAreNamed) {
+  const TemporaryFolder folder;
+  TestImage image = gradient_image(16, 16, 3);
+  image.type = TypeDesc::HALF;
+  image.channel_names = {"BY", "RY", "Y"};
+  write_test_image(folder / "a.exr", image);
+  std::string bytes = file_bytes(folder / "a.exr");
+  for (const int step : {8, 12}) bytes[bytes.find(std::string("BY\0", 3)) + 3 + static_cast<std::size_t>(step)] = 2;
+  write_bytes(folder / "a.exr", bytes);
+  expect_error(ErrorCode::kInput, {"a.exr", "channel BY", "fewer samples", "convert it"},
+               [&] { read_raw(folder / "a.exr"); });
+}
+
 // What is not heeded is noted: how the picture is to be turned, and what else is in the file.
 TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   const TemporaryFolder folder;

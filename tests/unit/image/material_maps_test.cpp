@@ -209,6 +209,30 @@ TEST(RoughnessMap, WhatCannotBeIsRefused) {
   }
 }
 
+// Pages, orientation and the like are said of every map, with its name.
+TEST(MaterialMaps, WhatIsNotHeededIsSaid) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "two.tif";
+  const OIIO::ImageSpec spec(3, 2, 3, TypeDesc::UINT8);
+  const std::vector<float> values(18, 0.5f);
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path);
+  ASSERT_TRUE(output->open(path, spec));
+  ASSERT_TRUE(output->write_image(TypeDesc::FLOAT, values.data()));
+  ASSERT_TRUE(output->open(path, spec, OIIO::ImageOutput::AppendSubimage));
+  ASSERT_TRUE(output->write_image(TypeDesc::FLOAT, values.data()));
+  output->close();
+  const auto expect_said = [&](const std::vector<std::string>& warnings) {
+    ASSERT_FALSE(warnings.empty());
+    expect_says(warnings.front(), {"two.tif", "2 pages"});
+  };
+  PlaneStore normals = flat(3, 2);
+  expect_said(shorten_by_roughness(normals, {path, "", false}, {}, 1).warnings);
+  expect_said(shorten_by_roughness(normals, {path, "", true}, {}, 1).warnings);
+  expect_said(read_weight_map(path, 3, 2, {}, 1).warnings);
+  expect_said(read_lobe_material({{}, {path, ""}, {}}, 3, 2, {}, 1).warnings);
+  expect_said(read_lobe_material({{}, {}, {path, ""}}, 3, 2, {}, 1).warnings);
+}
+
 TEST(WeightMaps, EveryChannelIsAWeight) {
   const TemporaryFolder folder;
   for (int channels = 1; channels <= 4; ++channels) {

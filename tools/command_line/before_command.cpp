@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/command_line/long_names.h"
+// Names of files that are too long for any file system are refused here, before a command does anything.
+#include "tools/command_line/before_command.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -9,9 +10,11 @@
 #include <climits>
 #include <filesystem>
 #include <iterator>
+#include <set>
 #include <string>
 
 #include "host/base/error.h"
+#include "host/base/messages/option_words.h"
 
 namespace multum {
 namespace {
@@ -46,10 +49,29 @@ void check_values(const CLI::App& app) {
     check_values(*command);
 }
 
+// The command that runs: a subcommand, where there is one.
+const CLI::App& command_of(const CLI::App& app) {
+  const std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App* one) { return one->parsed(); });
+  return commands.empty() ? app : *commands.front();
+}
+
+std::set<std::string> option_names(const CLI::App& command) {
+  std::set<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (std::string name : option->get_lnames()) {
+      std::replace(name.begin(), name.end(), '-', '_');
+      names.insert(name);
+    }
+  return names;
+}
+
 }  // namespace
 
-void refuse_long_names(CLI::App& app) {
-  app.parse_complete_callback([&app] { check_values(app); });
+void prepare_commands(CLI::App& app) {
+  app.parse_complete_callback([&app] {
+    check_values(app);
+    set_option_words(option_names(command_of(app)));
+  });
 }
 
 }  // namespace multum
