@@ -7,7 +7,8 @@
 // BC7: every block chooses its mode. Mode 6, one line through the colours with 16 steps, is tried first; it is the last
 // where it is as near as rounding to 8 bits. Else a channel by itself (modes 4 and 5, by rotation) and two lines (mode
 // 1) are tried too. A line begins along the texels' principal axis and is fitted to its indices by least squares; the
-// codes of the best then climb one by one. Alpha is 255; modes of three lines, and those with alpha, are not used.
+// codes of the best then climb one by one. Modes of three lines are not used. Alpha is 255; or the third channel is
+// stored as alpha and blue is 255, by modes 4, 5 and 6, which swap what they store of the two.
 //
 // Values are of 0 to 255, not rounded. A block's texels are the lanes of a vector, on any device.
 
@@ -448,18 +449,19 @@ static inline void put_indices(BlockBits* bits, const int* indices, int bit_coun
     put_bits(bits, (uint)indices[i], i == 0 || i == other_anchor ? bit_count - 1 : bit_count);
 }
 
-// Mode 6: ends of 7 bits and p 1, so that alpha is 255; 16 steps.
-static inline BlockBits mode_6_block(Colours c, CodedLine line) {
+// Mode 6: ends of 7 bits and p 1, so that alpha, or blue where the third channel is alpha, is 255; 16 steps.
+static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alpha) {
   const EndPrecision precision = {7, 1};
   int indices[16];
   store_indices(line_indices(c, line_end(&line, 0, precision), line_end(&line, 1, precision), 15.0f), indices);
   if (turn_anchor(indices, 0, 0xffff, 15)) swap_ends(&line);
   BlockBits bits = {{0, 0, 0, 0}, 0};
   put_bits(&bits, 1u << 6, 7);
-  for (int channel = 0; channel < 3; ++channel)
-    for (int end = 0; end < 2; ++end) put_bits(&bits, (uint)line.codes[end][channel], 7);
-  put_bits(&bits, 127, 7);
-  put_bits(&bits, 127, 7);
+  for (int channel = 0; channel < 4; ++channel)
+    for (int end = 0; end < 2; ++end) {
+      const int source = third_is_alpha && channel > 1 ? 5 - channel : channel;  // 3: what is 255
+      put_bits(&bits, source == 3 ? 127u : (uint)line.codes[end][source], 7);
+    }
   put_bits(&bits, 3, 2);
   put_indices(&bits, indices, 4, -1);
   return bits;
@@ -481,7 +483,9 @@ static inline Colours without(Colours c, int alone) {
   return c;
 }
 
-static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, SeparateFit fit) {
+// Where the third channel is alpha: a block is decoded by swapping alpha with the channel of its rotation. So the third
+// channel is stored where `alone` was, and the 255 that the line has in place of `alone` is stored as blue.
+static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, SeparateFit fit, int third_is_alpha) {
   const EndPrecision precision = {m.colour_bits, 0};
   int colour[16], scalar[16];
   float16 index;
@@ -498,10 +502,13 @@ static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, Sep
   }
   BlockBits bits = {{0, 0, 0, 0}, 0};
   put_bits(&bits, 1u << m.mode, m.mode + 1);
-  put_bits(&bits, (uint)(alone + 1), 2);
+  put_bits(&bits, third_is_alpha && alone == 2 ? 0u : (uint)(alone + 1), 2);
   if (m.mode == 4) put_bits(&bits, m.colour_last == 7, 1);  // which indices have 3 bits
   for (int channel = 0; channel < 3; ++channel)
-    for (int end = 0; end < 2; ++end) put_bits(&bits, (uint)fit.line.codes[end][channel], m.colour_bits);
+    for (int end = 0; end < 2; ++end) {
+      const int source = !third_is_alpha ? channel : channel == 2 ? alone : channel == alone ? 2 : channel;
+      put_bits(&bits, (uint)fit.line.codes[end][source], m.colour_bits);
+    }
   for (int end = 0; end < 2; ++end) put_bits(&bits, (uint)fit.scalar.codes[end], m.scalar_bits);
   // Indices of 2 bits come first; in mode 5 those of colours.
   const int scalar_first = m.colour_last == 7;
@@ -617,10 +624,13 @@ static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
 }
 
 // One work-item = one block.
-//   values [block][channel][16]   red, green, blue, 0 to 255
+//   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
+// third_is_alpha: the third channel is alpha, and blue is 255. It is an argument, not a second kernel: functions that
+// two kernels call are not inlined, and BC7 takes half as long again (PoCL 3.1, AVX2).
 // Compute bound: some 50 looks at a block's error where mode 6 will do, some 200 else.
-__kernel void encode_colour_blocks(__global const float* values, __global uint4* blocks, int block_count) {
+__kernel void encode_colour_blocks(__global const float* values, __global uint4* blocks, int block_count,
+                                   int third_is_alpha) {
   const int item = (int)get_global_id(0);
   if (item >= block_count) return;
   Colours c;
@@ -629,30 +639,32 @@ __kernel void encode_colour_blocks(__global const float* values, __global uint4*
   c.mask = 0xffff;
   const EndPrecision seven = {7, 1}, six = {6, 1};
   const CodedLine line = climbed_line(c, seven, 15.0f, fitted_line(c, seven, 1, 15.0f));
-  BlockBits bits = mode_6_block(c, line);
+  BlockBits bits = mode_6_block(c, line, third_is_alpha);
   if (line.error > ROUNDING_ERROR) {
     int choice = 0;
     const int alone = channel_alone(c);
     SeparateFit fit = separate_fit(c, alone, &choice);
-    const int2 partitions = best_partitions(c);
-    int partition = partitions.x;
+    int partition = 0;
     CodedLine lines[2];
-    lines[0].error = lines[1].error = INFINITY;
-    for (int k = 0; k < 2; ++k) {
-      const int tried = k == 0 ? partitions.x : partitions.y;
-      const CodedLine zero = better_p(subset_of(c, tried, 0), six, 7.0f);
-      const CodedLine one = better_p(subset_of(c, tried, 1), six, 7.0f);
-      if (zero.error + one.error >= lines[0].error + lines[1].error) continue;
-      partition = tried;
-      lines[0] = zero;
-      lines[1] = one;
+    lines[0].error = lines[1].error = INFINITY;  // mode 1 has no alpha
+    if (!third_is_alpha) {
+      const int2 partitions = best_partitions(c);
+      for (int k = 0; k < 2; ++k) {
+        const int tried = k == 0 ? partitions.x : partitions.y;
+        const CodedLine zero = better_p(subset_of(c, tried, 0), six, 7.0f);
+        const CodedLine one = better_p(subset_of(c, tried, 1), six, 7.0f);
+        if (zero.error + one.error >= lines[0].error + lines[1].error) continue;
+        partition = tried;
+        lines[0] = zero;
+        lines[1] = one;
+      }
     }
     // Only what is nearer before it climbs does so.
     if (fit.line.error + fit.scalar.error < lines[0].error + lines[1].error) {
       const SeparateMode mode = kSeparateModes[choice];
       const EndPrecision precision = {mode.colour_bits, 0};
       fit.line = climbed_line(without(c, alone), precision, (float)mode.colour_last, fit.line);
-      if (fit.line.error + fit.scalar.error < line.error) bits = separate_block(c, alone, mode, fit);
+      if (fit.line.error + fit.scalar.error < line.error) bits = separate_block(c, alone, mode, fit, third_is_alpha);
     } else {
       for (int l = 0; l < 2; ++l) lines[l] = climbed_line(subset_of(c, partition, l), six, 7.0f, lines[l]);
       if (lines[0].error + lines[1].error < line.error) bits = mode_1_block(c, partition, lines);

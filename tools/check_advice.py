@@ -20,7 +20,8 @@ SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gl
 OF_ONE_COMMAND = {
     "host/bake/region_bake.cpp": "bake --region", "host/base/share_record.cpp": "those with --shard",
     "host/export/export_job.cpp": "export", "host/export/lobes/lobe_export.cpp": "export --lobes",
-    "host/gltf/gltf_job.cpp": "gltf", "host/gltf/uastc_encoder.cpp": "gltf", "host/look/look_page.cpp": "look",
+    "host/export/uastc/uastc_encoder.cpp": "export and gltf have --encoder",
+    "host/gltf/gltf_job.cpp": "gltf", "host/look/look_page.cpp": "look",
     "host/movmf/map_shard.cpp": "those with --shard", "host/movmf/bake_plan.cpp": "names what the plan was made with",
     "host/bake/movmf_file_bake.cpp": "names --shard or --merge, which was given",
     "host/pyramid/reflectance_bake.cpp": "reflectance", "host/target/plane_picture.cpp": "runs multum-view",

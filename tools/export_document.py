@@ -47,30 +47,56 @@ MAP is what `multum bake` takes: a normal map or a height field. Or it is a bake
 the map's normals to 16 bits, and what is exported of them is what the map itself would give, within what 8 bits tell
 apart (files without level 0, with roughness in their lobes, or without lobes are refused).
 
-FOLDER gets an image a texture and mip level, level 0 first: `normal_00.png`, green up; `orm_00.png`, occlusion,
-roughness and metalness as glTF packs them, 1 where no map was given; with `--anisotropy` `anisotropy_00.png`,
-direction and strength as KHR_materials_anisotropy has them.
-`--format exr` writes half floats. With `--roughness-alone` there is a texture `roughness` instead of `orm`.
+FOLDER gets an image a texture and mip level, level 0 first: `normal_00.png`; `orm_00.png`, occlusion, roughness and
+metalness as glTF packs them, occlusion 1 and metalness 0 where no map was given; with `--anisotropy`
+`anisotropy_00.png`, direction and strength as KHR_materials_anisotropy has them. `--format exr` writes half floats.
+
+Engines differ in two conventions:
+
+| engine | green of normals | roughness |
+|---|---|---|
+| glTF, three.js, Babylon.js, Godot, Blender | up, the default | `orm`: occlusion, roughness, metalness |
+| Unreal, other engines of DirectX | `--write-green down` | `orm` |
+| Unity | up | `--smoothness`: `mask`, metalness, occlusion, 1 and, in alpha, smoothness |
+
+Smoothness is 1 - roughness. `--write-green` holds for every format; directions of anisotropy are turned with the
+normals. `mask` is the Mask Map of HDRP, whose blue is the mask of details, and also the Metallic Map and the Occlusion
+Map of URP and of the built-in Standard shader. `--roughness-alone` writes a texture `roughness` instead of `orm`, or
+`smoothness` instead of `mask`.
 
 `-o rock.ktx2` writes a KTX2 file a texture with all its levels, `rock_normal.ktx2`, `rock_orm.ktx2`, and `-o rock.dds`
 DDS files with a DX10 header; `--format ktx2` and `dds` do so in FOLDER. `--texels` says how they store texels:
 
-| `--texels` | normal | orm, anisotropy | roughness alone |
+| `--texels` | normal | orm, mask, anisotropy | roughness or smoothness alone |
 |---|---|---|---|
 | `rgba8` (default) | RGBA8 | RGBA8 | R8 |
 | `rgba16f` | RGBA16F | RGBA16F | RGBA16F |
 | `rg8` | RG8: the shader rebuilds z = sqrt(1 - x^2 - y^2) | RGBA8 | R8 |
 | `bc` | BC5: likewise | BC7 | BC4 |
+| `uastc`, KTX2 only | UASTC | UASTC | UASTC |
+
+UASTC is Basis Universal's format of 8 bits a texel. Node.js and its package ktx2-encoder encode it (`npm install
+ktx2-encoder`, or `--encoder FOLDER`); jobs of the service find it in /usr/lib/node_modules and
+/usr/local/lib/node_modules. Loaders turn it into what the GPU has. The error that is printed is that of the blocks.
 
 `--zstd LEVEL` supercompresses KTX2, without loss. All are linear, row 0 on top (`KTXorientation` "rd"); `KTXswizzle`
 "rg11" of two channels, "rrr1" of one. Load the levels as they are: an engine that makes its own mips undoes the export.
 
-What tests read, every level: three.js 0.187 (KTX2Loader, WebGL 2 in Chromium with SwiftShader) all of these, ktx-parse
-2.0 their heads, OpenImageIO 2.4 BC4, BC5 and BC7 in DDS, Babylon.js 9.35 half floats in DDS (it takes no other kind
-with a DX10 header, and its decoder of KTX2 comes from a server of its own). From sources alone (October 2026): Bevy
-takes them with all levels; Godot does, but only level 0 of sides that are no powers of two, of which the export warns.
-Filament's Ktx2Reader refuses them: it takes Basis Universal alone (npm's filament 1.53.4, tried in Chromium), as
-KHR_texture_basisu does. Direct3D refuses blocks where sides are no multiples of 4: a warning too.
+| file | engines known not to load it |
+|---|---|
+| KTX2, `rgba8`, `rgba16f`, `rg8`, `bc` | Babylon.js, PlayCanvas, Filament, Unreal, Godot 3, Blender |
+| KTX2, `uastc` | Unreal, Godot 3, Blender |
+| DDS, `rgba16f` | three.js, PlayCanvas, Filament, Blender |
+| DDS, `bc` | three.js, Babylon.js, PlayCanvas, Filament; Blender shows normals with blue 0 |
+| DDS, `rgba8`, `rg8` | three.js, Babylon.js, PlayCanvas (4 x 4 texels in its place), Filament, Blender |
+
+Babylon.js, PlayCanvas and Filament take Basis Universal only; of a model they may leave out other textures without a
+message. Every export prints its row. Tried in Chromium: three.js 0.187, Babylon.js 9.35, PlayCanvas 2.23.3 and Filament
+1.53.4, of which the last two load UASTC with all levels; tried elsewhere: Blender 3.4, Godot 3.2; from its documents
+only: Unreal. Tests read every level: three.js (WebGL 2 with SwiftShader) all kinds of KTX2, ktx-parse 2.0 their heads,
+OpenImageIO 2.4 BC4, BC5 and BC7 in DDS, Babylon.js half floats in DDS (it takes no other kind with a DX10 header). From
+sources (October 2026): Bevy takes KTX2 with all levels; Godot 4 does, but only level 0 of sides that are no powers of
+two, and the export warns about it. Direct3D refuses blocks where sides are no multiples of 4: a warning too.
 With `--resume` an export that was stopped goes on behind the rows that it had fitted. [OPTIONS](OPTIONS.md) has all
 options.
 

@@ -22,12 +22,16 @@ constexpr int kWeightCountMax = 4;  // channels of a texture
 struct BakedProvenance {
   std::string software;        // "multum 0.1.0"
   std::string source_name;     // file name of the normal map, without folder
-  std::string source_hash;     // SHA-256 of the normal map's file, 64 hexadecimal digits
+  std::string source_hash;     // SHA-256 of the normal map's file, or of it and what others of its set gave to it
   std::string settings;        // JSON: every setting that changes the file
   std::string settings_hash;   // SHA-256 of `settings`
   std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
   std::string content_hash;    // of every channel value in the file (docs/FORMAT.md, "Checksum"); filled by write, read
   std::string reading = {};    // JSON: what was found in the source's files; empty in files of earlier programs
+  std::string source_file_hash = "";  // SHA-256 of the normal map's file, where source_hash is of more; else empty
+  std::string source_tiles = "";      // JSON: what other tiles of the map's set gave to it; empty: nothing
+
+  const std::string& file_hash() const { return source_file_hash.empty() ? source_hash : source_file_hash; }
 };
 
 /// Header that files of every representation have.

@@ -67,6 +67,10 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   set_text(header, "multum:channels", part.channels_text);
   set_text(header, "multum:sourceName", from.source_name);
   set_text(header, "multum:sourceHash", from.source_hash);
+  if (!from.source_tiles.empty()) {
+    set_text(header, "multum:sourceFileHash", from.source_file_hash);
+    set_text(header, "multum:sourceTiles", from.source_tiles);
+  }
   set_text(header, "multum:settings", from.settings);
   set_text(header, "multum:settingsHash", from.settings_hash);
   if (!from.reading.empty()) set_text(header, kReadingAttribute, from.reading);
@@ -220,6 +224,12 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   return headers;
 }
 
+// Reads an attribute that only tiles of sets have.
+std::string optional_text(const Imf::Header& header, const char* name) {
+  const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
+  return attribute == nullptr ? "" : attribute->value();
+}
+
 BakedHeader parse_map_header(const Imf::Header& header, const std::vector<StorageEncoding>& encodings,
                              const std::string& path) {
   const StoredLevels stored = parse_stored_levels(header, path);
@@ -241,6 +251,8 @@ BakedHeader parse_map_header(const Imf::Header& header, const std::vector<Storag
                       trimmed(text_attribute(header, kContentHashAttribute, path))};
   if (const auto* reading = header.findTypedAttribute<Imf::StringAttribute>(kReadingAttribute))
     baked.provenance.reading = reading->value();
+  baked.provenance.source_file_hash = optional_text(header, "multum:sourceFileHash");
+  baked.provenance.source_tiles = optional_text(header, "multum:sourceTiles");
   return baked;
 }
 

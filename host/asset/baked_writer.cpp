@@ -215,11 +215,11 @@ class BakedWriter::Work {
   void write_tiles(int level_number, Level& level) {
     for (const auto& at : level.parts) {
       const int l = level_number - at->part->first_level, tile_row = level.rows_written / options_.tile_size;
+      Imf::TiledOutputPart part(*out_, at->part_index);
+      part.setFrameBuffer(slices(*at, level));
       at->hash.update(at->values.data(), at->values.size() * sizeof(float));
       row_checksums_.set(static_cast<std::size_t>(at->part_index), level_number, tile_row, at->values.data(),
                          at->values.size());
-      Imf::TiledOutputPart part(*out_, at->part_index);
-      part.setFrameBuffer(slices(*at, level));
       part.writeTiles(0, part.numXTiles(l) - 1, tile_row, tile_row, l);
     }
     level.rows_written += level.rows_waiting;
@@ -228,8 +228,9 @@ class BakedWriter::Work {
     for (const auto& at : level.parts) at->values = std::vector<float>();
   }
 
-  // Channels that are stored as floats are taken from where they lie; halfs, channel by channel, from `halfs_`.
-  Imf::FrameBuffer slices(const PartLevel& at, const Level& level) {
+  // Channels that are stored as floats are taken from where they lie; halfs, channel by channel, from `halfs_`. Values
+  // are rounded with them: what is hashed is what is stored.
+  Imf::FrameBuffer slices(PartLevel& at, const Level& level) {
     Imf::FrameBuffer buffer;
     const std::size_t channels = at.part->channels.size(), texels = at.values.size() / channels;
     halfs_.resize(texels * channels);
@@ -239,7 +240,11 @@ class BakedWriter::Work {
       std::size_t stride = channels * sizeof(float);
       if (channel.type == Imf::HALF) {
         half* const converted = halfs_.data() + c * texels;
-        for (std::size_t i = 0; i < texels; ++i) converted[i] = half(at.values[i * channels + c]);
+        for (std::size_t i = 0; i < texels; ++i) {
+          float& value = at.values[i * channels + c];
+          converted[i] = half(value);
+          value = converted[i];
+        }
         first = converted;
         stride = sizeof(half);
       }

@@ -5,6 +5,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/udim_set.h"
+#include "host/image/normals/tile_set.h"
 
 namespace multum {
 
@@ -17,9 +18,11 @@ std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<st
     return jobs;
   }
   std::map<std::string, std::string> taken;  // output -> input
+  TileSets sets;
   for (const SetMap& map : maps_of_names(inputs)) {
     BakeJob job = pattern;
     job.input = map.path;
+    sets.enter(map.set, map.tile, job.reading);
     for (std::string BakeJob::*material : kMaterialMaps)
       if (!map.tile.empty()) job.*material = with_tile(pattern.*material, map.tile);
     job.output = place_of_map(pattern.output, map, ".ndf.exr");

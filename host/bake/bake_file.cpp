@@ -16,6 +16,7 @@
 #include "host/base/log.h"
 #include "host/base/processes/machine.h"
 #include "host/base/version.h"
+#include "host/image/normals/tile_set.h"
 #include "host/opencl/device_counts.h"
 
 namespace multum {
@@ -67,11 +68,18 @@ std::uint64_t window_bytes(const BakeJob& job) {
   return memory - kTaken;
 }
 
-BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings) {
+// `tiles`: what other tiles of its set gave to the map.
+BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings,
+                                const std::string& tiles = "") {
   BakedProvenance from;
   from.software = software_version();
   from.source_name = source;
   from.source_hash = job.hashes->hash(job.input);
+  if (!tiles.empty()) {
+    from.source_file_hash = from.source_hash;
+    from.source_tiles = tiles;
+    from.source_hash = tile_source_hash(from.source_file_hash, tiles);
+  }
   from.settings = settings;
   from.settings_hash = hash_text(settings);
   return from;
@@ -117,7 +125,7 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
       "normals are nearly exact, since roughness varies much over the map. Where diffuse light matters, take "
       "it from the normal map, or bake without --{} (docs/READING.md)",
       job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
-  log_warning(report.roughness->warnings.back());
+  log_named_warning(report.roughness->warnings.back());
 }
 
 }  // namespace
@@ -185,7 +193,8 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   device.restart_buffer_peak();
   BakedHeader header = baked_header_of(job, source);
   header.provenance =
-      make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job));
+      make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job),
+                      source.map.report.tiles);
   header.provenance.reading = reading_json(job, source);
   report.first_level = header.first_level;
   report.stored_only = job.stored_only;

@@ -46,7 +46,8 @@ std::string repairs_text(const NormalMapReport& input) {
   if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
     return "";
   return fmt::format(
-      "repaired texels of the source: {} not finite, {} of zero length, {} below the horizon; {} black ones taken as "
+      "repaired texels of the source: {} not finite, {} of zero length, {} below the horizon; {} black or without data "
+      "taken as "
       "flat\n",
       input.nonfinite_repaired, input.zero_length_repaired, input.below_horizon_repaired, input.unused_texels);
 }

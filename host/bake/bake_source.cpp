@@ -142,13 +142,13 @@ void log_source(const BakeJob& job, const BakeSource& source) {
   const NormalMapReport& found = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
-  for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
-  for (const std::string& warning : source.map_warnings) log_warning(warning);
+  for (const std::string& warning : found.warnings) log_warning(job.input, warning);
+  for (const std::string& warning : source.map_warnings) log_named_warning(warning);
   if (source.roughness) {
     const ChannelFile file = roughness_file(job);
     log_info(fmt::format("{}: {}{}", file.path, file.is_gloss ? "gloss, read as roughness = 1 - gloss: " : "",
                          source.roughness->to_text()));
-    for (const std::string& warning : source.roughness->warnings) log_warning(warning);
+    for (const std::string& warning : source.roughness->warnings) log_named_warning(warning);
   }
 }
 

@@ -29,10 +29,12 @@ void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
   if (share <= kLimitedNoted) return;
-  log_warning(fmt::format(
-      "{}: {:.1f} % of the normals are steeper than slopes of {} (87 degrees) and count as that steep: LEAN shades too "
-      "narrow a highlight there{}",
-      run.job.input, 100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
+  log_warning(
+      run.job.input,
+      fmt::format(
+          "{:.1f} % of the normals are steeper than slopes of {} (87 degrees) and count as that steep: LEAN shades too "
+          "narrow a highlight there{}",
+          100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
 }
 
 void bake_moment_file(const BakeRun& run, BakeReport& report, Progress* progress) {

@@ -37,15 +37,17 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
   if (texels > 0.0) report.unrepresentable_share = report.unrepresentable_amplitude / texels;
   if (report.unrepresentable_share <= kUnrepresentableNoted) return;
   const auto kappa_max = static_cast<double>(storage_kappa_max(header.header.representation, header.header.encoding));
-  log_warning(fmt::format(
-      "{}: {} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
-      "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp{}",
-      job.input, report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
-      storage_encoding_name(header.header.encoding), kappa_max,
-      header.header.encoding == StorageEncoding::kHalf
-          ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
-                               storage_kappa_max(header.header.representation, StorageEncoding::kSnorm16)))
-          : advice("; <data_format float> keeps them")));
+  log_warning(
+      job.input,
+      fmt::format(
+          "{} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
+          "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp{}",
+          report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
+          storage_encoding_name(header.header.encoding), kappa_max,
+          header.header.encoding == StorageEncoding::kHalf
+              ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
+                                   storage_kappa_max(header.header.representation, StorageEncoding::kSnorm16)))
+              : advice("; <data_format float> keeps them")));
 }
 
 // The finest level that is fitted has three quarters of all rows. Of a map of up to so many texels it is fitted in some

@@ -18,6 +18,7 @@
 #include "host/base/version.h"
 #include "host/image/material_maps.h"
 #include "host/image/normals/reading_settings.h"
+#include "host/image/normals/tile_set.h"
 #include "host/opencl/program_cache.h"
 
 namespace multum {
@@ -94,6 +95,7 @@ std::string rows_key(const BakedProvenance& from) {  // the settings name the al
 std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
+  if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
   // Absent otherwise: files from before it keep their hash.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
@@ -126,7 +128,10 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
     return state;
   }
   std::vector<std::string> reasons;
-  if (there->source_hash != job.hashes->hash(job.input)) reasons.emplace_back("the source has changed");
+  if (there->file_hash() != job.hashes->hash(job.input)) reasons.emplace_back("the source has changed");
+  else if (!there->source_tiles.empty() && job.reading.tiles != nullptr &&
+           !tiles_are_unchanged(there->source_tiles, *job.reading.tiles, job.reading.tile, job.reading.fix_nan))
+    reasons.emplace_back("other tiles of its set have changed, which its borders or its green are of");
   if (there->software != software_version())
     reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, software_version()));
   if (there->settings != settings)

@@ -147,8 +147,9 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
                                        ": stores no level 0, so that changes cannot be found: expected --region "
                                        "x,y,width,height");
   if (!changed) {
-    log_warning(fmt::format("{}: {} stores no level 0: whether all that has changed lies in --region {} is not known",
-                            input, old, region_text(*asked)));
+    log_warning(input,
+                fmt::format("{} stores no level 0: whether all that has changed lies in --region {} is not known", old,
+                            region_text(*asked)));
     return *asked;
   }
   if (changed->height == 0) log_info(fmt::format("{}: no texel has changed since {} was baked", input, old));

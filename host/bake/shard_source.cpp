@@ -19,7 +19,7 @@ namespace multum {
 // As notes have them, written and read by one list.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
                                    nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
-                                   warnings)
+                                   tiles, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RoughnessReport, mean_cosine, least, mean, most, share_zero, share_one, share_mirror,
                                    warnings)
 

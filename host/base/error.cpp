@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "host/base/messages/stream_turn.h"
 #include "host/base/shown_text.h"
 #include "host/base/system_failure.h"
 
@@ -47,6 +48,7 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
   // signal would end the program amid its work. Programs that this one starts have it as at any program's start
   // (spawn_process()): those of this project come here themselves.
   std::signal(SIGXFSZ, SIG_IGN);
+  begin_whole_lines();
   try {
     try {
       return body(argc, argv);

@@ -14,6 +14,7 @@
 #include <ctime>
 
 #include "host/base/error.h"
+#include "host/base/messages/stream_turn.h"
 #include "host/base/processes/interrupt.h"
 #include "host/base/shown_text.h"
 
@@ -107,15 +108,16 @@ class TerminalBar {
     const int filled = static_cast<int>(fraction * kCells);
     const std::string bar =
         std::string(static_cast<size_t>(filled), '#') + std::string(static_cast<size_t>(kCells - filled), '.');
-    std::fprintf(stderr, "\r\033[K[%s] %3.0f%%  %s%s", bar.c_str(), fraction * 100.0, shown_text(event.stage).c_str(),
-                 time_left(fraction, now).c_str());
-    if (finished) clear();
-    std::fflush(stderr);
+    if (finished) return clear();
+    show_bar(
+        fmt::format("[{}] {:3.0f}%  {}{}", bar, fraction * 100.0, shown_text(event.stage), time_left(fraction, now)));
   }
 
  private:
   void clear() {
-    if (shown_) std::fprintf(stderr, "\r\033[K");
+    if (shown_) {
+      const StreamTurn wipes_it;
+    }
     shown_ = false;
   }
   // By the pace so far; of short work, and of the beginning, nothing worth reading.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/messages/stream_turn.h"
 
 namespace multum {
 namespace {
@@ -74,6 +75,7 @@ std::string shown_text(std::string_view text) {
 void write_shown(std::FILE* stream, std::string_view text) {
   const std::string shown = isatty(fileno(stream)) != 0 ? shown_text(text) : "";
   if (!shown.empty()) text = shown;
+  const StreamTurn turn;
   std::fwrite(text.data(), 1, text.size(), stream);  // a failure stays with the stream, for who flushes it
 }
 

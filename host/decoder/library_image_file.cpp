@@ -147,7 +147,8 @@ class OiioImageFile : public LibraryImageFile {
         exr_chunks_(container.format == "openexr" ? std::make_unique<ExrChunks>(path_) : nullptr),
         open_(open_image(path_, container)),
         inverts_integers_(container.inverts_integers) {
-    description_ = {container.format, container.file_size, {}, container.notes, container.texel_metres};
+    description_ = {container.format, container.file_size,    {},
+                    container.notes,  container.texel_metres, container.no_data};
     open_.input->threads(std::max(0, settings.threads));
     if (!settings.all_parts) {
       description_.parts.push_back(part_of(open_.input->spec(), container.gamma, false));

@@ -27,7 +27,7 @@ void check_has_lobes(const std::string& path, const BakedHeader& header) {
                  "a file of lobes (multum bake --ndf vmf or gmm), or the map that was baked");
   if (header.has_roughness)
     refuse_baked(path, "has a roughness map in the lengths of its normals, and what both were cannot be told apart",
-                 "a file that was baked without --roughness, or the map that was baked");
+                 "a file of multum bake without --roughness, or the map that was baked");
 }
 
 // What level 0 stores of a normal, with the length 1.
@@ -48,7 +48,7 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
   if (header.first_level > 0)
     refuse_baked(path,
                  fmt::format("holds no levels finer than {}, and so not the normals themselves", header.first_level),
-                 "a file that was baked with --first-level 0, or the map that was baked");
+                 "a file of multum bake --first-level 0, or the map that was baked");
   MovmfReader reader(path);
   NormalMapRows map{make_plane_store(header.width, header.height, spill), {}};
   map.report.format = fmt::format("baked file, {} lobes a texel, {}", reader.header().lobe_count(),

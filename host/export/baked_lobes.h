@@ -35,8 +35,8 @@ class BakedLobes {
   int width() const { return reader_.header().width(); }
   int height() const { return reader_.header().height(); }
   std::string surface() const { return baked_surface(reader_.header().header); }
-  /// SHA-256 of the map that was baked.
-  const std::string& source_hash() const { return reader_.header().header.provenance.source_hash; }
+  /// SHA-256 of the map's file that was baked.
+  const std::string& source_hash() const { return reader_.header().header.provenance.file_hash(); }
   int count() const { return reader_.header().lobe_count(); }
   /// "4 baked lobes".
   std::string name() const;

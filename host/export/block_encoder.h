@@ -12,14 +12,21 @@
 
 namespace multum {
 
+/// What BC7 stores; the fourth channel is 1.
+enum class BlockColour {
+  kRgb,  // red, green and blue
+  kRga,  // red, green and alpha
+};
+
 class BlockEncoder {
  public:
   explicit BlockEncoder(Device& device) : device_(device) {}
 
   /// Rows of blocks of `texels`, row_count rows of `width`, values from 0 to 1; sides that are no multiples of 4 are
-  /// filled up by repeating the last texel. BC4 takes red, BC5 red and green, BC7 red, green and blue; its alpha is 1.
+  /// filled up by repeating the last texel. BC4 takes red, BC5 red and green, BC7 what `colour` says.
   /// Throws Error(kEnvironment) when the device refuses.
-  std::vector<std::uint8_t> encode(TexelFormat format, int width, int row_count, const std::vector<glm::vec4>& texels);
+  std::vector<std::uint8_t> encode(TexelFormat format, int width, int row_count, const std::vector<glm::vec4>& texels,
+                                   BlockColour colour = BlockColour::kRgb);
 
  private:
   Device& device_;

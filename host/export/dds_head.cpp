@@ -13,7 +13,7 @@ constexpr std::uint32_t kHasCaps = 0x1, kHasHeight = 0x2, kHasWidth = 0x4, kHasP
                         kHasMipCount = 0x20000, kHasLinearSize = 0x80000;
 constexpr std::uint32_t kIsFourCharacterCode = 0x4;
 constexpr std::uint32_t kComplex = 0x8, kTexture = 0x1000, kMipMap = 0x400000;
-constexpr std::uint32_t kTexture2d = 3, kAlphaUnknown = 0, kAlphaOpaque = 3;
+constexpr std::uint32_t kTexture2d = 3, kAlphaUnknown = 0, kAlphaOpaque = 3, kAlphaCustom = 4;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ TextureHead dds_head(const LeveledTexture& texture) {
   add(kTexture2d);
   add(0);
   add(1);
-  add(info.channels == 4 ? kAlphaOpaque : kAlphaUnknown);
+  add(info.channels != 4 ? kAlphaUnknown : texture.alpha_is_data ? kAlphaCustom : kAlphaOpaque);
 
   TextureHead head;
   std::uint64_t at = list.bytes.size();

@@ -15,6 +15,7 @@
 #include "host/base/log.h"
 #include "host/base/path_text.h"
 #include "host/base/stopwatch.h"
+#include "host/export/engine_support.h"
 #include "host/export/export_key.h"
 #include "host/export/export_source.h"
 #include "host/export/fit_journal.h"
@@ -35,13 +36,15 @@ MaterialFolderSettings output_of(const ExportJob& job) {
       job.texels.value_or(settings.format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8);
   if (!can_store(settings.format, settings.texels))
     throw Error(ErrorCode::kUsage,
-                "--texels: PNG files are of 8 bits a channel and EXR files of half floats; expected a KTX2 or DDS "
-                "file for any other (--format ktx2, --format dds)");
+                "--texels: PNG files are of 8 bits a channel, EXR files of half floats, and DDS files hold no UASTC; "
+                "expected a KTX2 or DDS file for any other (--format ktx2, --format dds), KTX2 for uastc");
   if (job.zstd_level > 0 && settings.format != MaterialFormat::kKtx2)
     throw Error(ErrorCode::kUsage, "--zstd: only KTX2 files can be compressed so (--format ktx2)");
   settings.zstd_level = job.zstd_level;
   settings.has_anisotropy = job.lobe.is_anisotropic;
   settings.has_roughness_alone = job.has_roughness_alone;
+  settings.has_smoothness = job.has_smoothness;
+  settings.green_is_down = job.green_is_down;
   return settings;
 }
 
@@ -54,23 +57,16 @@ void check_export_job(const ExportJob& job) {
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
 }
 
-// The folder of the output; a new one goes away again where nothing came into it.
-class ExportFolder {
- public:
-  explicit ExportFolder(const std::string& path) : path_(path), is_new_(!std::filesystem::exists(path)) {
-    make_folder(path);
-  }
-  ~ExportFolder() {
-    std::error_code error;  // one that is not empty stays
-    if (is_new_) std::filesystem::remove(path_, error);
-  }
-  ExportFolder(const ExportFolder&) = delete;
-  ExportFolder& operator=(const ExportFolder&) = delete;
-
- private:
-  std::string path_;
-  bool is_new_;
-};
+// For what passes between this program and the encoder of UASTC, in `folder`; null: no UASTC is asked for. Refuses
+// where there is no encoder, before anything is read.
+std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::string& folder,
+                                              MaterialFolderSettings& output) {
+  if (output.texels != MaterialTexels::kUastc) return nullptr;
+  std::unique_ptr<WorkFolder> made = WorkFolder::make(job.scratch_folder.empty() ? folder : job.scratch_folder);
+  output.uastc = {"--texels", made->path(), job.encoder, job.uastc_effort, job.threads};
+  check_uastc_encoder(output.uastc);
+  return made;
+}
 
 // Shows stored rows to the measurement.
 class MeterSink : public MaterialSink {
@@ -83,11 +79,14 @@ class MeterSink : public MaterialSink {
 };
 
 // Null where the job is not to be resumed, or another process exports to the same place.
-std::unique_ptr<FitJournal> open_journal(const ExportJob& job, InputHashes& hashes) {
+std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
-  if (job.resume)
-    return FitJournal::open(name, json_text(fit_key(job, [&](const std::string& file) { return hashes.hash(file); })));
+  if (job.resume) {
+    nlohmann::json key = fit_key(job, [&](const std::string& file) { return source.hashes->hash(file); });
+    if (!source.map.report.tiles.empty()) key["tiles"] = source.map.report.tiles;
+    return FitJournal::open(name, json_text(key));
+  }
   WorkFolder::drop(partial_folder_of(name));
   return nullptr;
 }
@@ -108,6 +107,11 @@ void make_files(const ExportJob& job, const ExportSource& source, const Material
   report.plan = fit_one_lobe(device, inputs, job.lobe, *writer, progress).plan;
   if (journal != nullptr) report.rows_resumed = journal->rows_resumed();
   report.seconds.emplace_back("fit", stopwatch.lap());
+  if (output.texels == MaterialTexels::kUastc) {
+    progress_stage(progress, "encode");
+    writer->encode(progress);
+    report.seconds.emplace_back("encode", stopwatch.lap());
+  }
   if (meter) {
     report.accuracy = meter->run(inputs, job.lobe, progress);
     report.seconds.emplace_back("measure", stopwatch.lap());
@@ -154,9 +158,11 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"anisotropy", job.lobe.is_anisotropic},
                                  {"fast", job.lobe.is_fast},
                                  {"surface", map_surface_name(job.surface)},
+                                 {"green", job.green_is_down ? "down" : "up"},
                                  {"rows_resumed", rows_resumed},
                                  {"device", device},
                                  {"files", texts_of(files)},
+                                 {"not_loaded_by", engines_failing},
                                  {"launches", launches}};
   if (job.roughness.empty()) json["base_roughness"] = job.lobe.base_roughness;
   if (roughness) json["roughness"] = roughness->to_text();
@@ -167,9 +173,10 @@ std::string ExportReport::to_json(const ExportJob& job) const {
 
 ExportReport export_file(const ExportJob& job, Device& device, Progress* progress) {
   check_export_job(job);
-  const MaterialFolderSettings output = output_of(job);
+  MaterialFolderSettings output = output_of(job);
   const std::string place = existing_part(output.folder);
   check_writable(place + "/" + (output.name_prefix.empty() ? "export" : output.name_prefix));
+  const std::unique_ptr<WorkFolder> uastc_folder = make_uastc_folder(job, place, output);
   Stopwatch stopwatch;
   ExportReport report;
   progress_stage(progress, "read");
@@ -181,16 +188,18 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   report.level_count = mip_level_count(report.width, report.height);
   report.textures = texture_list(output);
   report.files = material_files(output, report.width, report.height);
+  report.engines_failing = engines_that_fail(output.format, output.texels);
+  report.engine_line = engine_line(output.format, output.texels, "--texels uastc");
   report.side_warnings = side_warnings(output, report.width, report.height);
-  for (const std::string& warning : report.side_warnings) log_warning(warning);
+  for (const std::string& warning : report.side_warnings) log_warning(job.input, warning);
   check_paths_differ(input_files(job), report.files);
-  const ExportFolder folder(output.folder);
+  make_folder(output.folder);
   report.seconds.emplace_back("read", stopwatch.lap());
 
   progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
   const DeviceCounts counts(device);
   report.device = device.info().name;
-  const std::unique_ptr<FitJournal> journal = open_journal(job, *source.hashes);
+  const std::unique_ptr<FitJournal> journal = open_journal(job, source);
   try {
     make_files(job, source, output, journal.get(), device, report, progress);
   } catch (const Cancelled&) {

@@ -37,11 +37,16 @@ struct ExportJob {
   std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8
   int zstd_level = 0;                    // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
   bool has_roughness_alone = false;      // instead of occlusion, roughness and metalness in one texture
+  bool has_smoothness = false;           // 1 - roughness, as Unity reads it
+  bool green_is_down = false;            // of what is written; `reading` has that of the map
+  int uastc_effort = 1;                  // of MaterialTexels::kUastc
+  std::string encoder;                   // UastcSettings::encoder
   bool measure = true;
   ExportAccuracySettings accuracy;
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the maps; changes no byte
   std::string scratch_folder;                             // for what does not fit; empty: the output's
   int threads = 1;
+  bool force = false;   // of a manifest: also where what is there is in place
   bool resume = false;  // keep what is fitted while it runs, and go on from what a stopped export of the same left
 };
 
@@ -68,7 +73,9 @@ struct ExportReport {
   std::uint64_t rows_resumed = 0;  // rows of levels that a stopped export had fitted
   std::string textures;            // "normal, orm"
   std::vector<std::string> files;
-  std::vector<std::string> side_warnings;  // of readers that sides do not suit
+  std::vector<std::string> engines_failing;  // host/export/engine_support.h
+  std::string engine_line;                   // the same as a text, "" where there are none
+  std::vector<std::string> side_warnings;    // of readers that sides do not suit
   ExportAccuracy accuracy;
   std::map<std::string, std::uint64_t> launches;        // by kernel
   std::vector<std::pair<std::string, double>> seconds;  // by stage

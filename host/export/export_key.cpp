@@ -28,12 +28,13 @@ Json fit_key(const ExportJob& job, const std::function<std::string(const std::st
               {"kernels", kernel_sources_hash()},
               {"reading",
                {reading.bump_format, json_of(reading.green), json_of(reading.is_signed), json_of(reading.two_channel),
-                json_of(reading.z_range), reading.height_scale, reading.normal_scale, reading.wrap_s, reading.wrap_t,
-                reading.wrap_s_origin, reading.wrap_t_origin, reading.fix_nan}},
+                json_of(reading.z_range), reading.height_scale, reading.dequantize, reading.normal_scale,
+                reading.wrap_s, reading.wrap_t, reading.wrap_s_origin, reading.wrap_t_origin, reading.fix_nan}},
               {"lobe",
                {job.lobe.is_anisotropic, job.lobe.is_fast,
                 job.roughness.empty() ? Json(job.lobe.base_roughness) : Json(), job.lobe.iteration_count}},
               {"gloss", job.roughness_is_gloss}};
+  if (reading.tiles != nullptr) key["tile"] = reading.tile;
   if (job.surface == MapSurface::kInterpolated) key["surface"] = map_surface_name(job.surface);
   ExportJob made_of = job;
   made_of.lobes.clear();  // compared with, and no more
@@ -50,6 +51,9 @@ Json export_key(const ExportJob& job) {
   key["texels"] = json_of(job.texels);
   key["zstd"] = job.zstd_level;
   key["roughness_alone"] = job.has_roughness_alone;
+  key["smoothness"] = job.has_smoothness;
+  key["write_green"] = job.green_is_down ? "down" : "up";
+  if (job.texels == MaterialTexels::kUastc) key["uastc_effort"] = job.uastc_effort;
   return key;
 }
 

@@ -94,13 +94,13 @@ ExportSource read_export_source(const ExportJob& job, const std::string& folder,
   const NormalMapReport& found = source.map.report;
   log_info(fmt::format("{}: {} x {}, {}; {}", job.input, source.map.normals.width(), source.map.normals.height(),
                        found.encoding, found.encoding_reason));
-  for (const std::string& warning : found.warnings) log_warning(job.input + ": " + warning);
+  for (const std::string& warning : found.warnings) log_warning(job.input, warning);
   if (source.material && source.material->roughness) {
     log_info(fmt::format("{}: {}", material_files_of(job).roughness.path, source.material->roughness->to_text()));
-    for (const std::string& warning : source.material->roughness->warnings) log_warning(warning);
+    for (const std::string& warning : source.material->roughness->warnings) log_named_warning(warning);
   }
   if (source.material)
-    for (const std::string& warning : source.material->warnings) log_warning(warning);
+    for (const std::string& warning : source.material->warnings) log_named_warning(warning);
   return source;
 }
 

@@ -23,19 +23,23 @@ std::uint32_t colour_model(TexelFormat format) {
     case TexelFormat::kBc4: return 131;
     case TexelFormat::kBc5: return 132;
     case TexelFormat::kBc7: return 134;
-    case TexelFormat::kUastc: return 166;
+    case TexelFormat::kUastc:
+    case TexelFormat::kUastcAlpha: return 166;
     default: return 1;
   }
 }
 
+bool is_uastc(TexelFormat format) { return format == TexelFormat::kUastc || format == TexelFormat::kUastcAlpha; }
+
 std::vector<DescribedSample> samples_of(TexelFormat format) {
-  constexpr std::uint32_t kAlphaChannel = 15;
+  constexpr std::uint32_t kAlphaChannel = 15, kUastcRgba = 3;
   const TexelFormatInfo& info = info_of(format);
   // A block of BC5 is two, those of BC7 and UASTC have all channels together.
-  const bool is_whole = format == TexelFormat::kBc7 || format == TexelFormat::kUastc;
+  const bool is_whole = format == TexelFormat::kBc7 || is_uastc(format);
   const std::uint32_t count = is_whole ? 1u : static_cast<std::uint32_t>(info.channels);
   const std::uint32_t bits = 8 * static_cast<std::uint32_t>(info.block_bytes) / count;
   std::vector<DescribedSample> samples;
+  if (format == TexelFormat::kUastcAlpha) return {{kUastcRgba, 0, bits}};
   for (std::uint32_t c = 0; c < count; ++c) samples.push_back({c == 3 ? kAlphaChannel : c, bits * c, bits});
   return samples;
 }
@@ -45,7 +49,7 @@ std::vector<DescribedSample> samples_of(TexelFormat format) {
 ByteList format_descriptor(TexelFormat format) {
   constexpr std::uint32_t kLinearTransfer = 1, kVersion = 2;
   constexpr std::uint32_t kSignedFloat = 0xc0;  // bits of a channel's type
-  const std::uint32_t primaries = format == TexelFormat::kUastc ? 0 : 1;
+  const std::uint32_t primaries = is_uastc(format) ? 0 : 1;
   const TexelFormatInfo& info = info_of(format);
   const std::vector<DescribedSample> samples = samples_of(format);
   const std::size_t block_bytes = 24 + 16 * samples.size();

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes an exported material: an image a level and texture, FOLDER/normal_00.png, orm_00.png and, where there is
 // anisotropy, anisotropy_00.png; or a KTX2 or DDS file a texture with all its levels, FOLDER/normal.ktx2. orm is as
-// glTF has it: occlusion in red, roughness in green, metalness in blue, 1 where there is no such map. anisotropy is as
-// KHR_materials_anisotropy has it: the direction in red and green, the strength in blue. Alpha, where files have it, is
-// 1.
+// glTF has it: occlusion in red, roughness in green, metalness in blue; without such maps occlusion is 1 and metalness
+// 0. mask, in its place, is as Unity has it: metalness in red, occlusion in green, 1 in blue (HDRP's detail mask),
+// smoothness in alpha. anisotropy is as KHR_materials_anisotropy has it: the direction in red and green, the strength
+// in blue. Other textures' alpha, where files have it, is 1.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "host/base/progress.h"
 #include "host/export/material_rows.h"
+#include "host/export/uastc/uastc_encoder.h"
 #include "host/opencl/device.h"
 
 namespace multum {
@@ -23,16 +26,20 @@ enum class MaterialTexels {
   kRgba16f,  // as they are
   kRg8,      // as kRgba8, but of normals only x and y: a shader has to rebuild z
   kBlocks,   // compressed: of normals x and y as BC5, roughness alone as BC4, all else as BC7
+  kUastc,    // Basis Universal's blocks, of KTX2 only
 };
 
 /// Rounds rows to what is stored, and rebuilds what is not. Rounded rows stay as they are when they are rounded again.
-/// Blocks are no matter of rounding.
+/// What encoders of blocks are given is 8 bits too, or not rounded; their errors are no matter of rounding.
 void round_material(MaterialRows& rows, MaterialTexels texels);
 
 /// Where an exported material goes, rows as they come, rounded or not.
 class MaterialWriter : public MaterialSink {
  public:
-  /// Gives all files their names, after all rows of all levels.
+  /// Encodes what is encoded as whole textures, after all rows of all levels, and shows it to whoever is shown the
+  /// rows. Throws Error(kEnvironment), Cancelled.
+  virtual void encode(Progress* progress) = 0;
+  /// Gives all files their names, after encode().
   virtual void commit() = 0;
 };
 
@@ -43,7 +50,10 @@ struct MaterialFolderSettings {
   MaterialTexels texels = MaterialTexels::kRgba8;  // of EXR always kRgba16f, of PNG always kRgba8
   std::string name_prefix;                         // of files' names: "rock_" for rock_normal.ktx2
   int zstd_level = 0;                              // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
-  bool has_roughness_alone = false;                // a texture roughness of one channel instead of orm
+  bool has_roughness_alone = false;                // a texture of one channel, roughness or smoothness
+  bool has_smoothness = false;                     // instead of roughness: mask instead of orm
+  bool green_is_down = false;                      // y of normals and of directions is negated
+  UastcSettings uastc = {};                        // of kUastc
 };
 
 /// What an image format can store; KTX2 and DDS all.

@@ -24,6 +24,7 @@ const TexelFormatInfo& info_of(TexelFormat format) {
   static constexpr TexelFormatInfo kBc5 = {"BC5", 141, 83, 2, 4, 16, 1, false};
   static constexpr TexelFormatInfo kBc7 = {"BC7", 145, 98, 4, 4, 16, 1, false};
   static constexpr TexelFormatInfo kUastc = {"UASTC", 0, 0, 3, 4, 16, 1, false};
+  static constexpr TexelFormatInfo kUastcAlpha = {"UASTC with alpha", 0, 0, 4, 4, 16, 1, false};
   switch (format) {
     case TexelFormat::kR8: return kR8;
     case TexelFormat::kRg8: return kRg8;
@@ -33,6 +34,7 @@ const TexelFormatInfo& info_of(TexelFormat format) {
     case TexelFormat::kBc5: return kBc5;
     case TexelFormat::kBc7: return kBc7;
     case TexelFormat::kUastc: return kUastc;
+    case TexelFormat::kUastcAlpha: return kUastcAlpha;
   }
   MULTUM_CHECK(false);
 }

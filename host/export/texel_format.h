@@ -8,7 +8,7 @@
 
 namespace multum {
 
-enum class TexelFormat { kR8, kRg8, kRgba8, kRgba16f, kBc4, kBc5, kBc7, kUastc };
+enum class TexelFormat { kR8, kRg8, kRgba8, kRgba16f, kBc4, kBc5, kBc7, kUastc, kUastcAlpha };
 
 struct TexelFormatInfo {
   const char* name;           // "RG8", as people say it
@@ -28,7 +28,8 @@ struct LeveledTexture {
   TexelFormat format = TexelFormat::kRgba8;
   int width = 1, height = 1;
   int level_count = 1;
-  int layer_count = 0;  // 0: no array
+  int layer_count = 0;         // 0: no array
+  bool alpha_is_data = false;  // of four channels: a value like the others, no opacity
 };
 
 /// Rows of blocks of a level, of an array those of all layers, and bytes of one; of texels where blocks are texels.

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/shown_text.h"
 #include "host/farm/openjd_limits.h"
 
@@ -213,9 +214,7 @@ void write_openjd_bundle(const FarmCommand& command, const std::string& folder) 
   const FarmJson assets = openjd_asset_references(command);
   check_texts(assets);
   const std::string texts[] = {yaml_text(job), yaml_text(values), yaml_text(assets)};
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw Error(ErrorCode::kEnvironment, folder + ": cannot create the folder: " + failed.message());
+  make_folder(folder);
   const char* const names[] = {"template.yaml", "parameter_values.yaml", "asset_references.yaml"};
   for (std::size_t i = 0; i < 3; ++i) write_text_file(folder + "/" + names[i], texts[i]);
 }

@@ -17,6 +17,7 @@
 #include "host/base/log.h"
 #include "host/base/path_text.h"
 #include "host/base/stopwatch.h"
+#include "host/export/engine_support.h"
 #include "host/gltf/gltf_rewrite.h"
 #include "host/gltf/source_fit.h"
 #include "host/gltf/source_lobes.h"
@@ -97,11 +98,11 @@ class GltfConversion {
  private:
   void warn(const std::string& what) {
     report_.warnings.push_back(what);
-    log_warning(job_.input + ": " + what);
+    log_warning(job_.input, what);
   }
   void lap(const char* stage) { report_.seconds.emplace_back(stage, stopwatch_.lap()); }
 
-  UastcSettings uastc() const { return {folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
+  UastcSettings uastc() const { return {"--format", folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
   SourceFitSettings fit_settings() const {
     return {.folder = folder_->path(),
             .is_fast = job_.is_fast,
@@ -119,7 +120,8 @@ class GltfConversion {
     if (job_.format == GltfTextureFormat::kRgba8)
       warn(
           "its new textures are KTX2 files that are not compressed: outside of KHR_texture_basisu, by whose name "
-          "they are loaded; --format uastc is within it");
+          "they are loaded; " +
+          engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
     if (job_.format == GltfTextureFormat::kPng)
       warn(
           "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "

@@ -59,7 +59,7 @@ PlaneStore read_surface(const GltfAsset& asset, const std::string& file, const L
   const bool is_grey = channels < 3;
   const auto factor = static_cast<float>(source.roughness_factor);
   for (const std::string& note : info.notes)
-    log_warning(fmt::format("{}: image {}: {}", asset.path, *source.surface_image, note));
+    log_warning(fmt::format("{}: image {}", asset.path, *source.surface_image), note);
   PlaneStore planes = make_plane_store(info.width, info.height, spill_of(settings));
   reader.read(
       [&](const RawBand& band) {
@@ -93,7 +93,7 @@ PlaneStore read_normals(const GltfAsset& asset, const PreparedSource& prepared, 
   log_info(fmt::format("{}: image {}: {} x {}, {}; {}", asset.path, source.normal_image, map.normals.width(),
                        map.normals.height(), map.report.encoding, map.report.encoding_reason));
   for (const std::string& warning : map.report.warnings)
-    log_warning(fmt::format("{}: image {}: {}", asset.path, source.normal_image, warning));
+    log_warning(asset.path, fmt::format("image {}: {}", source.normal_image, warning));
   if (map.normals.width() == prepared.width && map.normals.height() == prepared.height) return std::move(map.normals);
   return enlarged_planes(
       map.normals,

@@ -15,7 +15,7 @@
 #include "host/base/progress.h"
 #include "host/base/system_failure.h"
 #include "host/export/one_lobe_fit.h"
-#include "host/gltf/level_file.h"
+#include "host/export/uastc/level_file.h"
 #include "host/gltf/material_plan.h"
 #include "host/image/normals/normal_map.h"
 #include "host/image/surface_points.h"

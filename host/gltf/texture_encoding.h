@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <string>
 
-#include "host/gltf/uastc_encoder.h"
+#include "host/export/uastc/uastc_encoder.h"
 
 namespace multum {
 
 enum class GltfTextureFormat {
   kUastc,  // KHR_texture_basisu
-  kRgba8,  // KTX2, not compressed: outside of KHR_texture_basisu, whose loaders take it all the same
+  kRgba8,  // KTX2, not compressed: outside of KHR_texture_basisu; host/export/engine_support.h has who refuses it
   kPng,    // level 0 alone
 };
 

@@ -184,6 +184,7 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   info = image_info(path, part, format, settings.all_channels);
   info.notes = file->description().notes;
   info.texel_metres = file->description().texel_metres;
+  info.no_data = file->description().no_data;
   check_plausible_size(path, part, file->description().file_size);
   if (format == "tiff" && part.base_type == number_type::kDouble && part.height == 1)
     refuse_file(

@@ -36,6 +36,7 @@ struct RawImageInfo {
   std::string format;                      // "png uint8, 4 channels (alpha not read)"
   std::vector<std::string> notes = {};     // ImageContainer::notes
   double texel_metres = 0.0;               // ImageContainer's
+  std::optional<double> no_data = {};      // the same
 
   std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
 };

@@ -41,12 +41,12 @@ void check_map(const LookMap& map, const BakedHeader& header, bool same_source) 
     refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the map by --source",
                                        header.first_level));
   if (map.source.empty() || header.provenance.source_hash.empty() ||
-      hash_file(map.source) == header.provenance.source_hash)
+      hash_file(map.source) == header.provenance.file_hash())
     return;
   const std::string found =
       fmt::format("is not the file that {} was baked from ({})", map.input, header.provenance.source_name);
   if (same_source) throw Error(ErrorCode::kInput, fmt::format("{}: {}, or has changed since", map.source, found));
-  log_warning(fmt::format("{}: {}: the page may compare two maps", map.source, found));
+  log_warning(map.source, found + ": the page may compare two maps");
 }
 
 std::vector<BakedHeader> checked_headers(const LookJob& job) {

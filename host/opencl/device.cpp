@@ -107,7 +107,7 @@ bool has_in_name(const DeviceInfo& info, const std::string& selector) {
 }
 
 void CL_CALLBACK on_context_error(const char* message, const void*, std::size_t, void*) {
-  log_warning(std::string("OpenCL: ") + message);
+  log_warning("OpenCL", message);
 }
 
 }  // namespace

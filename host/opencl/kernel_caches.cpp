@@ -79,21 +79,22 @@ class KernelCaches {
     if (folder.empty()) return "";
     const std::string why = why_not_writable(folder);
     if (why.empty()) return "";
-    std::string said = fmt::format("compiled kernels cannot be kept in {}: {}", folder, why);
+    const std::string place = folder;
+    std::string said = "compiled kernels cannot be kept here: " + why;
     try {
       if (private_ == nullptr) private_ = std::make_unique<PrivateFolder>(fs::temp_directory_path().string());
       folder = private_->path() + "/" + name;
       fs::create_directory(folder);
       ::setenv(variable, folder.c_str(), 1);
-      log_warning(
-          fmt::format("{}; they are compiled anew, into a private folder that goes when this program ends. Set "
-                      "{} to a folder that can be written",
-                      said, variable));
+      log_warning(place,
+                  fmt::format("{}; they are compiled anew, into a private folder that goes when this program ends. Set "
+                              "{} to a folder that can be written",
+                              said, variable));
     } catch (const std::exception& error) {  // the driver may do without
       said += std::string("; ") + error.what();
-      log_warning(said);
+      log_warning(place, said);
     }
-    return said;
+    return place + ": " + said;
   }
 
   std::mutex mutex_;

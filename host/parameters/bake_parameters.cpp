@@ -25,9 +25,11 @@ Rows source_rows() {
   Rows rows = {
       {.name = "bumpformat",
        .kind = Kind::kChoice,
-       .help = "kind of map; auto: detected from its statistics",
+       .help =
+           "kind of map; auto: detected from its statistics; packed16 and after: heights whose bytes are spread over "
+           "red, green and blue",
        .default_text = "auto",
-       .choices = {"auto", "height", "normal"},
+       .choices = {"auto", "height", "normal", "packed16", "packed24", "terrarium", "mapbox"},
        .hashed_as = "bump_format",
        .surfaces = kEverywhere},
       {.name = "green",
@@ -60,6 +62,11 @@ Rows source_rows() {
        .unit = "texels",
        .default_text = "1",
        .hashed_as = "height_scale",
+       .surfaces = kEverywhere},
+      {.name = "dequantize",
+       .help = "of heights of 8 bits, take the smoothest that round to them: terraces become slopes, steps of two "
+               "codes and more stay",
+       .hashed_as = "dequantize",
        .surfaces = kEverywhere},
       {.name = "normal_scale",
        .kind = Kind::kNumber,

@@ -37,14 +37,30 @@ Rows export_rows() {
   Parameter metalness =
       channel_parameter("metalness", "average this map of the same size along; of several channels blue");
   occlusion.excludes = metalness.excludes = {"roughness_alone"};
-  Parameter roughness_alone = {
-      .name = "roughness_alone",
-      .help =
-          "write roughness as a texture of its own, of one channel in KTX2 and DDS, instead of orm, which has "
-          "occlusion, roughness and metalness",
-      .group = kStorageGroup,
-      .excludes = {"occlusion", "metalness"},
-      .surfaces = kExportJob};
+  Parameter roughness_alone = {.name = "roughness_alone",
+                               .help =
+                                   "write roughness as a texture of its own, of one channel in KTX2 and DDS, instead "
+                                   "of orm, which has occlusion, roughness and metalness",
+                               .group = kStorageGroup,
+                               .excludes = {"occlusion", "metalness"},
+                               .surfaces = kExportJob};
+  Parameter smoothness = {.name = "smoothness",
+                          .help =
+                              "write smoothness = 1 - roughness, which Unity reads: a texture mask instead of orm, "
+                              "with metalness in red, occlusion in green, 1 in blue and smoothness in alpha; or, with "
+                              "roughness_alone, a texture smoothness",
+                          .group = kStorageGroup,
+                          .surfaces = kExportJob};
+  Parameter write_green = {.name = "write_green",
+                           .kind = Kind::kChoice,
+                           .help =
+                               "green axis of the normals that are written, and of directions of anisotropy: up, as "
+                               "OpenGL, glTF, Unity, Godot and Blender have it, or down, as DirectX and Unreal; green "
+                               "says how the map is read",
+                           .default_text = "up",
+                           .choices = {"up", "down"},
+                           .group = kStorageGroup,
+                           .surfaces = kExportJob};
   return {
       {.name = "lobes",
        .help =
@@ -80,9 +96,11 @@ Rows export_rows() {
        .kind = Kind::kChoice,
        .help = "how KTX2 and DDS store texels: rgba8; rgba16f, half floats; rg8, as rgba8 but of normals x and y "
                "alone, whose z the shader has to rebuild as sqrt(1 - x^2 - y^2); bc, block-compressed: normals as BC5, "
-               "likewise x and y alone, all else as BC7, roughness alone as BC4; lobes as two layers of BC5",
+               "likewise x and y alone, all else as BC7, roughness alone as BC4; lobes as two layers of BC5; uastc, of "
+               "KTX2 "
+               "only, Basis Universal's format that KHR_texture_basisu has, encoded by Node.js with ktx2-encoder",
        .default_text = "rgba16f of exr, bc of lobes, else rgba8",
-       .choices = {"rgba8", "rgba16f", "rg8", "bc"},
+       .choices = {"rgba8", "rgba16f", "rg8", "bc", "uastc"},
        .group = kStorageGroup,
        .surfaces = kExportJob},
       {.name = "zstd",
@@ -93,7 +111,11 @@ Rows export_rows() {
        .high = 19,
        .group = kStorageGroup,
        .surfaces = kExportJob},
-      std::move(roughness_alone)};
+      uastc_effort_parameter(kExportJob),
+      encoder_parameter(kOnCommandLine),
+      std::move(roughness_alone),
+      std::move(smoothness),
+      std::move(write_green)};
 }
 
 Rows export_run_rows() {
@@ -132,6 +154,9 @@ Rows export_run_rows() {
        .help = "write a page with tables, pictures from three distances and moving pictures, beside engines' rules and "
                "baked lobes (made for it unless --beside names some); video by ffmpeg, where it is there",
        .unit = "FILE.html",
+       .surfaces = kOnCommandLine},
+      {.name = "force",
+       .help = "export maps of a manifest again that are unchanged; other exports are always written again",
        .surfaces = kOnCommandLine},
       {.name = "resume",
        .help = "keep what is fitted while it runs, and go on from what a stopped export of the same left",

@@ -85,6 +85,27 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
           .surfaces = surfaces};
 }
 
+Parameter uastc_effort_parameter(unsigned surfaces) {
+  return {.name = "uastc_effort",
+          .kind = ParameterKind::kInteger,
+          .help = "effort of the encoder of UASTC: higher is slower, and its error is lower",
+          .low = 0,
+          .high = 3,
+          .default_text = "1",
+          .group = kStorageGroup,
+          .surfaces = surfaces};
+}
+
+Parameter encoder_parameter(unsigned surfaces) {
+  return {.name = "encoder",
+          .kind = ParameterKind::kText,
+          .help = "folder of ktx2-encoder, which encodes UASTC, or of the node_modules with it",
+          .unit = "FOLDER",
+          .default_text = "where Node.js looks for packages",
+          .group = kStorageGroup,
+          .surfaces = surfaces};
+}
+
 Parameter compression_parameter(unsigned surfaces) {
   return {.name = "compression",
           .kind = ParameterKind::kChoice,

@@ -16,6 +16,9 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces);
 /// `anisotropy` and `fast`, of command lines that fit one lobe a texel.
 Parameter lobe_anisotropy_parameter(unsigned surfaces);
 Parameter fast_lobe_parameter(unsigned surfaces);
+/// `uastc_effort` and `encoder`, of commands that have textures encoded as UASTC.
+Parameter uastc_effort_parameter(unsigned surfaces);
+Parameter encoder_parameter(unsigned surfaces);
 /// `absolute_geometry`, of command lines: jobs of the service always have it.
 Parameter absolute_geometry_parameter();
 /// `input`, `scene` or another file that is read first.

@@ -216,7 +216,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   report.format = source.format;
   report.clamped_count = source.clamped_count;
   log_info(job.input + ": " + source.format);
-  for (const std::string& note : source.notes) log_warning(job.input + ": " + note);
+  for (const std::string& note : source.notes) log_warning(job.input, note);
   const BoxMap map = {source.planes.width(), source.planes.height(), header.channel_count(), 0};
   validate_box_map(0, map.width, map.height);
   report.width = header.map.width = map.width;

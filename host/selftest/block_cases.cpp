@@ -25,10 +25,13 @@ std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, cons
   const auto block_bytes = static_cast<std::size_t>(info_of(format).block_bytes);
   const DeviceBuffer out =
       uploaded(device, std::vector<std::uint8_t>(block_bytes * blocks.size(), 0xa5), "encoded blocks");
-  device
-      .kernel("block_encoding", format == TexelFormat::kBc7 ? "encode_colour_blocks" : "encode_scalar_blocks",
-              {1, 1, false})
-      .launch({blocks.size()}, uploaded(device, values, "values of blocks"), out, static_cast<int>(blocks.size()));
+  const DeviceBuffer in = uploaded(device, values, "values of blocks");
+  const int count = static_cast<int>(blocks.size());
+  constexpr int kThirdIsBlue = 0;
+  if (format == TexelFormat::kBc7)
+    device.kernel("block_encoding", "encode_colour_blocks", {1, 1, false})
+        .launch({blocks.size()}, in, out, count, kThirdIsBlue);
+  else device.kernel("block_encoding", "encode_scalar_blocks", {1, 1, false}).launch({blocks.size()}, in, out, count);
   const std::vector<std::uint8_t> bytes = downloaded<std::uint8_t>(device, out);
   std::vector<BlockTexels> decoded;
   for (std::size_t b = 0; b < blocks.size(); ++b) {

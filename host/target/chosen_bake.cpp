@@ -16,8 +16,8 @@
 #include "host/base/files/atomic_file.h"
 #include "host/base/files/content_hash.h"
 #include "host/base/files/work_folder.h"
-#include "host/base/held_warnings.h"
 #include "host/base/log.h"
+#include "host/base/messages/held_warnings.h"
 #include "host/brdf/brdf_text.h"
 #include "host/target/plane_picture.h"
 
@@ -366,7 +366,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   chosen.written = chosen.met || target.best_effort;
   if (chosen.written) add_picture(job, target, progress, chosen.report);
   if (chosen.written)
-    for (const std::string& warning : attempt.warnings) log_warning(warning);
+    for (const std::string& warning : attempt.warnings) log_named_warning(warning);
   clock.finish("choose");
   // What was not the bake itself.
   double others = choosing.stages.back().seconds;

@@ -18,7 +18,7 @@
 #include "host/bake/bake_file.h"
 #include "host/base/error.h"
 #include "host/base/files/work_folder.h"
-#include "host/base/held_warnings.h"
+#include "host/base/messages/held_warnings.h"
 #include "host/base/run_times.h"
 #include "host/base/stopwatch.h"
 #include "host/brdf/brdf_text.h"

@@ -15,7 +15,7 @@ namespace {
 void APIENTRY on_debug_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum /*severity*/, GLsizei /*length*/,
                                const GLchar* message, const void* /*user*/) {
   // Errors are thrown by check_gl(); this adds the driver's own words to them.
-  if (type == GL_DEBUG_TYPE_ERROR) log_warning(std::string("GL: ") + message);
+  if (type == GL_DEBUG_TYPE_ERROR) log_warning("GL", message);
 }
 
 }  // namespace

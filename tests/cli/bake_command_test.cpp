@@ -11,6 +11,7 @@
 #include <regex>
 
 #include "host/asset/lobes/movmf_mipmap.h"
+#include "host/base/files/content_hash.h"
 #include "tests/cli/program.h"
 #include "tests/unit/image/image_test_files.h"
 
@@ -36,9 +37,9 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   for (const char* line : {"4 von Mises-Fisher lobes", "colour", "64 x 64, 7 levels", "snorm16",
                            "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0",
                            // What was found in the source:
-                           "source format   png uint8, 3 channels", "read as         normal map, unsigned, green",
+                           "source format   png uint16, 3 channels", "read as         normal map, unsigned, green",
                            "because         length within", "wrap of source  periodic, periodic",
-                           "albedo          png uint8, 3 channels, sRGB"})
+                           "albedo          png uint16, 3 channels, sRGB"})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   EXPECT_FALSE(std::regex_search(info.out, std::regex("\":[0-9.]{9}"))) << "floats are not rounded in\n" << info.out;
   const std::string table = bake.out.substr(bake.out.find("measured error"));
@@ -59,10 +60,12 @@ TEST_F(BakeCommandTest, WhatWasBakedIsNoMap) {
     std::filesystem::copy_file(path("a.ndf.exr"), path("renamed.exr"),
                                std::filesystem::copy_options::overwrite_existing);
     for (const char* file : {"a.ndf.exr", "renamed.exr"})
-      for (const char* command : {"bake", "mip", "tradeoff"})
-        expect_failure(multum({command, path(file), "-o", path("b.exr")}), kInput,
-                       {path(file), "multum baked from map_normal.png", "Give map_normal.png itself", "multum export",
-                        "multum-view", "multum info"});
+      for (const char* command : {"bake", "mip", "tradeoff"}) {
+        const ProgramResult refused = multum({command, path(file), "-o", path("b.exr")});
+        EXPECT_EQ(refused.exit_code, 3) << refused.err;
+        expect_says(refused.err, {path(file), "multum baked from map_normal.png", "Give map_normal.png itself",
+                                  "multum export", "multum-view", "multum info"});
+      }
   }
   EXPECT_FALSE(std::filesystem::exists(path("b.exr")));
 }
@@ -504,6 +507,42 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
+// Shares give the bytes of one run, and a tile is baked again when the border of the one beside it has changed.
+TEST_F(BakeCommandTest, TilesOfHeightsTakeTheBordersOfOthers) {
+  const auto write_tile = [&](const std::string& tile, int x0, int changed_column) {
+    TestImage image{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT16};
+    for (int i = 0; i < 32 * 32; ++i)
+      image.values.push_back(static_cast<float>(
+          i % 32 == changed_column ? 0.6 : 0.5 + 0.2 * std::sin(0.1 * (x0 + i % 32) + 0.15 * (i / 32))));
+    write_test_image(path("h_" + tile + ".png"), image);
+  };
+  write_tile("1001", 0, -1);
+  write_tile("1002", 32, -1);
+  write_tile("1003", 64, -1);
+  const auto bake = [&](const std::string& folder, std::vector<std::string> more) {
+    std::filesystem::create_directories(path(folder));
+    more.insert(more.begin(), {"bake", path("h_%(UDIM)d.png"), "-o", path(folder + "/h_<UDIM>.ndf.exr"), "--bumpformat",
+                               "height", "--height-scale", "30", "--wrap", "clamp", "--lobes", "2", "--no-measure"});
+    const ProgramResult result = multum(more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out + result.err;
+  };
+  bake("a", {});
+  for (const char* share : {"1/3", "2/3", "3/3"}) bake("b", {"--shard", share});
+  for (const char* tile : {"1001", "1002", "1003"})
+    EXPECT_TRUE(read_bytes(path("a/h_" + std::string(tile) + ".ndf.exr")) ==
+                read_bytes(path("b/h_" + std::string(tile) + ".ndf.exr")))
+        << tile;
+  expect_says(bake("a", {}), {"0 baked, 3 unchanged"});
+  write_tile("1002", 32, 15);
+  expect_says(bake("a", {}), {"1 baked, 2 unchanged"});
+  write_tile("1002", 32, 0);
+  expect_says(bake("a", {}), {"2 baked, 1 unchanged"});
+  const BakedProvenance from = read_movmf_mipmap(path("a/h_1001.ndf.exr")).header.provenance;
+  EXPECT_EQ(from.file_hash(), hash_file(path("h_1001.png")));
+  EXPECT_NE(from.source_hash, from.file_hash());
+}
+
 TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   make_map("map", 64);
   const auto bake = [&](const std::string& name, std::vector<std::string> options) {
@@ -577,8 +616,9 @@ TEST_F(BakeCommandTest, AFileKeepsTheHighlightOfGlossyTiltedFlats) {
 TEST_F(BakeCommandTest, HelpShowsNamesAndDefaults) {
   const ProgramResult help = multum({"bake", "--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour", "{auto,height,normal}=auto",
-                           "{none,black,box3}=box3", "{auto,black,clamp,periodic,mirror}", "--lobes INT in [1, 8]=4",
+  for (const char* part : {"{snorm16,half,float}=snorm16", "{colour,scanline}=colour",
+                           "{auto,height,normal,packed16,packed24,terrarium,mapbox}=auto", "{none,black,box3}=box3",
+                           "{auto,black,clamp,periodic,mirror}", "--lobes INT in [1, 8]=4",
                            "--compression none|rle|piz|zip[:1-9]|zips[:1-9]=zip:1", "--first-level INT in [0, 15]=0",
                            "PNG, TIFF, EXR, JPEG or WebP, sides to 32768"})
     EXPECT_TRUE(contains(help.out, part)) << part << " is not in\n" << help.out;

@@ -140,17 +140,30 @@ def heights_to_normals(picture, meaning):
             near = [found[j] for j in around(width, height, i) if math.isfinite(found[j])]
             values[i] = sum(near) / len(near) if near and meaning.fixnan == "box3" else 0.0
 
-    def at(x, y):
-        for i, (place, size, mode) in enumerate(((x, width, meaning.wrap[0]), (y, height, meaning.wrap[1]))):
-            if not 0 <= place < size:
-                if mode == "black":
-                    return 0.0
-                place = place % size if mode == "periodic" else min(max(place, 0), size - 1)
-            x, y = (place, y) if i == 0 else (x, place)
-        return values[y * width + x]
+    def beyond(place, size, mode):
+        """Place of a neighbour, None where the surface has ended (clamp, mirror), "black" where it is 0."""
+        if 0 <= place < size:
+            return place
+        return {"periodic": place % size, "black": "black"}.get(mode)
 
-    half = meaning.height_scale / 2
-    return [above_horizon((-half * (at(x + 1, y) - at(x - 1, y)), -half * (at(x, y - 1) - at(x, y + 1)), 1.0))
+    def slope(i, place, size, mode, step):
+        """Of the two neighbours along one direction, or of the one that is there."""
+        def height(other):
+            found = beyond(other, size, mode)
+            if found is None:
+                return None
+            return 0.0 if found == "black" else values[i + (found - place) * step]
+
+        before, after = height(place - 1), height(place + 1)
+        if before is not None and after is not None:
+            return (after - before) / 2
+        if after is not None:
+            return after - values[i]
+        return values[i] - before if before is not None else 0.0
+
+    scale = meaning.height_scale
+    return [above_horizon((-scale * slope(y * width + x, x, width, meaning.wrap[0], 1),
+                           scale * slope(y * width + x, y, height, meaning.wrap[1], width), 1.0))
             for y in range(height) for x in range(width)]
 
 

@@ -14,12 +14,18 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
 
 #include "host/base/log.h"
 #include "tools/multum/commands.h"
 
 namespace multum::testing {
 namespace {
+
+const std::regex kOptionName("--[a-z][a-z0-9-]*[a-z0-9]");
 
 [[noreturn]] void become(const std::vector<std::string>& arguments) {
   std::vector<char*> argv;
@@ -153,6 +159,51 @@ std::vector<std::string> CliTest::multum_command(std::vector<std::string> argume
   return arguments;
 }
 
+namespace {
+
+// All tests' messages are held to two rules. A warning begins with what it is about: a file, or a library. A message
+// names options of the command that was run; another program's or command's are named behind it.
+const std::set<std::string>& options_in_help(const std::string& command) {
+  static std::map<std::string, std::set<std::string>> known;
+  const auto [place, is_new] = known.emplace(command, std::set<std::string>());
+  if (!is_new) return place->second;
+  const std::string help = run_program({std::string(MULTUM_BIN_DIR) + "/multum", command, "--help"}).out;
+  for (std::sregex_iterator at(help.begin(), help.end(), kOptionName), end; at != end; ++at)
+    place->second.insert(at->str());
+  return place->second;
+}
+
+void check_message(const std::vector<std::string>& arguments, const std::string& line) {
+  static const std::regex other_command("multum(-view)? [a-z]+");
+  if (line.starts_with("warning: ")) {
+    const std::string subject = line.substr(9, line.find(": ", 9) - 9);
+    EXPECT_TRUE(subject.find_first_of("/.") != std::string::npos || subject == "OpenCL" || subject == "GL")
+        << "a warning that names no file: " << line;
+  }
+  std::string given;
+  for (const std::string& argument : arguments) given += argument + " ";
+  for (std::sregex_iterator at(line.begin(), line.end(), kOptionName), end; at != end; ++at) {
+    if (given.find(at->str()) != std::string::npos || options_in_help(arguments[0]).contains(at->str())) continue;
+    EXPECT_TRUE(std::regex_search(line.substr(0, static_cast<std::size_t>(at->position())), other_command))
+        << "multum " << arguments[0] << " has no " << at->str() << ": " << line;
+  }
+}
+
+void check_messages(const std::vector<std::string>& arguments, const std::string& err) {
+  if (arguments.empty() || arguments[0].starts_with("-")) return;
+  std::istringstream lines(err);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("multum: ") || line.starts_with("warning: ")) check_message(arguments, line);
+}
+
+}  // namespace
+
+ProgramResult CliTest::multum_program(const std::vector<std::string>& arguments) {
+  ProgramResult result = run_program(multum_command(arguments));
+  check_messages(arguments, result.err);
+  return result;
+}
+
 ProgramResult CliTest::multum(const std::vector<std::string>& arguments) {
   if (std::find(arguments.begin(), arguments.end(), "--threads") != arguments.end()) return multum_program(arguments);
   std::vector<std::string> words = {"multum"};
@@ -168,6 +219,7 @@ ProgramResult CliTest::multum(const std::vector<std::string>& arguments) {
   }
   result.out = read_bytes(folder / "out");
   result.err = read_bytes(folder / "err");
+  check_messages(arguments, result.err);
   return result;
 }
 

@@ -74,9 +74,7 @@ class CliTest : public ::testing::Test {
   /// threads that it began with.
   static ProgramResult multum(const std::vector<std::string>& arguments);
   /// The program itself.
-  static ProgramResult multum_program(const std::vector<std::string>& arguments) {
-    return run_program(multum_command(arguments));
-  }
+  static ProgramResult multum_program(const std::vector<std::string>& arguments);
   /// PREFIX_normal.png and PREFIX_albedo.png of the four-quarter map, in the folder.
   void make_map(const std::string& prefix, int size);
   std::string path(const std::string& name) const { return folder_ / name; }

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names and texts with control characters: shown on a terminal, as they are in a pipe.
+#include <regex>
+#include <sstream>
+
 #include "tests/cli/program.h"
 
 namespace multum::testing {
@@ -46,6 +49,22 @@ TEST_F(TerminalTest, NamesInResults) {
   expect_shown({"info", plain}, 0);       // by the source's name, which the file has
   std::filesystem::rename(plain, baked);  // by hand: multum writes no such name
   expect_shown({"info", baked}, 0);
+}
+
+// A bar of progress is wiped before a line of either stream; no line holds one.
+TEST_F(TerminalTest, BarsDoNotRunIntoLines) {
+  make_map("map", 64);
+  const ProgramResult shown = run_on_terminal(multum_command(
+      {"export", path("map_normal.png"), path("none.png"), "-o", folder_.path(), "--optimum", "--format", "ktx2"}));
+  EXPECT_NE(shown.exit_code, 0);
+  const std::regex bar(R"(\[[#.]{30}\])");
+  EXPECT_TRUE(std::regex_search(shown.out, bar)) << shown.out;
+  std::istringstream lines(shown.out);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t last = line.rfind("\x1b[K");
+    const std::string left = last == std::string::npos ? line : line.substr(last + 3);
+    EXPECT_FALSE(std::regex_search(left, bar)) << line;
+  }
 }
 
 TEST_F(TerminalTest, TextsOfTomlFiles) {

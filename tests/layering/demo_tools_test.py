@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOLS = ROOT / "tools"
 SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies", ROOT / ".ci/run"]
 # What provides each find_package of the CMake files; nothing where the compiler or CMake itself does.
-PACKAGE_OF = {"glm": "libglm-dev", "spdlog": "libspdlog-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
+PACKAGE_OF = {"glm": "libglm-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
               "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "PNG": "libpng-dev",
               "OpenImageIO": "libopenimageio-dev",
               "OpenCL": "ocl-icd-opencl-dev", "tomlplusplus": "libtomlplusplus-dev",

@@ -288,10 +288,9 @@ int run_tail(ClientOptions& o, std::int64_t id) {
     const std::string log = client.text(fmt::format("/v1/jobs/{}/log", id));
     state = job["state"].get<std::string>();
     const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
-    // Half a character would be shown as two that are none.
+    // Half a character would be shown as two that are none. Half a line waits for its other half.
     const std::size_t ready = is_done ? log.size() : whole_characters(log);
     if (ready > shown) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
-    std::fflush(stdout);
     shown = std::max(shown, ready);
     if (is_done) print_shown(stderr, "%s\n", job_line(job).c_str());
     return !is_done;

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "host/bake/bake_file.h"
-#include "host/base/quiet_log.h"
+#include "host/base/messages/quiet_log.h"
 
 namespace multum {
 

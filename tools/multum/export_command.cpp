@@ -83,6 +83,7 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   if (common.quiet) return;
   print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", job.output.c_str(), report.level_count, report.width,
               report.height, report.files.size(), report.textures.c_str());
+  if (!report.engine_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.engine_line.c_str());
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
   if (!common.verbose) return;
   if (report.rows_resumed > 0)
@@ -122,7 +123,7 @@ struct ManifestCounts {
 void export_of_manifest(const ManifestExport& map, const ExportOptions& o, Device& device, ManifestCounts& counts) {
   const auto progress = make_progress(o.common);
   const ManifestExportResult result = run_manifest_export(map, o.dry_run, device, progress.get());
-  if (result.found.finding == ExportFinding::kInPlace) {
+  if (result.found.finding == ExportFinding::kInPlace && !result.report) {
     if (!o.common.quiet) print_shown(stdout, "%s: unchanged\n", map.name.c_str());
     ++counts.unchanged;
     return;
@@ -174,7 +175,7 @@ LobeExportJob lobe_export_job(const ExportOptions& o) {
                 fmt::format("--lobes: found {}, expected one baked file",
                             o.manifest.empty() ? fmt::format("{} inputs", o.inputs.size()) : "--manifest"));
   if (!o.shard_text.empty()) throw Error(ErrorCode::kUsage, "--lobes: found --shard, expected it for several maps");
-  constexpr std::array kWithLobes = {"lobes", "texels", "zstd", "device", "report"};
+  constexpr std::array kWithLobes = {"lobes", "force", "texels", "zstd", "device", "report"};
   for (const Parameter& row : export_parameters().rows())
     if (o.values.has(row.name) && std::find(kWithLobes.begin(), kWithLobes.end(), row.name) == kWithLobes.end())
       throw Error(ErrorCode::kUsage,
@@ -262,6 +263,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
                       "export share I of N of several maps alone, I/N, or shares I to J, I-J/N: for farms "
                       "(docs/FARMS.md)");
   add_parameter_options(*command, o.values);
+  check->excludes("--force");
   add_common_options(*command, o.common);
   add_decoding_option(*command);
   command->footer(
@@ -270,6 +272,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
       "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes for GPUs, of multum bake (docs/FORMAT.md)\n"
       "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png\n"
+      "  multum export bricks_n.png -o bricks/ --write-green down    # for Unreal; for Unity: --smoothness\n"
       "  multum export bricks_n.png -o bricks/ --page bricks.html    # compared by pictures with engines' rules\n"
       "  multum export rock_<UDIM>.png -o rock_<UDIM>.ktx2           # all tiles of a set\n"
       "  multum export --manifest materials.toml                    # the maps of a project that changed");

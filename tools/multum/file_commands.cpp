@@ -184,7 +184,9 @@ int run_info(const std::string& path) {
   text += fmt::format("encoding        {}; {}\n", storage_encoding_name(file.encoding), kind.survives(file));
   text += fmt::format("on disk         {}\n", size_text(std::filesystem::file_size(path)));
   text += on_the_gpu(baked_gpu_bytes(path), file);
-  text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.source_hash);
+  text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
+  if (!from.source_tiles.empty())
+    text += fmt::format("with its set    SHA-256 {}: the source, and what other tiles gave to it\n", from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);

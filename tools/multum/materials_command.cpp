@@ -94,10 +94,10 @@ void write_manifest(const MaterialsOptions& o, const GltfMaterials& model) {
   const auto has_map = [](const GltfMaterial& material) { return material.normal.has_value(); };
   if (std::none_of(model.materials.begin(), model.materials.end(), has_map))
     throw Error(ErrorCode::kInput, o.model + ": found no material with a normal map, expected one to bake");
-  make_folder(o.folder);
   const std::string manifest = o.folder + "/maps.toml";
   if (fs::exists(manifest) && !o.force)
     throw Error(ErrorCode::kUsage, manifest + ": exists already; --force overwrites it");
+  make_folder(o.folder);
   std::string text = fmt::format(
       "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest maps.toml\n\n[defaults]\n"
       "bumpformat = \"normal\"\ngreen = \"up\"  # as glTF has it\nunsigned = true\n",

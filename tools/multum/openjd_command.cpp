@@ -13,6 +13,7 @@
 #include "host/bake/bake_batch.h"
 #include "host/base/error.h"
 #include "host/base/files/output_paths.h"
+#include "host/base/files/udim_set.h"
 #include "host/base/shown_text.h"
 #include "host/base/work_shard.h"
 #include "host/export/batch/export_manifest.h"
@@ -33,7 +34,6 @@ const std::set<std::string> kCommands = {"bake", "export", "infer", "pack", "mip
 const std::set<std::string> kResumable = {"bake", "pack"};
 const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report", "--junit",
                                               "--summary", "--page",   "--player", "--debug-picture"};
-constexpr char kUdim[] = "<UDIM>";
 
 struct OpenJdOptions {
   CommonOptions common;
@@ -55,7 +55,7 @@ std::vector<std::string> split_words(const std::vector<std::string>& given) {
     words.push_back(word.substr(equals + 1));
   }
   for (std::string& word : words)
-    if (word.find(kUdim) != std::string::npos && word.find('/') == std::string::npos) word.insert(0, "./");
+    if (has_udim(word) && word.find('/') == std::string::npos) word.insert(0, "./");
   return words;
 }
 
@@ -79,9 +79,9 @@ std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std:
   if (found.is_output && word != "-") {
     // A name without an ending is a folder that the command makes.
     found.is_folder = is_folder(word) || fs::path(word).extension().empty();
-    if (word.find(kUdim) == std::string::npos) return found;
+    if (!has_udim(word)) return found;
   }
-  if (word.find(kUdim) != std::string::npos && word.find('/') != std::string::npos) {
+  if (has_udim(word) && word.find('/') != std::string::npos) {
     found.path = folder_of(word);
     found.is_folder = true;
     return found;
@@ -95,8 +95,7 @@ std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std:
 
 // Commands name what they work on first. A farm would find out on some worker, later.
 void check_input_is_there(const std::vector<std::string>& words) {
-  if (words.size() < 2 || words[1].starts_with('-') || words[1].find(kUdim) != std::string::npos || exists(words[1]))
-    return;
+  if (words.size() < 2 || words[1].starts_with('-') || has_udim(words[1]) || exists(words[1])) return;
   throw Error(ErrorCode::kInput, words[1] + ": is not there, expected what " + words[0] + " is to read");
 }
 

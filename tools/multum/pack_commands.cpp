@@ -81,20 +81,24 @@ void print_parts(const FieldPackReport& report) {
 
 void warn_of_errors(const PackOptions& o, const FieldPackReport& report) {
   if (!report.is_alpha_met)
-    log_warning(fmt::format("{}: an object's error is above --alpha {:g} times the mean: --verbose lists them",
-                            o.settings.output, o.settings.alpha));
+    log_warning(
+        o.settings.output,
+        fmt::format("an object's error is above --alpha {:g} times the mean: --verbose lists them", o.settings.alpha));
   if (!report.inferred_mse && o.settings.target.is_default())
-    log_warning(fmt::format(
-        "{}: packed at {:g}:1, with an MSE of about {:.3g} added, whatever the error of the inferred textures: {}/{} "
-        "does not tell it. Run multum infer again, or choose a size or an error: --ratio, --bytes, --mse-max",
-        o.settings.output, kDefaultRatio, report.mse, o.settings.folder, kInferenceReportName));
+    log_warning(
+        o.settings.output,
+        fmt::format(
+            "packed at {:g}:1, with an MSE of about {:.3g} added, whatever the error of the inferred textures: {}/{} "
+            "does not tell it. Run multum infer again, or choose a size or an error: --ratio, --bytes, --mse-max",
+            kDefaultRatio, report.mse, o.settings.folder, kInferenceReportName));
   if (report.is_error_large)
-    log_warning(fmt::format(
-        "{}: packing adds an MSE of about {:.3g}, {:.3g} times the error of the inferred textures "
-        "({:.3g}). {}",
-        o.settings.output, report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
-        o.settings.target.is_default() ? "It was to stay below 3 times: less was not found"
-                                       : "To stay below 3 times, leave --ratio, --bytes and --lambda out"));
+    log_warning(
+        o.settings.output,
+        fmt::format("packing adds an MSE of about {:.3g}, {:.3g} times the error of the inferred textures "
+                    "({:.3g}). {}",
+                    report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
+                    o.settings.target.is_default() ? "It was to stay below 3 times: less was not found"
+                                                   : "To stay below 3 times, leave --ratio, --bytes and --lambda out"));
 }
 
 int run_pack(PackOptions& o) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/log.h"
 #include "host/base/processes/machine.h"
 #include "host/opencl/kernel_caches.h"
@@ -113,6 +114,7 @@ int run_command(int argc, char** argv) {
   add_commands(app, &exit_code);
   prepare_commands(app);
   set_kernel_caches(kernel_cache_folders());
+  const NewFolders new_folders;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -124,7 +126,8 @@ int run_command(int argc, char** argv) {
   if (has_openjd_lines() && exit_code == 0) print_openjd_success();
   else if (has_openjd_lines()) print_openjd_failure("exit code " + std::to_string(exit_code) + "; stderr says why");
   // Results count as given only when they reached stdout: a full disk or a closed pipe must not end in exit code 0.
-  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return exit_code;
 }
 

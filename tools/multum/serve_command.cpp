@@ -11,6 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/machine.h"
+#include "host/base/shown_text.h"
 #include "host/opencl/kernel_caches.h"
 #include "host/sandbox/confinement.h"
 #include "host/service/files/input_list.h"
@@ -65,9 +66,9 @@ int run_serve(const ServeOptions& o) {
 int run_rescue(const std::string& data) {
   const RescueReport report = rescue_ledger(std::filesystem::absolute(data).lexically_normal().string());
   for (const RescueReport::Table& table : report.tables)
-    std::printf("%-10s %lld rows saved, %lld were damaged\n", table.name.c_str(), static_cast<long long>(table.saved),
-                static_cast<long long>(table.damaged));
-  std::printf("the ledger before is %s\n", report.kept.c_str());
+    print_shown(stdout, "%-10s %lld rows saved, %lld were damaged\n", table.name.c_str(),
+                static_cast<long long>(table.saved), static_cast<long long>(table.damaged));
+  print_shown(stdout, "the ledger before is %s\n", report.kept.c_str());
   return 0;
 }
 

@@ -99,7 +99,7 @@ int run_share_plan(const SharePlanOptions& o) {
                  {"coarse_seconds", cost.coarse_seconds},
                  {"band_seconds", cost.band_seconds},
                  {"merge_seconds", cost.merge_seconds}});
-  std::printf("%s\n", json_text(json, 2).c_str());
+  print_shown(stdout, "%s\n", json_text(json, 2).c_str());
   return 0;
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "host/base/error.h"
+#include "host/base/files/output_paths.h"
 #include "host/base/nearest_name.h"
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
@@ -189,11 +190,13 @@ int run_view_command(int argc, char** argv) {
     if (const std::string message = misspelt_command(options.map.file); !message.empty())
       throw Error(ErrorCode::kUsage, message);
   }
+  const NewFolders new_folders;
   int code = 0;
   if (chosen.empty()) code = draw_map(options.map);
   for (const ViewCommand& command : kCommands)
     if (chosen == command.name) code = command.run(options);
-  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return code;
 }
 

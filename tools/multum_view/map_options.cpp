@@ -86,7 +86,7 @@ void add_map_options(CLI::App& app, MapOptions& options) {
                  "driver kept");
   add_parameter_options(app, options.source.reading,
                         {"bumpformat", "green", "signed", "unsigned", "two_channel", "z_range", "height_scale",
-                         "normal_scale", "fixnan", "repair_max"},
+                         "dequantize", "normal_scale", "fixnan", "repair_max"},
                         false);
   add_decoding_option(app);
 }

@@ -69,7 +69,7 @@ gl::MeshData plane_data() {
 
 /// Throws Error(kInput) when it is not what was baked.
 NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMipmap& mipmap) {
-  const std::string& baked = mipmap.header.provenance.source_hash;
+  const std::string& baked = mipmap.header.provenance.file_hash();
   if (const std::string found = hash_file(options.source); !baked.empty() && found != baked)
     throw Error(ErrorCode::kInput, fmt::format("{}: has changed since it was baked: SHA-256 {}, expected {}",
                                                options.source, found, baked));

@@ -31,12 +31,12 @@ NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& 
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
-  if (hash_file(options.source.normals) == baked.provenance.source_hash) {
+  if (hash_file(options.source.normals) == baked.provenance.file_hash()) {
     settings.repair_share_max = 1.0f;  // the bake took these very texels
   } else if (!baked.provenance.source_hash.empty()) {
-    log_warning(fmt::format("{}: is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
-                            options.source.normals, options.file, baked.provenance.source_name,
-                            baked.provenance.source_hash,
+    log_warning(options.source.normals,
+                fmt::format("is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
+                            options.file, baked.provenance.source_name, baked.provenance.file_hash(),
                             baked.first_level > 0 ? "the finest levels, the reference and the baselines"
                                                   : "the reference and the baselines"));
   }
@@ -52,10 +52,10 @@ void warn_of_another(const std::string& file, const BakedHeader& baked, const ch
   if (!settings.is_object() || !settings.contains(key) || !settings[key].is_string()) return;
   const std::string stated = settings[key].get<std::string>();
   if (stated.empty() || stated == hash_file(path) + ending) return;
-  log_warning(
-      fmt::format("{}{}: {} is not what {} was baked with ({} {}): the reference and the baselines may show another "
-                  "material",
-                  path, ending, option, file, key, stated));
+  log_warning(path + ending,
+              fmt::format("{} is not what {} was baked with ({} {}): the reference and the baselines may show another "
+                          "material",
+                          option, file, key, stated));
 }
 
 ChannelFile roughness_file(const SourceOptions& source) {
@@ -90,7 +90,8 @@ std::vector<glm::vec3> source_normals(const MapOptions& options, const BakedHead
                     (roughness.channel.empty() ? "" : ":" + roughness.channel) + (roughness.is_gloss ? ", gloss" : ""));
     PlaneStore normals(map.width, map.height);
     normals.write_rows(0, map.height, {planes[0].data(), planes[1].data(), planes[2].data()});
-    for (const std::string& warning : shorten_by_roughness(normals, roughness, {}, 1).warnings) log_warning(warning);
+    for (const std::string& warning : shorten_by_roughness(normals, roughness, {}, 1).warnings)
+      log_named_warning(warning);
     planes = normals.take_planes();
   }
   std::vector<glm::vec3> texels;
@@ -105,7 +106,7 @@ void add_materials(const MapOptions& options, const BakedHeader& baked, gl::Norm
   if (!source.weights.empty()) {
     warn_of_another(options.file, baked, "weights", "--weights", source.weights, "");
     WeightMap map = read_weight_map(source.weights, image.width, image.height, {}, 1);
-    for (const std::string& warning : map.warnings) log_warning(warning);
+    for (const std::string& warning : map.warnings) log_named_warning(warning);
     const auto count = static_cast<std::size_t>(map.count);
     image.weight_count = map.count;
     image.weights.resize(image.normals.size() * count);
@@ -118,7 +119,7 @@ void add_materials(const MapOptions& options, const BakedHeader& baked, gl::Norm
   if (source.albedo.empty()) return;
   warn_of_another(options.file, baked, "albedo", "--albedo", source.albedo, "");
   const ColourMap colours = read_albedo_map(source.albedo, image.width, image.height, 1);
-  for (const std::string& note : colours.notes) log_warning(source.albedo + ": " + note);
+  for (const std::string& note : colours.notes) log_warning(source.albedo, note);
   for (std::size_t i = 0; i < colours.r.size(); ++i)
     image.albedo.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
 }
@@ -186,11 +187,11 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
                 fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map that it was "
                             "baked from, which has the finer ones ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
-                            baked.height, baked.provenance.source_name, baked.provenance.source_hash));
+                            baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);
   NormalMap normals = read_normal_map(source, source_settings(options, baked), 1, nullptr);
   log_info(source + ": " + normals.report.encoding);
-  for (const std::string& warning : normals.report.warnings) log_warning(source + ": " + warning);
+  for (const std::string& warning : normals.report.warnings) log_warning(source, warning);
   if (normals.width != baked.width || normals.height != baked.height)
     throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", source,
                                                normals.width, normals.height, options.file, baked.width, baked.height));
@@ -211,7 +212,7 @@ void read_brdf_roughness(const MapOptions& options, const BakedHeader& baked, Vi
                             baked.has_roughness ? "has roughness in" : "holds no vMF lobes"));
   LobeMaterial material =
       read_lobe_material({parse_channel_file(options.brdf_roughness), {}, {}}, baked.width, baked.height, {}, 1);
-  for (const std::string& warning : material.roughness->warnings) log_warning(warning);
+  for (const std::string& warning : material.roughness->warnings) log_named_warning(warning);
   auto map = std::make_shared<gl::RoughnessMap>();
   *map = {baked.width, baked.height, {}, baked.wrap_s, baked.wrap_t};
   const std::array<std::vector<float>, 3> planes = material.planes.take_planes();
@@ -223,8 +224,8 @@ std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& opt
   if (options.environment.empty()) return nullptr;
   const ColourMap colours = read_environment_map(options.environment);
   if (colours.clamped_count > 0)
-    log_warning(fmt::format("{}: {} texels are negative or not finite: they count as black", options.environment,
-                            colours.clamped_count));
+    log_warning(options.environment,
+                fmt::format("{} texels are negative or not finite: they count as black", colours.clamped_count));
   EnvironmentMap map{colours.width, colours.height, {}};
   for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return make_environment_light(std::move(map));
@@ -245,12 +246,12 @@ void read_environments(const MapOptions& options, ViewScenes& scenes) {
 
 void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (!needs_source(options, baked) && !options.source.normals.empty() && options.comparison.pictures.empty())
-    log_warning(options.source.normals + ": is not read without --compare: the baked map's picture does not need it");
+    log_warning(options.source.normals, "is not read without --compare: the baked map's picture does not need it");
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
-    log_warning(
-        fmt::format("{}: has colours from level {} on; without --albedo the finer levels have those of level "
-                    "{}, blurred",
-                    options.file, baked.first_level, baked.first_level));
+    log_warning(options.file,
+                fmt::format("has colours from level {} on; without --albedo the finer levels have those of level "
+                            "{}, blurred",
+                            baked.first_level, baked.first_level));
 }
 
 }  // namespace multum

@@ -55,21 +55,26 @@ void writing(const std::string& path, const Work& work) {
 }  // namespace
 
 struct ExrHalfWriter::State {
-  State(const std::string& path, int width_in, int height_in)
-      : file(path), stream(file), width(width_in), height(height_in) {}
+  State(const std::string& path, int width_in, int height_in, int channel_count)
+      : file(path), stream(file), width(width_in), height(height_in) {
+    MULTUM_CHECK(channel_count == 3 || channel_count == 4);
+    channels = {"R", "G", "B"};
+    if (channel_count == 4) channels.push_back("A");
+  }
 
   AtomicFile file;
   ExrOutputStream stream;
   int width, height, row = 0;  // the next
+  std::vector<const char*> channels;
   std::optional<Imf::OutputFile> output;
   std::vector<half> values;
 };
 
-ExrHalfWriter::ExrHalfWriter(const std::string& path, int width, int height)
-    : state_(std::make_unique<State>(path, width, height)) {
+ExrHalfWriter::ExrHalfWriter(const std::string& path, int width, int height, int channels)
+    : state_(std::make_unique<State>(path, width, height, channels)) {
   Imf::Header header(width, height);
   header.compression() = Imf::ZIP_COMPRESSION;
-  for (const char* channel : {"R", "G", "B"}) header.channels().insert(channel, Imf::Channel(Imf::HALF));
+  for (const char* channel : state_->channels) header.channels().insert(channel, Imf::Channel(Imf::HALF));
   writing(path, [&] { state_->output.emplace(state_->stream, header); });
 }
 
@@ -78,12 +83,13 @@ ExrHalfWriter::~ExrHalfWriter() = default;
 void ExrHalfWriter::write_rows(int row_count, const float* interleaved) {
   State& s = *state_;
   MULTUM_CHECK(s.row + row_count <= s.height);
-  const std::size_t row_values = 3 * static_cast<std::size_t>(s.width);
+  const std::size_t channels = s.channels.size(), row_values = channels * static_cast<std::size_t>(s.width);
   s.values.assign(interleaved, interleaved + row_values * static_cast<std::size_t>(row_count));
   Imf::FrameBuffer frame;
   std::size_t channel = 0;
-  for (const char* name : {"R", "G", "B"})
-    frame.insert(name, row_slice(Imf::HALF, s.values.data() + channel++, 3 * sizeof(half), s.width, s.row, row_count));
+  for (const char* name : s.channels)
+    frame.insert(name,
+                 row_slice(Imf::HALF, s.values.data() + channel++, channels * sizeof(half), s.width, s.row, row_count));
   writing(s.file.path(), [&] {
     s.output->setFrameBuffer(frame);
     s.output->writePixels(row_count);

@@ -12,15 +12,17 @@ namespace multum {
 /// Error(kEnvironment) when the disk refuses.
 void write_exr_picture(const std::string& path, int width, int height, const std::vector<float>& rgba);
 
-/// Channels R, G, B of half floats, compressed by zip. Everything throws Error(kEnvironment) when the disk refuses.
+/// Channels R, G, B, and A where it is asked for, of half floats, compressed by zip. Everything throws
+/// Error(kEnvironment) when the disk refuses.
 class ExrHalfWriter {
  public:
-  ExrHalfWriter(const std::string& path, int width, int height);
+  /// `channels`: 3, or 4 with alpha.
+  ExrHalfWriter(const std::string& path, int width, int height, int channels = 3);
   ~ExrHalfWriter();
   ExrHalfWriter(const ExrHalfWriter&) = delete;
   ExrHalfWriter& operator=(const ExrHalfWriter&) = delete;
 
-  /// The next rows; `interleaved` holds 3 values a texel.
+  /// The next rows; `interleaved` holds `channels` values a texel.
   void write_rows(int row_count, const float* interleaved);
   /// Gives the file its name, after all rows.
   void finish();

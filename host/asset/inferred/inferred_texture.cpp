@@ -98,7 +98,7 @@ InferredTexture read_inferred_texture(const std::string& path) {
     ExrInputStream stream(path);
     Imf::TiledInputFile file(stream);
     check_is_texture(file, path);
-    ExrChunks(path).check_all(0);
+    ExrChunks(path, {}, kUnreadable).check_all(0);
     InferredTexture texture;
     texture.width = file.levelWidth(0);
     texture.height = file.levelHeight(0);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/base/files/output_paths.h"
 
-#include <filesystem>
-
 #include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <mutex>
 
 #include "host/base/error.h"
 #include "host/base/files/atomic_file.h"
@@ -26,7 +29,34 @@ void check_name(const fs::path& name, const std::string& path) {
                 fmt::format("{}: its name holds a control character, expected a name without", shown_text(path)));
 }
 
+// Folders that were made, each behind those that it is in.
+struct NewFolderList {
+  std::mutex mutex;
+  int keepers = 0;
+  std::vector<fs::path> paths;
+};
+
+NewFolderList& new_folders() {
+  static NewFolderList list;
+  return list;
+}
+
 }  // namespace
+
+NewFolders::NewFolders() {
+  NewFolderList& list = new_folders();
+  const std::lock_guard lock(list.mutex);
+  ++list.keepers;
+}
+
+NewFolders::~NewFolders() {
+  NewFolderList& list = new_folders();
+  const std::lock_guard lock(list.mutex);
+  if (--list.keepers > 0) return;
+  // One that is not empty stays.
+  for (auto path = list.paths.rbegin(); path != list.paths.rend(); ++path) ::rmdir(path->c_str());
+  list.paths.clear();
+}
 
 std::string path_beside(const std::string& file, const std::string& path) {
   return path.empty() ? "" : (fs::path(file).parent_path() / path).lexically_normal().string();
@@ -51,10 +81,17 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
 
 void make_folder(const std::string& path) {
   std::error_code error;
-  for (fs::path missing = path; !missing.empty() && !fs::exists(missing, error); missing = missing.parent_path())
+  std::vector<fs::path> made;  // the innermost first
+  for (fs::path missing = fs::absolute(path, error); !missing.empty() && !fs::exists(missing, error);
+       missing = missing.parent_path()) {
     check_name(missing.filename(), path);
+    made.push_back(missing);
+  }
   error.clear();
   std::filesystem::create_directories(path, error);
+  NewFolderList& list = new_folders();
+  const std::lock_guard lock(list.mutex);
+  if (list.keepers > 0) list.paths.insert(list.paths.end(), made.rbegin(), made.rend());
   if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
 }
 

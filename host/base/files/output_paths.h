@@ -22,6 +22,16 @@ std::string canonical_name(const std::string& path);
 /// for a new name that holds a control character.
 void make_folder(const std::string& path);
 
+/// While it lives, the folders that make_folder() makes are remembered; those that are empty when it ends go away
+/// again. Every command has one, so that a command that refuses its input leaves no folder.
+class NewFolders {
+ public:
+  NewFolders();
+  ~NewFolders();
+  NewFolders(const NewFolders&) = delete;
+  NewFolders& operator=(const NewFolders&) = delete;
+};
+
 /// The folder that `path` is or would lie in, as far as it is there.
 std::string existing_part(const std::string& path);
 

@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/files/udim_set.h"
 #include "host/image/normals/reading_parameters.h"
+#include "host/image/normals/tile_set.h"
 #include "host/parameters/export_parameters.h"
 
 namespace multum {
@@ -20,7 +21,8 @@ const Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
 const Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
                                                  {"rgba16f", MaterialTexels::kRgba16f},
                                                  {"rg8", MaterialTexels::kRg8},
-                                                 {"bc", MaterialTexels::kBlocks}};
+                                                 {"bc", MaterialTexels::kBlocks},
+                                                 {"uastc", MaterialTexels::kUastc}};
 
 // Of a map in a folder of several: files that begin with its name, or a folder for images a level.
 std::string output_suffix(const ExportJob& job) {
@@ -34,24 +36,29 @@ void apply(const ParameterValues& values, ExportJob& job) {
   apply_reading(values, job.reading);
   job.surface = map_surface(values).value_or(job.surface);
   job.lobe.base_roughness = values.number("base_roughness").value_or(job.lobe.base_roughness);
-  job.lobe.is_anisotropic = values.flag("anisotropy");
-  job.lobe.is_fast = values.flag("fast");
-  job.roughness = values.text("roughness").value_or("");
+  job.lobe.is_anisotropic = job.lobe.is_anisotropic || values.flag("anisotropy");
+  job.lobe.is_fast = job.lobe.is_fast || values.flag("fast");
+  job.roughness = values.text("roughness").value_or(job.roughness);
   if (const auto gloss = values.text("gloss")) job.roughness = *gloss, job.roughness_is_gloss = true;
-  job.occlusion = values.text("occlusion").value_or("");
-  job.metalness = values.text("metalness").value_or("");
+  job.occlusion = values.text("occlusion").value_or(job.occlusion);
+  job.metalness = values.text("metalness").value_or(job.metalness);
   job.format = values.choice("format", kMaterialFormats);
   job.texels = values.choice("texels", kMaterialTexels);
   job.zstd_level = values.integer("zstd").value_or(job.zstd_level);
-  job.has_roughness_alone = values.flag("roughness_alone");
+  job.has_roughness_alone = job.has_roughness_alone || values.flag("roughness_alone");
+  job.has_smoothness = job.has_smoothness || values.flag("smoothness");
+  if (const auto green = values.text("write_green")) job.green_is_down = *green == "down";
+  job.uastc_effort = values.integer("uastc_effort").value_or(job.uastc_effort);
+  job.encoder = values.text("encoder").value_or(job.encoder);
   if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
-  job.lobes = values.text("beside").value_or("");
-  job.measure = !values.flag("no_measure");
-  job.resume = values.flag("resume");
-  job.accuracy.finds_optimum = values.flag("optimum");
+  job.lobes = values.text("beside").value_or(job.lobes);
+  job.measure = job.measure && !values.flag("no_measure");
+  job.force = job.force || values.flag("force");
+  job.resume = job.resume || values.flag("resume");
+  job.accuracy.finds_optimum = job.accuracy.finds_optimum || values.flag("optimum");
   job.accuracy.cells_per_level = values.integer("cells").value_or(job.accuracy.cells_per_level);
-  job.report = values.text("report").value_or("");
-  job.scratch_folder = values.text("scratch").value_or("");
+  job.report = values.text("report").value_or(job.report);
+  job.scratch_folder = values.text("scratch").value_or(job.scratch_folder);
 }
 
 std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vector<std::string>& inputs) {
@@ -63,9 +70,11 @@ std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vec
   }
   std::vector<ExportJob> jobs;
   std::map<std::string, std::string> taken;  // output -> input
+  TileSets sets;
   for (const SetMap& map : maps_of_names(inputs)) {
     ExportJob job = pattern;
     job.input = map.path;
+    sets.enter(map.set, map.tile, job.reading);
     if (!map.tile.empty())
       for (std::string ExportJob::*beside : kExportMapsBeside) job.*beside = with_tile(pattern.*beside, map.tile);
     job.output = place_of_map(pattern.output, map, output_suffix(pattern));

@@ -110,9 +110,9 @@ std::vector<ManifestExport> read_export_manifest(const std::string& path, const 
 
 ManifestExportResult run_manifest_export(const ManifestExport& map, bool is_dry, Device& device, Progress* progress) {
   ManifestExportResult result{find_export_state(map.job), std::nullopt};
-  if (result.found.finding == ExportFinding::kInPlace || is_dry) return result;
+  if (is_dry || (result.found.finding == ExportFinding::kInPlace && !map.job.force)) return result;
   result.report = export_file(map.job, device, progress);
-  write_export_record(map.job, result.report->files);
+  write_export_record(map.job, *result.report);
   return result;
 }
 

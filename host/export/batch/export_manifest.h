@@ -27,7 +27,8 @@ struct ManifestExportResult {
   std::optional<ExportReport> report;  // set: exported in this run
 };
 
-/// Exports what is not in place, and records it. `is_dry`: only looks. Throws Error, Cancelled.
+/// Exports what is not in place, or whatever its job says is forced, and records it. `is_dry`: only looks. Throws
+/// Error, Cancelled.
 ManifestExportResult run_manifest_export(const ManifestExport& map, bool is_dry, Device& device, Progress* progress);
 
 }  // namespace multum

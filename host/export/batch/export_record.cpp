@@ -13,6 +13,7 @@
 #include "host/base/path_text.h"
 #include "host/export/batch/export_batch.h"
 #include "host/export/export_key.h"
+#include "host/image/normals/tile_set.h"
 
 namespace multum {
 namespace {
@@ -23,9 +24,9 @@ using Json = nlohmann::json;
 // Null: there is none that can be read.
 Json read_record(const std::string& path) {
   const Json record = Json::parse(json_of_file(path).value_or(""), nullptr, false);
-  return record.is_object() && record.contains("key") && record.contains("files") && record["files"].is_object()
-             ? record
-             : Json();
+  const bool has_tiles_text = record.is_object() && (!record.contains("tiles") || record["tiles"].is_string());
+  return has_tiles_text && record.contains("key") && record.contains("files") && record["files"].is_object() ? record
+                                                                                                             : Json();
 }
 
 // Names in a record are those of its own folder, and no way out of it.
@@ -50,6 +51,11 @@ ExportState find_export_state(const ExportJob& job) {
         return {ExportFinding::kStale, fmt::format("made with other {}", part)};
     return {ExportFinding::kStale, "made otherwise"};
   }
+  const NormalMapSettings& reading = job.reading;
+  if (const std::string tiles = record.value("tiles", "");
+      !tiles.empty() && reading.tiles != nullptr &&
+      !tiles_are_unchanged(tiles, *reading.tiles, reading.tile, reading.fix_nan))
+    return {ExportFinding::kStale, "other tiles of its set have changed, which its borders or its green are of"};
   for (const auto& [text, hash] : record["files"].items()) {
     const std::string name = path_of_text(text);
     if (!is_plain_name(name)) return {ExportFinding::kStale, fmt::format("{}: names files elsewhere", path)};
@@ -62,9 +68,10 @@ ExportState find_export_state(const ExportJob& job) {
   return {ExportFinding::kInPlace, ""};
 }
 
-void write_export_record(const ExportJob& job, const std::vector<std::string>& files) {
+void write_export_record(const ExportJob& job, const ExportReport& report) {
   Json record = {{"key", export_key(job)}, {"files", Json::object()}};
-  for (const std::string& file : files)
+  if (!report.input.tiles.empty()) record["tiles"] = report.input.tiles;
+  for (const std::string& file : report.files)
     record["files"][text_of_path(fs::path(file).filename().string())] = hash_file(file);
   write_text_file(export_record_file(job), json_text(record, 1) + "\n");
 }

@@ -28,7 +28,7 @@ std::string export_record_file(const ExportJob& job);
 /// Throws Error(kInput) when there is a record, and a file that the job reads cannot be read.
 ExportState find_export_state(const ExportJob& job);
 
-/// After an export. `files`: ExportReport::files. Throws Error(kInput, kEnvironment).
-void write_export_record(const ExportJob& job, const std::vector<std::string>& files);
+/// After an export. Throws Error(kInput, kEnvironment).
+void write_export_record(const ExportJob& job, const ExportReport& report);
 
 }  // namespace multum

@@ -51,7 +51,7 @@ std::vector<std::uint8_t> tiled(const std::vector<std::vector<std::uint8_t>>& pi
 }
 
 // One motion behind the other; empty where there is no ffmpeg.
-std::string video_of(const SurfaceStudy& study, const std::string& folder) {
+std::string video_of(const SurfaceStudy& study, const std::string& page, const std::string& folder) {
   VideoFrames video;
   const int rows = (static_cast<int>(study.ids.size()) + 1 + kTileColumns - 1) / kTileColumns;
   video.width = kFrameSide * kTileColumns;
@@ -61,7 +61,7 @@ std::string video_of(const SurfaceStudy& study, const std::string& folder) {
   try {
     return encode_webm(video, folder);
   } catch (const Error& error) {
-    log_warning(std::string("the page has no moving pictures: ") + error.what());
+    log_warning(page, std::string("has no moving pictures: ") + error.what());
     return "";
   }
 }
@@ -112,7 +112,7 @@ void write_export_page(const ExportJob& job, const ExportReport& report, const s
   json["software"] = software_version();
   json["report"] = Json::parse(report.to_json(job));
   progress_stage(progress, "encode");
-  json["video"] = encode_base64(video_of(study, scratch->path()));
+  json["video"] = encode_base64(video_of(study, path, scratch->path()));
   const auto& files = export_templates();
   write_text_file(path, html_page({files.at("export.html"), files.at("export.css"), files.at("export.js")}, json));
 }

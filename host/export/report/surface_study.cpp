@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host/asset/baked_file.h"
-#include "host/base/quiet_log.h"
+#include "host/base/messages/quiet_log.h"
 #include "host/base/size_of.h"
 #include "host/export/accuracy/export_rules.h"
 #include "host/export/export_source.h"

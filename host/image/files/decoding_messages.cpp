@@ -51,6 +51,7 @@ std::string open_answer(const ImageDescription& description) {
   out.number(std::uint64_t{description.notes.size()});
   for (const std::string& note : description.notes) out.text(note);
   out.number(description.texel_metres);
+  out.number(static_cast<std::uint8_t>(description.no_data.has_value())).number(description.no_data.value_or(0.0));
   return out.take();
 }
 
@@ -80,6 +81,8 @@ ImageDescription parse_open_answer(MessageReader& in) {
   for (std::size_t left = in.count(); left > 0; --left) description.parts.push_back(read_part(in));
   for (std::size_t left = in.count(); left > 0; --left) description.notes.push_back(in.text());
   description.texel_metres = in.number<double>();
+  const bool has_no_data = in.number<std::uint8_t>() != 0;
+  if (const auto no_data = in.number<double>(); has_no_data) description.no_data = no_data;
   return description;
 }
 

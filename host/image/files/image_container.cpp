@@ -212,11 +212,11 @@ void refuse_baked_file(const std::string& path, ByteFile& file) {
   });
   // A pyramid's finest level is a picture or a height field as others are.
   if (representation.empty() || representation.starts_with("pyramid of ")) return;
-  refuse_file(path,
-              fmt::format("is a file that multum baked from {0} ({1}), expected a map. Give {0} itself, or the baked "
-                          "file to 'multum info', 'multum verify', 'multum export' (as NAME.ndf.exr), 'multum "
-                          "look' or 'multum-view'",
-                          source.empty() ? "a map" : source, representation));
+  const std::string map = source.empty() ? "the map" : source;
+  refuse_file(path, fmt::format("is a file that multum baked from {0} ({1}), expected a map. Give {2} itself, or the "
+                                "baked file to 'multum info', 'multum verify', 'multum export' (as NAME.ndf.exr), "
+                                "'multum look' or 'multum-view'",
+                                source.empty() ? "a map" : source, representation, map));
 }
 
 void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& container, std::int64_t texel_count_max) {
@@ -332,6 +332,7 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
                     tiff.is_reduced ? ", which says that it is a reduced version of another" : ""));
   else if (tiff.is_reduced) container.notes.emplace_back("its picture says that it is a reduced version of another");
   container.texel_metres = tiff.texel_metres;
+  container.no_data = tiff.no_data;
 }
 
 constexpr std::size_t kHeadBytes = 16;  // enough to know any of the formats

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct ImageContainer {
   std::vector<ByteRange> ranges;           // the file without its metadata (texts, EXIF, XMP, ICC), in order
   std::vector<std::string> notes = {};     // what the file says of its picture that is not heeded, a line each
   double texel_metres = 0.0;               // GeoTIFF's ModelPixelScale where its unit is the metre; 0: not said
+  std::optional<double> no_data = {};      // GeoTIFF: the number, as stored, of texels that have none
   bool inverts_integers = false;           // TIFF: 0 is white, which OpenImageIO 2.4.7 leaves so beyond 8 bits
   std::vector<ByteRange> byte_words = {};  // TIFF: 16-bit words v * 256 of a colour map, meant as v * 257
   std::vector<BytePatch> patches = {};     // TIFF: what OpenImageIO 2.4.7 takes otherwise than it is meant

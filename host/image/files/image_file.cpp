@@ -64,7 +64,8 @@ void check_described(const std::string& path, const ImageDescription& descriptio
   if (description.parts.empty() || description.parts.size() > kPartCountMax)
     refuse_file(path, fmt::format("found {} parts, expected 1 to {}", description.parts.size(), kPartCountMax));
   constexpr std::size_t kNoteCountMax = 16;
-  if (description.notes.size() > kNoteCountMax || !std::isfinite(description.texel_metres))
+  if (description.notes.size() > kNoteCountMax || !std::isfinite(description.texel_metres) ||
+      !std::isfinite(description.no_data.value_or(0.0)))
     refuse_file(path, "damaged: its description makes no sense");
   for (const ImagePart& part : description.parts) check_part(path, part, texel_count_max);
 }

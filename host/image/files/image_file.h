@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,7 @@ struct ImageDescription {
   std::vector<ImagePart> parts;
   std::vector<std::string> notes = {};  // ImageContainer's
   double texel_metres = 0.0;            // the same
+  std::optional<double> no_data = {};   // the same
 };
 
 /// Rows of some channels, interleaved, as numbers of one type.

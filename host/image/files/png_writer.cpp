@@ -131,8 +131,8 @@ void Png16Writer::write_rows(int row_count, const std::uint16_t* interleaved) {
 
 void Png16Writer::finish() { file_->finish(); }
 
-Png8Writer::Png8Writer(const std::string& path, int width, int height)
-    : file_(std::make_unique<PngFile>(path, PngFormat{width, height, 3, 8, 6, ""})) {}
+Png8Writer::Png8Writer(const std::string& path, int width, int height, int channels)
+    : file_(std::make_unique<PngFile>(path, PngFormat{width, height, channels, 8, 6, ""})) {}
 
 Png8Writer::~Png8Writer() = default;
 

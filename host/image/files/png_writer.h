@@ -30,12 +30,13 @@ class Png16Writer {
 /// The same of 8 bits, whose numbers are data: the file names no colour space.
 class Png8Writer {
  public:
-  Png8Writer(const std::string& path, int width, int height);
+  /// `channels`: 3, or 4 with alpha.
+  Png8Writer(const std::string& path, int width, int height, int channels = 3);
   ~Png8Writer();
   Png8Writer(const Png8Writer&) = delete;
   Png8Writer& operator=(const Png8Writer&) = delete;
 
-  /// The next rows; `interleaved` holds 3 values a texel.
+  /// The next rows; `interleaved` holds `channels` values a texel.
   void write_rows(int row_count, const std::uint8_t* interleaved);
   void finish();
 

@@ -2,11 +2,12 @@
 // Directories: [count 2][entry 12]...[next 4], of BigTIFF [count 8][entry 20]...[next 8].
 //   entry   [tag 2][type 2][count 4 or 8][value, or where it is: 4 or 8]
 // GeoTIFF 1.1 (OGC 19-008): ModelPixelScale is three doubles; GeoKeyDirectory is words, [header 4], then [key, 0, 1,
-// value] of those that are kept in it.
+// value] of those that are kept in it. GDAL_NODATA is a text (gdal.org/drivers/raster/gtiff.html).
 #include "host/image/files/tiff_survey.h"
 
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <set>
 
@@ -65,6 +66,15 @@ class Directories {
     const auto half = [&](int i) { return static_cast<std::uint64_t>(number(value.position + 4 * i, 4)); };
     return std::bit_cast<double>(is_big_endian_ ? half(0) << 32 | half(1) : half(1) << 32 | half(0));
   }
+  // A number that is written as text.
+  std::optional<double> text_number(const Value& value) {
+    constexpr std::int64_t kLengthMax = 64;
+    if (value.type != 2 || value.count > kLengthMax) return std::nullopt;
+    const std::string text = file_.bytes(value.position, value.count, "a TIFF text");
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    return end != text.c_str() && std::isfinite(number) ? std::optional(number) : std::nullopt;
+  }
   // Whether the directory of GeoTIFF's keys says that x and y are metres.
   bool is_in_metres(const Value& keys) {
     if (keys.type != 3) return false;
@@ -114,6 +124,7 @@ void survey_first(Directories& directories, int tag, const Value& value, TiffSur
     case 339: survey.sample_format = directories.integer(value); break;
     case 33550: survey.texel_metres = directories.real(value); break;
     case 34735: geo_keys = value; break;
+    case 42113: survey.no_data = directories.text_number(value); break;
     default: break;
   }
 }

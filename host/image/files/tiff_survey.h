@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "host/base/files/byte_file.h"
@@ -29,7 +30,8 @@ struct TiffSurvey {
   std::int64_t rows_per_strip = 0;       // 0: not said
   ByteRange rows_per_strip_at = {0, 0};  // its bytes
   ByteRange colour_map = {0, 0};
-  double texel_metres = 0.0;  // along x; 0: not said, or not in metres
+  double texel_metres = 0.0;                     // along x; 0: not said, or not in metres
+  std::optional<double> no_data = std::nullopt;  // GDAL's: the value of texels that have none
 };
 
 /// Examines the directories whose header is at `base`: 0 in a TIFF file.

@@ -4,6 +4,7 @@
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
 //     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo is like a height: a warning says so. One
 //     value tells nothing and two are a mask: refused.
+//     So are heights whose bytes are spread over channels (packed_heights.h).
 //  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
 //     What nearly flat normals round their z to is not set aside: there both readings are the same up to rounding.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
@@ -24,6 +25,7 @@
 #include "host/base/error.h"
 #include "host/base/messages/option_words.h"
 #include "host/image/files/number_type.h"
+#include "host/image/normals/packed_heights.h"
 #include "host/image/normals/vector_statistics.h"
 
 namespace multum {
@@ -50,16 +52,7 @@ struct Evidence {
 
 // Compression leaves colours of up to a code of 8 bits. With more bits, what differs between channels as much as it
 // does between texels is no such noise: normals that are short, around mid-grey.
-bool is_grey(const Evidence& evidence) {
-  constexpr double kChromaMax = 1.0 / 255.0, kChromaOfContrastMax = 0.25;
-  if (evidence.info().channel_count != 3) return false;
-  const double chroma = evidence.survey.chroma_rms();
-  if (chroma == 0.0) return true;
-  if (evidence.info().sample_type != SampleType::kUint8 &&
-      chroma > kChromaOfContrastMax * evidence.survey.grey_deviation())
-    return false;
-  return chroma <= kChromaMax;
-}
+bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
 // Whether a finite value of the first channel is further than `margin` from both ends of its range. Of most images the
 // first rows say so.
@@ -79,7 +72,7 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
 // Why a grey image is no height field, nullopt when it may be one: all its finite values are the same, or are one of
 // two, up to a fiftieth of what lies between them (8 bits of a compressed mask).
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
-  const ImageSurvey::Range& range = evidence.survey.range(0);
+  const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
   if (range.high == range.low) return fmt::format("every texel is {:.4g}, which tells nothing", range.low);
   const double margin = 0.02 * (static_cast<double>(range.high) - static_cast<double>(range.low));
@@ -264,7 +257,7 @@ double empty_share(const Evidence& evidence, const Reading& reading) {
 bool has_x_in_alpha(const Evidence& evidence) {
   if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
   const auto spread = [&evidence](int channel) {
-    const ImageSurvey::Range& range = evidence.survey.range(channel);
+    const ImageSurvey::Range range = evidence.survey.range(channel);
     return static_cast<double>(range.high) - static_cast<double>(range.low);
   };
   constexpr double kNoise = 2.5 / 255.0;
@@ -354,9 +347,11 @@ void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, con
   if (!names.empty()) warnings.push_back(names + ": without effect on " + what);
 }
 
-DetectedEncoding height_field(const std::string& reason, const NormalMapSettings& settings) {
+DetectedEncoding height_field(const std::string& reason, const HeightReading& reading,
+                              const NormalMapSettings& settings) {
   DetectedEncoding result;
   result.is_height_field = true;
+  result.heights = reading;
   result.reason = reason;
   const bool is_signed = settings.is_signed.value_or(false);
   warn_of_ignored({{settings.green.has_value(), "green"},
@@ -376,7 +371,48 @@ DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, c
                 fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
                             "values{}",
                             path, *why, advice(". If it is one all the same, give <bumpformat height>")));
-  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height", settings);
+  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height",
+                      {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+}
+
+// The coding that was asked for.
+std::optional<HeightCoding> coding_of(BumpFormat format) {
+  switch (format) {
+    case BumpFormat::kPacked16: return HeightCoding::kPacked16;
+    case BumpFormat::kPacked24: return HeightCoding::kPacked24;
+    case BumpFormat::kTerrarium: return HeightCoding::kTerrarium;
+    case BumpFormat::kMapbox: return HeightCoding::kMapbox;
+    default: return std::nullopt;
+  }
+}
+
+DetectedEncoding packed_heights(const std::string& path, const Evidence& evidence, HeightCoding coding,
+                                const NormalMapSettings& settings) {
+  const int channel_count = coding == HeightCoding::kPacked16 ? 2 : 3;
+  if (evidence.info().base_type != number_type::kUint8 || evidence.info().channel_count < channel_count)
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {}, expected {} channels of 8 bits for {}", path,
+                                               evidence.info().format, channel_count, height_coding_name(coding)));
+  return height_field(coding_of(settings.bump_format)
+                          ? height_coding_name(coding) + ", as asked for"
+                          : height_coding_name(coding) + ": they are continuous, where the channels by themselves jump",
+                      {coding, std::nullopt}, settings);
+}
+
+// Reads what the caller said to be heights.
+DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
+  if (is_grey(evidence))
+    return height_field(
+        evidence.info().channel_count == 1 ? "as asked for" : "as asked for; the mean of equal colour channels",
+        {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+  if (const std::optional<HeightCoding> packed = find_packed_heights(evidence.image))
+    return packed_heights(path, evidence, *packed, settings);
+  throw Error(
+      ErrorCode::kInput,
+      fmt::format("{}: found colours, whose channels differ by {:.3g} of their {} rms, expected heights as asked for: "
+                  "one channel, or equal ones. Save the channel that has them as grey (oiiotool IN --ch R -o OUT){}",
+                  path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
+                  advice("; if its bytes are spread over the channels, give <bumpformat packed16>, packed24, terrarium "
+                         "or mapbox")));
 }
 
 // The threshold lies between the maps that are known and those that are not (0.15 and 0.31, see vector_statistics.cpp);
@@ -426,20 +462,39 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      green_name(encoding.green), green_note);
 }
 
+// Warns where a set's green is not the one that the map by itself seems to have.
+void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
+  if (!own || !of_set || *own == *of_set) return;
+  warnings.push_back(fmt::format(
+      "green is read as {}, as in the first tile of its set that can tell, but this tile is the slopes of a "
+      "surface whose green points {}{}",
+      green_name(*of_set), green_name(*own), advice(": <green up> or <green down> says what holds for all tiles")));
+}
+
 }  // namespace
 
+bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey) {
+  constexpr double kChromaMax = 1.0 / 255.0, kChromaOfContrastMax = 0.25;
+  if (info.channel_count < 2) return true;
+  const double chroma = survey.chroma_rms();
+  if (chroma == 0.0) return true;
+  if (info.sample_type != SampleType::kUint8 && chroma > kChromaOfContrastMax * survey.grey_deviation()) return false;
+  return chroma <= kChromaMax;
+}
+
 std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings) {
-  if (settings.bump_format == BumpFormat::kHeight || info.channel_count == 1) return {};
+  const bool are_heights = settings.bump_format != BumpFormat::kAuto && settings.bump_format != BumpFormat::kNormal;
+  if (are_heights || info.channel_count == 1) return {};
   return signedness_candidates(info.sample_type, first_encoding(info, settings), settings);
 }
 
 DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
-                                 const NormalMapSettings& settings, int threads) {
+                                 const NormalMapSettings& settings, int threads, const GreenOfSet& green_of_set) {
   const Evidence evidence{image, survey, threads};
   const int channel_count = image.info().channel_count;
-  if (settings.bump_format == BumpFormat::kHeight)
-    return height_field(channel_count == 1 ? "as asked for" : "as asked for; the mean of the colour channels",
-                        settings);
+  if (settings.bump_format == BumpFormat::kHeight) return asked_heights(path, evidence, settings);
+  if (const std::optional<HeightCoding> coding = coding_of(settings.bump_format))
+    return packed_heights(path, evidence, *coding, settings);
   if (channel_count == 1 && settings.two_channel.value_or(false))
     throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
                                                "two-channel map has x and y",
@@ -449,8 +504,12 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
       throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
     return grey_image(path, evidence, "1 channel", settings);
   }
-  if (settings.bump_format == BumpFormat::kAuto && is_grey(evidence))
-    return grey_image(path, evidence, "red, green and blue are equal", settings);
+  if (settings.bump_format == BumpFormat::kAuto) {
+    if (channel_count == 3 && is_grey(evidence))
+      return grey_image(path, evidence, "red, green and blue are equal", settings);
+    if (const std::optional<HeightCoding> packed = find_packed_heights(image))
+      return packed_heights(path, evidence, *packed, settings);
+  }
   if (settings.refuse_doubts && is_grey(evidence))
     throw Error(ErrorCode::kInput, path + ": found a grey image, expected a normal map");
 
@@ -463,9 +522,14 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   check_blue(path, evidence, reading, settings, result.warnings);
   result.vectors = reading.encoding;
   result.vectors.empty_is_unused = empty_share(evidence, reading) > kUnusedShareNoted;
-  const std::optional<GreenAxis> found_green = green_from_gradients(reading.statistics);
+  const std::optional<GreenAxis> own_green = green_from_gradients(reading.statistics);
+  const bool asks_set = green_of_set && !settings.green;
+  const std::optional<GreenAxis> found_green = asks_set ? green_of_set(own_green) : own_green;
   result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
-  const char* green_note = settings.green.has_value() ? ", as asked for" : found_green.has_value() ? "" : ", undecided";
+  const char* green_note = settings.green.has_value()             ? ", as asked for"
+                           : !found_green.has_value()             ? ", undecided"
+                           : asks_set && found_green != own_green ? ", as its set has it"
+                                                                  : "";
   result.description = describe(result.vectors, green_note);
   result.reason = summary(reading);
   result.vectors.tilt = settings.normal_scale;
@@ -481,6 +545,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
         100.0 * reading.statistics.length_error, 100.0 * reading.signed_z_error);
   warn_of_length(reading, result.warnings);
   warn_of_green(settings, found_green, reading.statistics, result.warnings);
+  if (asks_set) warn_of_set(own_green, found_green, result.warnings);
   return result;
 }
 

@@ -2,14 +2,17 @@
 // With h in texels, +X right and +Y up (row 0 on top), by central differences of second order:
 //   dh/dx = (h(column + 1) - h(column - 1)) / 2      dh/dy = (h(row - 1) - h(row + 1)) / 2
 //   n = (-dh/dx, -dh/dy, 1) / |..|
-// Beyond the border: periodic wraps round; clamp and mirror repeat the border texel (mirrors lie between texels, as in
-// OpenImageIO), which halves the slope there; black is height 0.
+// Beyond the border: periodic wraps round, a neighbouring tile goes on, black is height 0. Where nothing is beyond it
+// (clamp and mirror, or no data), the difference to the one neighbour that is there is the slope:
+//   dh/dx = h(column + 1) - h(column)   or   h(column) - h(column - 1)
 #include "host/image/normals/height_field.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,110 +20,12 @@
 
 #include "host/base/error.h"
 #include "host/base/processes/parallel.h"
-#include "host/image/files/number_type.h"
+#include "host/image/normals/height_dequantize.h"
+#include "host/image/normals/height_steps.h"
 #include "host/image/normals/normal_decode.h"
 
 namespace multum {
 namespace {
-
-// The texel that `index` (-1 .. count) stands for, or -1 for black.
-int wrapped_index(int index, int count, WrapMode mode) {
-  if (index >= 0 && index < count) return index;
-  switch (mode) {
-    case WrapMode::kPeriodic: return (index + count) % count;
-    case WrapMode::kClamp:
-    case WrapMode::kMirror: return std::clamp(index, 0, count - 1);
-    case WrapMode::kBlack: return -1;
-  }
-  return -1;
-}
-
-// Rows [row_begin, row_end) of heights.
-struct HeightRows {
-  int width;
-  int row_begin;
-  int row_end;
-  std::vector<float> values;
-
-  std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row - row_begin) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(column);
-  }
-  double at(int column, int row) const { return static_cast<double>(values[index(column, row)]); }
-};
-
-// The mean of the channels. Any non-finite channel makes the texel non-finite.
-HeightRows merged_rows(const RawImage& image, int row_begin, int row_end) {
-  RawRows raw;
-  image.read_rows(row_begin, row_end - row_begin, raw);
-  const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
-  if (channel_count == 1) return {image.info().width, row_begin, row_end, std::move(raw.values)};
-  HeightRows rows{image.info().width, row_begin, row_end, std::vector<float>(raw.values.size() / channel_count)};
-  for (std::size_t i = 0; i < rows.values.size(); ++i) {
-    double sum = 0.0;
-    for (std::size_t c = 0; c < channel_count; ++c) sum += static_cast<double>(raw.values[i * channel_count + c]);
-    rows.values[i] = static_cast<float>(sum / static_cast<double>(channel_count));
-  }
-  return rows;
-}
-
-double finite_neighbours_mean(const HeightRows& heights, int column, int row) {
-  double sum = 0.0;
-  int count = 0;
-  for (int y = std::max(heights.row_begin, row - 1); y < std::min(heights.row_end, row + 2); ++y) {
-    for (int x = std::max(0, column - 1); x < std::min(heights.width, column + 2); ++x) {
-      if (!std::isfinite(heights.at(x, y))) continue;
-      sum += heights.at(x, y);
-      ++count;
-    }
-  }
-  return count > 0 ? sum / count : 0.0;
-}
-
-// What is the same for every band.
-struct Heights {
-  const RawImage& image;
-  bool is_finite;
-  const NormalMapSettings& settings;
-
-  HeightRows repaired_rows(int row_begin, int row_end) const;
-  HeightRows rows_and_neighbours(int row_begin, int row_end) const;
-};
-
-// Non-finite heights are filled from rows that are not repaired, one more on either side.
-HeightRows Heights::repaired_rows(int row_begin, int row_end) const {
-  if (is_finite) return merged_rows(image, row_begin, row_end);
-  const HeightRows found = merged_rows(image, std::max(0, row_begin - 1), std::min(image.info().height, row_end + 1));
-  HeightRows repaired{found.width, row_begin, row_end, {}};
-  repaired.values.assign(found.values.begin() + static_cast<std::ptrdiff_t>(found.index(0, row_begin)),
-                         found.values.begin() + static_cast<std::ptrdiff_t>(found.index(0, row_end)));
-  for (int row = row_begin; row < row_end; ++row) {
-    for (int column = 0; column < found.width; ++column) {
-      if (std::isfinite(found.at(column, row))) continue;
-      repaired.values[repaired.index(column, row)] =
-          settings.fix_nan == FixNan::kBox3 ? static_cast<float>(finite_neighbours_mean(found, column, row)) : 0.0f;
-    }
-  }
-  return repaired;
-}
-
-// Rows [row_begin - 1, row_end + 1), where a row beyond the image is the one that the wrap mode puts there.
-HeightRows Heights::rows_and_neighbours(int row_begin, int row_end) const {
-  const int height = image.info().height;
-  HeightRows rows{image.info().width, row_begin - 1, row_end + 1, {}};
-  const auto append = [&rows](const HeightRows& next) {
-    rows.values.insert(rows.values.end(), next.values.begin(), next.values.end());
-  };
-  const auto append_beyond = [&](int row) {
-    const int wrapped = wrapped_index(row, height, settings.wrap_t);
-    if (wrapped >= 0) append(repaired_rows(wrapped, wrapped + 1));
-    else rows.values.resize(rows.values.size() + static_cast<std::size_t>(rows.width), 0.0f);
-  };
-  if (row_begin == 0) append_beyond(-1);
-  append(repaired_rows(std::max(0, row_begin - 1), std::min(height, row_end + 1)));
-  if (row_end == height) append_beyond(height);
-  return rows;
-}
 
 // A number with two significant digits, as one would type it.
 double rounded(double value) {
@@ -128,26 +33,14 @@ double rounded(double value) {
   return std::round(value / unit) * unit;
 }
 
-// What a value difference of 1 is in the file's own numbers: integers were divided by it.
-double value_unit(const RawImageInfo& info) {
-  switch (info.base_type) {
-    case number_type::kUint8: return 255.0;
-    case number_type::kInt8: return 127.0;
-    case number_type::kUint16: return 65535.0;
-    case number_type::kInt16: return 32767.0;
-    case number_type::kUint32: return 4294967295.0;
-    case number_type::kInt32: return 2147483647.0;
-    default: return 1.0;
-  }
-}
-
 // The scale that a usual slope, or texels of a known size and heights in metres, ask for.
-std::string suggested_scale(const RawImageInfo& info, double slope_rms, bool is_slope_odd,
+std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool is_slope_odd,
                             const NormalMapSettings& settings) {
+  const RawImageInfo& info = surface.info();
   const auto scale = static_cast<double>(settings.height_scale);
   std::string text;
   if (info.texel_metres > 0.0) {
-    const double of_metres = value_unit(info) / info.texel_metres;
+    const double of_metres = value_unit(info, surface.reading()) / info.texel_metres;
     if (std::abs(scale - of_metres) > 0.01 * of_metres)
       text += fmt::format("; its texels are {:g} m wide: heights in metres need --height-scale {:.4g}",
                           info.texel_metres, of_metres);
@@ -166,11 +59,11 @@ constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // surfaces that a bake is 
 bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
 
 // A height's scale is not in the file, and a grey image may be none: both show in the slopes.
-void warn_of_doubts(NormalMapReport& report, const RawImageInfo& info, double slope_rms,
+void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, double slope_rms,
                     const NormalMapSettings& settings) {
   const bool is_scale_said = settings.height_scale != 1.0f;  // nobody says the default
   std::string text;
-  if (settings.bump_format == BumpFormat::kAuto)
+  if (settings.bump_format == BumpFormat::kAuto && surface.reading().coding == HeightCoding::kGrey)
     text = fmt::format(
         "a grey image, taken for a height field at --height-scale {:g} (--bumpformat height says that "
         "it is one)",
@@ -185,7 +78,7 @@ void warn_of_doubts(NormalMapReport& report, const RawImageInfo& info, double sl
     text +=
         fmt::format("its rms slope {:.3g} is too {}, expected {:g} to {:g}: --height-scale {:g} may be wrong",
                     slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin, kSlopeMax, settings.height_scale);
-  const std::string suggestion = suggested_scale(info, slope_rms, is_odd(slope_rms), settings);
+  const std::string suggestion = suggested_scale(surface, slope_rms, is_odd(slope_rms), settings);
   if (text.empty() && !suggestion.empty())
     text = fmt::format("--height-scale {:g} may be wrong", settings.height_scale);
   text += suggestion;
@@ -195,23 +88,46 @@ void warn_of_doubts(NormalMapReport& report, const RawImageInfo& info, double sl
 // What one row gives, row by row: sums do not depend on how rows were put into bands.
 struct RowSums {
   std::int64_t lifted = 0;
-  double slopes = 0.0;  // squares
+  std::int64_t missing = 0;  // texels without a height
+  double slopes = 0.0;       // squares
+  float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();  // heights
 };
 
-// The normals of one row, whose neighbours `heights` holds.
-RowSums row_normals(const HeightRows& heights, int row, const NormalMapSettings& settings,
+// Twice the slope at a texel, from its two neighbours or the one that has a height.
+double twice_slope(float before, float at, float after) {
+  const bool has_before = !std::isnan(before), has_after = !std::isnan(after);
+  const auto difference = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
+  if (has_before && has_after) return difference(after, before);
+  if (has_after) return 2.0 * difference(after, at);
+  return has_before ? 2.0 * difference(at, before) : 0.0;
+}
+
+// Rows of dequantized_heights(), from -1 on.
+HeightRows rows_of(const RawImage& dequantized, int row_begin, int row_end) {
+  RawRows raw;
+  dequantized.read_rows(row_begin + 1, row_end - row_begin, raw);
+  return {-1, row_begin, dequantized.info().width, std::move(raw.values)};
+}
+
+// The normals of one row, whose neighbours `heights` holds. A texel without a height is flat.
+RowSums row_normals(const HeightRows& heights, int row, int width, double height_scale,
                     const std::array<float*, 3>& normals) {
-  const double half_scale = 0.5 * static_cast<double>(settings.height_scale);
-  const auto side_height = [&](int column) {
-    const int wrapped = wrapped_index(column, heights.width, settings.wrap_s);
-    return wrapped >= 0 ? heights.at(wrapped, row) : 0.0;
-  };
+  const double half_scale = 0.5 * height_scale;
+  const float *const above = &heights.row(row - 1)[1], *const own = &heights.row(row)[1],
+                     *const below = &heights.row(row + 1)[1];
   RowSums sums;
-  for (int column = 0; column < heights.width; ++column) {
-    glm::dvec3 n(-half_scale * (side_height(column + 1) - side_height(column - 1)),
-                 -half_scale * (heights.at(column, row - 1) - heights.at(column, row + 1)), 1.0);
-    sums.slopes += n.x * n.x + n.y * n.y;
-    if (!normalise_above_horizon(n)) ++sums.lifted;
+  for (int column = 0; column < width; ++column) {
+    glm::dvec3 n(0.0, 0.0, 1.0);
+    if (std::isnan(own[column])) {
+      ++sums.missing;
+    } else {
+      n.x = -half_scale * twice_slope(own[column - 1], own[column], own[column + 1]);
+      n.y = -half_scale * twice_slope(below[column], own[column], above[column]);
+      sums.slopes += n.x * n.x + n.y * n.y;
+      if (!normalise_above_horizon(n)) ++sums.lifted;
+      sums.low = std::min(sums.low, own[column]);
+      sums.high = std::max(sums.high, own[column]);
+    }
     normals[0][column] = static_cast<float>(n.x);
     normals[1][column] = static_cast<float>(n.y);
     normals[2][column] = static_cast<float>(n.z);
@@ -219,41 +135,96 @@ RowSums row_normals(const HeightRows& heights, int row, const NormalMapSettings&
   return sums;
 }
 
-}  // namespace
+RowSums& operator+=(RowSums& sums, const RowSums& more) {
+  sums.lifted += more.lifted;
+  sums.missing += more.missing;
+  sums.slopes += more.slopes;
+  sums.low = std::min(sums.low, more.low);
+  sums.high = std::max(sums.high, more.high);
+  return sums;
+}
 
-NormalMapRows normals_from_heights(const std::string& path, const RawImage& image, std::int64_t nonfinite_count,
-                                   const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
-                                   Progress* progress) {
-  progress_stage(progress, "heights to normals");
-  const int width = image.info().width;
-  const int height = image.info().height;
-  const Heights heights{image, nonfinite_count == 0, settings};
-  NormalMapRows map{make_plane_store(width, height, spill), {}};
+// Writes the normals of a surface, or of its dequantized_heights() where they are not null.
+RowSums write_normals(const HeightSurface& surface, const RawImage* dequantized, const NormalMapSettings& settings,
+                      const SpillPolicy& spill, int threads, Progress* progress, PlaneStore& store) {
+  const int width = surface.width(), height = surface.height();
   std::vector<RowSums> sums(static_cast<std::size_t>(height));
   for_each_row_band(height, decoding_rows(width, spill), threads, progress, [&](int, int row_begin, int row_end) {
-    const HeightRows rows = heights.rows_and_neighbours(row_begin, row_end);
+    const HeightRows rows = dequantized != nullptr ? rows_of(*dequantized, row_begin - 1, row_end + 1)
+                                                   : surface.rows(row_begin - 1, row_end + 1, 1);
     std::array<std::vector<float>, 3> normals;
-    for (std::vector<float>& plane : normals) plane.resize(rows.index(0, row_end) - rows.index(0, row_begin));
+    for (std::vector<float>& plane : normals)
+      plane.resize(static_cast<std::size_t>(row_end - row_begin) * static_cast<std::size_t>(width));
     for (int row = row_begin; row < row_end; ++row) {
-      const std::size_t first = rows.index(0, row) - rows.index(0, row_begin);
-      sums[static_cast<std::size_t>(row)] =
-          row_normals(rows, row, settings, {&normals[0][first], &normals[1][first], &normals[2][first]});
+      const std::size_t first = static_cast<std::size_t>(row - row_begin) * static_cast<std::size_t>(width);
+      sums[static_cast<std::size_t>(row)] = row_normals(rows, row, width, static_cast<double>(settings.height_scale),
+                                                        {&normals[0][first], &normals[1][first], &normals[2][first]});
     }
-    map.normals.write_rows(row_begin, row_end - row_begin, {normals[0].data(), normals[1].data(), normals[2].data()});
+    store.write_rows(row_begin, row_end - row_begin, {normals[0].data(), normals[1].data(), normals[2].data()});
   });
   RowSums total;
-  for (const RowSums& row : sums) {
-    total.lifted += row.lifted;
-    total.slopes += row.slopes;
-  }
-  const double slope_rms = std::sqrt(total.slopes / (static_cast<double>(width) * height));
-  map.report.encoding =
-      fmt::format("height field, scale {:g} texels, rms slope {:.3g}", settings.height_scale, slope_rms);
-  warn_of_doubts(map.report, image.info(), slope_rms, settings);
-  map.report.nonfinite_repaired = nonfinite_count;
-  map.report.below_horizon_repaired = total.lifted;
+  for (const RowSums& row : sums) total += row;
+  return total;
+}
+
+// Warns of steps that turn smooth slopes into terraces.
+void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const HeightSurface& surface,
+                   const NormalMapSettings& settings) {
+  const auto scale = static_cast<double>(settings.height_scale);
+  if (settings.dequantize && steps.step == 0.0)
+    report.warnings.emplace_back("--dequantize: without effect: its heights come in no steps");
+  if (settings.dequantize || !steps.are_terraces(scale)) return;
+  report.warnings.push_back(fmt::format(
+      "its heights come in steps of {}: at --height-scale {:g} one step tilts a texel by {:.1f} degrees, and smooth "
+      "slopes become terraces. Use heights of more bits, or --dequantize, which smooths them within half a step",
+      step_text(steps, surface), settings.height_scale, steps.degrees(scale)));
+}
+
+// "height field, Terrarium elevation in metres, -12 to 1830, no data on 3.2 % of the texels, scale 30 texels, ..."
+std::string description(const HeightSurface& surface, const RowSums& sums, double slope_rms,
+                        const NormalMapSettings& settings) {
+  std::string text = "height field";
+  const HeightReading& reading = surface.reading();
+  if (reading.coding != HeightCoding::kGrey) text += ", " + height_coding_name(reading.coding);
+  text += fmt::format(", scale {:g} texels, rms slope {:.3g}", settings.height_scale, slope_rms);
+  const double unit = value_unit(surface.info(), reading);
+  if (sums.low <= sums.high)
+    text += fmt::format(", values {:.6g} to {:.6g}", unit * static_cast<double>(sums.low),
+                        unit * static_cast<double>(sums.high));
+  if (unit > 1.0) text += fmt::format(" of {:.10g}", unit);
+  if (sums.missing > 0)
+    text += fmt::format(
+        ", no data{} on {:.3g} % of the texels, which are flat",
+        reading.no_data ? fmt::format(" ({:.6g})", unit * static_cast<double>(*reading.no_data)) : "",
+        100.0 * static_cast<double>(sums.missing) / (static_cast<double>(surface.width()) * surface.height()));
+  return text;
+}
+
+}  // namespace
+
+NormalMapRows normals_from_heights(const std::string& path, const HeightField& field, const NormalMapSettings& settings,
+                                   const SpillPolicy& spill, int threads, Progress* progress) {
+  progress_stage(progress, "heights to normals");
+  const HeightSurface surface(field.image, field.reading, field.nonfinite_count == 0, settings.fix_nan, field.sides);
+  const HeightSteps steps = measure_steps(surface);
+  std::optional<RawImage> dequantized;
+  if (settings.dequantize && steps.step > 0.0)
+    dequantized.emplace(dequantized_heights(surface, steps.step, spill, threads, progress));
+  NormalMapRows map{make_plane_store(surface.width(), surface.height(), spill), {}};
+  const RowSums sums =
+      write_normals(surface, dequantized ? &*dequantized : nullptr, settings, spill, threads, progress, map.normals);
+  const double texel_count = static_cast<double>(surface.width()) * surface.height();
+  const double slope_rms = std::sqrt(sums.slopes / std::max(1.0, texel_count - static_cast<double>(sums.missing)));
+  map.report.encoding = description(surface, sums, slope_rms, settings);
+  if (dequantized)
+    map.report.encoding += fmt::format(", dequantized within half a step of {}", step_text(steps, surface));
+  warn_of_doubts(map.report, surface, slope_rms, settings);
+  warn_of_steps(map.report, steps, surface, settings);
+  map.report.unused_texels = sums.missing;
+  map.report.nonfinite_repaired = field.nonfinite_count;
+  map.report.below_horizon_repaired = sums.lifted;
   // Slopes beyond the horizon are most often a matter of the scale.
-  check_repair_share(path, map, settings, suggested_scale(image.info(), slope_rms, is_odd(slope_rms), settings));
+  check_repair_share(path, map, settings, suggested_scale(surface, slope_rms, is_odd(slope_rms), settings));
   return map;
 }
 

@@ -26,8 +26,12 @@ class ImageSurvey {
     float low = std::numeric_limits<float>::infinity();
     float high = -std::numeric_limits<float>::infinity();  // below `low` while nothing is finite
   };
-  /// Range of a channel's finite values.
-  const Range& range(int channel) const { return ranges_[static_cast<std::size_t>(channel)]; }
+  /// Range of a channel's finite values; of images of one channel without no_data().
+  Range range(int channel) const;
+  /// Of images of one channel: the value that says that a texel has none, as SampleConverter gives it. Where the file
+  /// does not name it, it is the lowest, one of those that are usual for it, and far below all others.
+  std::optional<float> no_data() const;
+  std::int64_t no_data_count() const { return no_data() ? stated_count_ + (stated_ ? 0 : low_count_) : 0; }
   /// Texels of which a channel is NaN or infinite, and the first of them, by rows.
   std::int64_t nonfinite_count() const { return nonfinite_count_; }
   std::int64_t first_nonfinite() const { return first_nonfinite_; }
@@ -46,10 +50,16 @@ class ImageSurvey {
 
  private:
   void add_row(int row, const float* values);
+  void add_value(float value);
 
   RawImageInfo info_;
   SampleConverter converter_;
   std::array<Range, 3> ranges_;
+  // In images of one channel: what the file says of texels without a value, and their number; else the lowest value,
+  // how often it comes, and the lowest of all others.
+  std::optional<float> stated_;
+  std::int64_t stated_count_ = 0, low_count_ = 0;
+  float second_low_ = std::numeric_limits<float>::infinity();
   std::int64_t nonfinite_count_ = 0;
   std::int64_t first_nonfinite_ = -1;
   std::int64_t all_nan_count_ = 0;

@@ -13,10 +13,12 @@
 #include "host/image/image_reader.h"
 #include "host/image/normals/encoding_detection.h"
 #include "host/image/normals/flat_map.h"
+#include "host/image/normals/height_dequantize.h"
 #include "host/image/normals/height_field.h"
 #include "host/image/normals/image_survey.h"
 #include "host/image/normals/normal_decode.h"
 #include "host/image/normals/seam.h"
+#include "host/image/normals/tile_set.h"
 
 namespace multum {
 namespace {
@@ -54,6 +56,7 @@ struct Direction {
   const char* option;  // "swrap"
   const SeamStep& step;
   WrapOrigin origin;
+  bool has_neighbour;  // a tile of its set goes on there
 };
 
 // Nobody said that it repeats, and it does not seem to.
@@ -82,10 +85,8 @@ void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& fou
 }
 
 // The settings with the wrap modes that hold.
-NormalMapSettings with_wrap(NormalMapSettings settings, const RawImage& image, DetectedEncoding& found) {
-  const MapSeams seams = measure_seams(image);
-  const Direction s{"s (x)", "swrap", seams.s, settings.wrap_s_origin};
-  const Direction t{"t (y)", "twrap", seams.t, settings.wrap_t_origin};
+NormalMapSettings with_wrap(NormalMapSettings settings, const Direction& s, const Direction& t,
+                            DetectedEncoding& found) {
   std::vector<Direction> doubtful;
   if (is_doubtful(s, settings.wrap_s)) doubtful.push_back(s);
   if (is_doubtful(t, settings.wrap_t)) doubtful.push_back(t);
@@ -95,32 +96,155 @@ NormalMapSettings with_wrap(NormalMapSettings settings, const RawImage& image, D
   return settings;
 }
 
+Direction direction_s(const MapSeams& seams, const NormalMapSettings& settings, bool has_neighbour) {
+  return {"s (x)", "swrap", seams.s, settings.wrap_s_origin, has_neighbour};
+}
+Direction direction_t(const MapSeams& seams, const NormalMapSettings& settings, bool has_neighbour) {
+  return {"t (y)", "twrap", seams.t, settings.wrap_t_origin, has_neighbour};
+}
+
+// A map that decides itself does not repeat where its surface goes on in another tile, whatever lies at the other end.
+void report_wrap(const NormalMapSettings& wrapped, const Direction& s, const Direction& t, NormalMapReport& report) {
+  const auto mode = [](const Direction& direction, WrapMode resolved) {
+    return direction.has_neighbour && direction.origin == WrapOrigin::kFound ? WrapMode::kClamp : resolved;
+  };
+  report.wrap_s = mode(s, wrapped.wrap_s);
+  report.wrap_t = mode(t, wrapped.wrap_t);
+}
+
+// A file's numbers, and what was seen of them.
+struct ReadImage {
+  RawImage image;
+  ImageSurvey survey;
+};
+
+ReadImage read_image(const std::string& path, const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
+                     Progress* progress) {
+  progress_stage(progress, "read " + path);
+  ImageReader reader(path, {settings.texel_count_max, threads, spill.band_rows});
+  const RawImageInfo info = reader.info();
+  ReadImage read{RawImage(info, spill), ImageSurvey(info, likely_encodings(info, settings))};
+  const auto keep = [&](const RawBand& band) {
+    read.image.write(band);
+    read.survey.add(band);
+  };
+  reader.read(keep, progress);
+  return read;
+}
+
+// Green of a tile by itself; nullopt where it cannot tell, is no normal map or cannot be read, which is said where it
+// is baked.
+std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSettings& settings,
+                                      const SpillPolicy& spill, int threads, Progress* progress) {
+  std::optional<GreenAxis> green;
+  try {
+    const ReadImage read = read_image(path, settings, spill, threads, progress);
+    detect_encoding(path, read.image, read.survey, settings, threads, [&](std::optional<GreenAxis> own) {
+      green = own;
+      return own;
+    });
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kEnvironment) throw;
+  }
+  return green;
+}
+
+// Asks the set of a tile about green, and notes in `record` who answered.
+GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& spill, int threads, Progress* progress,
+                        std::string& record) {
+  if (settings.tiles == nullptr) return {};
+  return [&settings, &spill, &record, threads, progress](std::optional<GreenAxis> own) {
+    TileSet& set = *settings.tiles;
+    const TileSet::Green green = set.green([&](const std::string& tile) {
+      return tile == settings.tile ? own : green_of_map(set.path(tile), settings, spill, threads, progress);
+    });
+    record = with_green("", set, green);
+    return green.axis;
+  };
+}
+
+// Chooses the neighbouring tile, or what the wrap mode has there.
+HeightSide side_of(const HeightSide& neighbour, const HeightSide& repeated, const HeightSide& wrapped) {
+  if (neighbour.beyond != HeightSide::Beyond::kEnd) return neighbour;
+  return wrapped.beyond == HeightSide::Beyond::kWrapped ? repeated : wrapped;
+}
+
+HeightSides sides_of(const TileSurroundings& around, WrapMode wrap_s, WrapMode wrap_t) {
+  const HeightSides &near = around.neighbours, &far = around.repeated, wrapped = wrapped_sides(wrap_s, wrap_t);
+  return {side_of(near.left, far.left, wrapped.left), side_of(near.right, far.right, wrapped.right),
+          side_of(near.above, far.above, wrapped.above), side_of(near.below, far.below, wrapped.below)};
+}
+
+TileSurroundings surroundings_of(const RawImageInfo& info, HeightCoding coding, const NormalMapSettings& settings,
+                                 const SpillPolicy& spill) {
+  if (settings.tiles == nullptr) {
+    TileSurroundings alone;
+    alone.repeated = wrapped_sides(WrapMode::kPeriodic, WrapMode::kPeriodic);
+    return alone;
+  }
+  const int depth = settings.dequantize ? kDequantizeMargin : 1;
+  const auto may_repeat = [](WrapMode mode, WrapOrigin origin) {
+    return mode == WrapMode::kPeriodic || origin == WrapOrigin::kFound;
+  };
+  const TileRepeats repeats = {may_repeat(settings.wrap_s, settings.wrap_s_origin),
+                               may_repeat(settings.wrap_t, settings.wrap_t_origin)};
+  return tile_surroundings(*settings.tiles, settings.tile, info, repeats, {coding, depth, settings.fix_nan}, spill);
+}
+
+NormalMapRows read_heights(const std::string& path, const ReadImage& read, DetectedEncoding& encoding,
+                           const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
+                           Progress* progress) {
+  const std::int64_t nonfinite_count = read.survey.nonfinite_count();
+  const TileSurroundings around = surroundings_of(read.image.info(), encoding.heights.coding, settings, spill);
+  const MapSeams seams = measure_seams(
+      HeightSurface(read.image, encoding.heights, nonfinite_count == 0, settings.fix_nan, around.repeated));
+  const Direction s = direction_s(seams, settings, around.has_neighbour_s),
+                  t = direction_t(seams, settings, around.has_neighbour_t);
+  const NormalMapSettings wrapped = with_wrap(settings, s, t, encoding);
+  NormalMapRows map = normals_from_heights(
+      path, {read.image, encoding.heights, nonfinite_count, sides_of(around, wrapped.wrap_s, wrapped.wrap_t)}, wrapped,
+      spill, threads, progress);
+  if (!around.text.empty()) map.report.encoding += ", " + around.text;
+  map.report.tiles = around.record;
+  map.report.warnings.insert(map.report.warnings.begin(), around.warnings.begin(), around.warnings.end());
+  report_wrap(wrapped, s, t, map.report);
+  return map;
+}
+
+NormalMapRows read_vectors(const std::string& path, const ReadImage& read, DetectedEncoding& encoding,
+                           const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
+                           Progress* progress) {
+  const auto has_neighbour = [&](TileSide a, TileSide b) {
+    const auto is_there = [&](TileSide side) {
+      return settings.tiles->beside(settings.tile, side).kind == TileBeside::Kind::kNeighbour;
+    };
+    return settings.tiles != nullptr && (is_there(a) || is_there(b));
+  };
+  const MapSeams seams = measure_seams(read.image);
+  const Direction s = direction_s(seams, settings, has_neighbour(TileSide::kLeft, TileSide::kRight)),
+                  t = direction_t(seams, settings, has_neighbour(TileSide::kAbove, TileSide::kBelow));
+  const NormalMapSettings wrapped = with_wrap(settings, s, t, encoding);
+  NormalMapRows map = decode_normals(path, read.image, encoding.vectors, wrapped, spill, threads, progress);
+  map.report.encoding = encoding.description;
+  report_wrap(wrapped, s, t, map.report);
+  return map;
+}
+
 }  // namespace
 
 NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings, const SpillPolicy& spill,
                                    int threads, Progress* progress) {
   check_settings(settings);
-  progress_stage(progress, "read " + path);
-  ImageReader reader(path, {settings.texel_count_max, threads, spill.band_rows});
-  const RawImageInfo info = reader.info();
-  RawImage image(info, spill);
-  ImageSurvey survey(info, likely_encodings(info, settings));
-  const auto keep = [&](const RawBand& band) {
-    image.write(band);
-    survey.add(band);
-  };
-  reader.read(keep, progress);
+  const ReadImage read = read_image(path, settings, spill, threads, progress);
+  const RawImageInfo& info = read.image.info();
   progress_stage(progress, "find the encoding");
-  DetectedEncoding encoding = detect_encoding(path, image, survey, settings, threads);
-  check_finite(path, survey, info.width, settings);
-  const NormalMapSettings wrapped = with_wrap(settings, image, encoding);
-  NormalMapRows map =
-      encoding.is_height_field
-          ? normals_from_heights(path, image, survey.nonfinite_count(), wrapped, spill, threads, progress)
-          : decode_normals(path, image, encoding.vectors, wrapped, spill, threads, progress);
-  map.report.wrap_s = wrapped.wrap_s;
-  map.report.wrap_t = wrapped.wrap_t;
-  if (!encoding.is_height_field) map.report.encoding = encoding.description;
+  std::string record;
+  DetectedEncoding encoding = detect_encoding(path, read.image, read.survey, settings, threads,
+                                              green_of_set(settings, spill, threads, progress, record));
+  check_finite(path, read.survey, info.width, settings);
+  NormalMapRows map = encoding.is_height_field ? read_heights(path, read, encoding, settings, spill, threads, progress)
+                                               : read_vectors(path, read, encoding, settings, spill, threads, progress);
+  if (!encoding.is_height_field) map.report.tiles = record;
   map.report.format = info.format;
   map.report.encoding_reason = encoding.reason;
   // Heights that are all alike but for a small scale are warned of already, and a ramp of heights is a surface.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,8 +18,11 @@
 
 namespace multum {
 
-enum class BumpFormat { kAuto, kHeight, kNormal };  // maketx --bumpformat
-enum class GreenAxis { kUp, kDown };                // OpenGL, DirectX
+class TileSet;  // host/image/normals/tile_set.h
+
+/// maketx --bumpformat; and heights whose bytes are spread over channels (HeightCoding).
+enum class BumpFormat { kAuto, kHeight, kNormal, kPacked16, kPacked24, kTerrarium, kMapbox };
+enum class GreenAxis { kUp, kDown };         // OpenGL, DirectX
 enum class ZRange { kSigned, kPositive };    // of what blue stores in 0..1: 2 * blue - 1 as x and y, or blue itself
 enum class FixNan { kNone, kBlack, kBox3 };  // maketx --fixnan: refuse, flat normal, mean of the 3 x 3 neighbours
 
@@ -33,6 +37,7 @@ struct NormalMapSettings {
   std::optional<bool> two_channel = std::nullopt;  // unset: from statistics; true: z = sqrt(1 - x^2 - y^2)
   std::optional<ZRange> z_range = std::nullopt;    // unset: from statistics; of unsigned files that store z
   float height_scale = 1.0f;  // height difference in texels that a value difference of 1 stands for; finite, != 0
+  bool dequantize = false;    // heights of few bits: take the smoothest that round to them
   float normal_scale = 1.0f;  // x and y of a normal map times this, as glTF scales normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // used by height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
@@ -43,6 +48,9 @@ struct NormalMapSettings {
   FixNan fix_nan = FixNan::kBox3;
   float repair_share_max = 0.01f;  // of all texels, 0..1: more repairs than this refuse the file
   std::int64_t texel_count_max = std::int64_t{1} << 30;
+  // A tile of a set that is read as one surface; null: a map by itself. Jobs of one set share it.
+  std::shared_ptr<TileSet> tiles = nullptr;
+  std::string tile = "";
 };
 
 /// Texels that were never written, as a share of all: more than the first is warned of, more than the second is refused
@@ -56,12 +64,13 @@ struct NormalMapReport {
   std::string format;                       // "png uint8, 3 channels"
   std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
   std::string encoding_reason;              // the statistics behind it, one line
-  std::int64_t unused_texels = 0;           // never written (docs/READING.md): flat, no repair
+  std::int64_t unused_texels = 0;           // never written (docs/READING.md), or no data: flat, no repair
   std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
   std::int64_t zero_length_repaired = 0;    // mean of the 3 x 3 neighbours, else flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/image/normals/normal_decode.h)
   WrapMode wrap_s = WrapMode::kPeriodic;    // as the settings have it, or as it was found
   WrapMode wrap_t = WrapMode::kPeriodic;
+  std::string tiles;                  // what was taken from other tiles of a set (tile_source_hash()); empty: nothing
   std::vector<std::string> warnings;  // what was taken in doubt, and the option that settles it; a line each
 };
 

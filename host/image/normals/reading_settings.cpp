@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/image/normals/reading_parameters.h"
+
 namespace multum {
 namespace {
 
@@ -28,14 +30,14 @@ std::optional<bool> parse_yes_or_no(const std::string& text) {
 }  // namespace
 
 void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& json) {
-  json["bump_format"] = settings.bump_format == BumpFormat::kAuto     ? "auto"
-                        : settings.bump_format == BumpFormat::kHeight ? "height"
-                                                                      : "normal";
+  for (const auto& [word, format] : bump_formats())
+    if (format == settings.bump_format) json["bump_format"] = word;
   json["green"] = !settings.green ? "auto" : *settings.green == GreenAxis::kUp ? "up" : "down";
   json["signed"] = yes_or_no(settings.is_signed);
   json["two_channel"] = yes_or_no(settings.two_channel);
   if (settings.z_range) json["z_range"] = *settings.z_range == ZRange::kSigned ? "signed" : "positive";
   json["height_scale"] = settings.height_scale;
+  if (settings.dequantize) json["dequantize"] = true;
   if (settings.normal_scale != 1.0f) json["normal_scale"] = settings.normal_scale;
   json["wrap"] = std::string(wrap_name(settings.wrap_s, settings.wrap_s_origin)) + "," +
                  wrap_name(settings.wrap_t, settings.wrap_t_origin);
@@ -47,8 +49,8 @@ NormalMapSettings parse_reading_settings(const std::string& text) {
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return settings;
   const std::string bump_format = text_of(json, "bump_format");
-  if (bump_format == "height") settings.bump_format = BumpFormat::kHeight;
-  if (bump_format == "normal") settings.bump_format = BumpFormat::kNormal;
+  for (const auto& [word, format] : bump_formats())
+    if (word == bump_format) settings.bump_format = format;
   const std::string green = text_of(json, "green");
   if (green == "up") settings.green = GreenAxis::kUp;
   if (green == "down") settings.green = GreenAxis::kDown;
@@ -60,6 +62,8 @@ NormalMapSettings parse_reading_settings(const std::string& text) {
   const auto scale = json.find("height_scale");
   if (scale != json.end() && scale->is_number() && std::isfinite(scale->get<float>()) && scale->get<float>() != 0.0f)
     settings.height_scale = scale->get<float>();
+  const auto dequantize = json.find("dequantize");
+  settings.dequantize = dequantize != json.end() && dequantize->is_boolean() && dequantize->get<bool>();
   const auto normal_scale = json.find("normal_scale");
   if (normal_scale != json.end() && normal_scale->is_number() && std::isfinite(normal_scale->get<float>()))
     settings.normal_scale = normal_scale->get<float>();

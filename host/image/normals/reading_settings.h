@@ -11,7 +11,7 @@
 namespace multum {
 
 /// Adds every setting that changes what is read: bump_format, green, signed, two_channel, height_scale, wrap, fixnan;
-/// normal_scale where it is not 1, z_range where it is given.
+/// normal_scale where it is not 1, z_range where it is given, dequantize where it is asked for.
 void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& json);
 
 /// The settings that `text` (the file's multum:settings, docs/FORMAT.md) states; what it does not state, or states in a

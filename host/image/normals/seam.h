@@ -4,6 +4,7 @@
 #pragma once
 
 #include "host/base/wrap_mode.h"
+#include "host/image/normals/height_surface.h"
 #include "host/image/raw_image.h"
 
 namespace multum {
@@ -23,7 +24,10 @@ struct MapSeams {
   SeamStep t;  // rows
 };
 
-/// Measures at most 512 rows, evenly spaced, each with the one below it.
+/// Measures at most 512 rows, evenly spaced, each with the one below it. The second form compares heights at borders
+/// with those beyond, which may be another tile's, in units of their values. Where nothing lies beyond, it finds no
+/// seam.
 MapSeams measure_seams(const RawImage& image);
+MapSeams measure_seams(const HeightSurface& surface);
 
 }  // namespace multum

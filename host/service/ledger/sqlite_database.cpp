@@ -127,7 +127,7 @@ SqliteStatement& SqliteDatabase::statement(const char* sql) {
 
 SqliteDatabase::~SqliteDatabase() {
   statements_.clear();
-  if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_ + ": was closed with statements that are still in use");
+  if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_, "was closed with statements that are still in use");
 }
 
 void SqliteDatabase::execute(const std::string& sql) {

@@ -12,6 +12,7 @@
 #include <cstdlib>
 
 #include "host/base/error.h"
+#include "host/base/shown_text.h"
 #include "host/service/run_handlers.h"
 
 namespace multum {
@@ -96,7 +97,7 @@ class Task {
       folder_.write_end(item().number, {result, node_});
     } catch (const Error& error) {
       if (!folder_.has_order()) return stop();
-      std::fprintf(stderr, "multum: %s; it is tried again\n", error.what());
+      print_shown(stderr, "multum: %s; it is tried again\n", error.what());
       return;  // by the next tick
     }
     ended_.reset();

@@ -15,6 +15,7 @@
 #include "host/asset/representation.h"
 #include "host/base/error.h"
 #include "host/base/files/content_hash.h"
+#include "host/base/files/udim_set.h"
 #include "host/base/nearest_name.h"
 #include "host/base/path_text.h"
 #include "host/parameters/bake_parameters.h"
@@ -274,7 +275,7 @@ void check_is_one_map(const JobType& type, const Json& parameters) {
     throw Error(
         ErrorCode::kUsage,
         fmt::format("parameters.{} is {}, expected a map; a scene is baked by a job of type scene", type.input, file));
-  if (file.find("<UDIM>") != std::string::npos)
+  if (has_udim(file))
     throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, not a set", type.input, file));
 }
 

@@ -197,7 +197,7 @@ void check_geometry_channels(const StrictTable& job_table, const AnimationJob& j
   std::vector<std::string> wanted;
   for (const AnimationObject& object : job.objects) wanted.push_back(object.cryptomatte);
   const CryptomatteNames names = find_cryptomatte_names(sample->geometry, job.cryptomatte, wanted);
-  for (const std::string& warning : names.warnings) log_warning(sample->geometry + ": " + warning);
+  for (const std::string& warning : names.warnings) log_warning(sample->geometry, warning);
   const auto object_tables = job_table.tables("object");
   for (std::size_t i = 0; i < job.objects.size(); ++i) {
     const std::string& name = job.objects[i].cryptomatte;
@@ -205,10 +205,10 @@ void check_geometry_channels(const StrictTable& job_table, const AnimationJob& j
     const StrictTable table(job.path, *object_tables[i], "object", {});
     if (!names.manifest.empty())
       check_known(table, "cryptomatte", name, names.manifest, "name in the manifest of " + sample->geometry);
-    log_warning(
-        fmt::format("{}: no pixel of Cryptomatte \"{}\" has the hash of \"{}\": the object is not seen there, or "
-                    "has another name",
-                    sample->geometry, job.cryptomatte, name));
+    log_warning(sample->geometry,
+                fmt::format("no pixel of Cryptomatte \"{}\" has the hash of \"{}\": the object is not seen there, or "
+                            "has another name",
+                            job.cryptomatte, name));
   }
 }
 

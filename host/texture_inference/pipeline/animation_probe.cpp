@@ -97,7 +97,7 @@ bool AnimationProbe::is_there(int pose, std::size_t object) const {
     matrix(pose, object);  // checks that it is whole
     return true;
   } catch (const Error& damage) {
-    log_warning(fmt::format("{}; it is measured again", damage.what()));
+    log_named_warning(fmt::format("{}; it is measured again", damage.what()));
     return false;
   }
 }

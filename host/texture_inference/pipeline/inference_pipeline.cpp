@@ -223,7 +223,7 @@ class InferencePipeline {
     try {
       return read_inferred_texture(path).texels;
     } catch (const Error& damage) {
-      log_warning(fmt::format("{}; it is inferred again", damage.what()));
+      log_named_warning(fmt::format("{}; it is inferred again", damage.what()));
       return {};
     }
   }

@@ -65,8 +65,8 @@ void ParameterizedScene::check_cameras() {
     const CameraCheck check = check_camera(job_, sample, meshes_, layers.channels[job_.depth], {});
     nan_depths_ += check.nan_depths;
     if (check.tested == 0)
-      log_warning(fmt::format("{}: has no usable depth, so that camera '{}' is not checked", sample.geometry,
-                              job_.cameras[static_cast<std::size_t>(sample.camera)].name));
+      log_warning(sample.geometry, fmt::format("has no usable depth, so that camera '{}' is not checked",
+                                               job_.cameras[static_cast<std::size_t>(sample.camera)].name));
   }
 }
 

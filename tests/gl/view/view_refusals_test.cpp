@@ -59,7 +59,8 @@ TEST_F(ViewRefusalTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--brdf-terms", "5"}, 2, {"--brdf-terms"});
   expect_refusal({"-o", out, "--point-light", "0,0,1"}, 2, {"--point-light", "intensity"});
   expect_refusal({"-o", out, "--point-light", "0,0,1,-1"}, 2, {"--point-light", "intensity"});
-  expect_refusal({"-o", out, "--environment", path("map.ndf.exr")}, 3, {"map.ndf.exr", "twice as wide"});
+  expect_refusal({"-o", out, "--environment", path("map.ndf.exr")}, 3,
+                 {"map.ndf.exr", "multum baked from", "expected a map"});
   expect_refusal({"-o", out, "--light", "0,0,0"}, 2, {"--light", "towards"});
   expect_refusal({"-o", out, "--light", "1,2"}, 2, {"--light", "towards"});
   expect_refusal({"-o", out, "--camera", "0,0,0,0,0,0"}, 2, {"eye x,y,z"});

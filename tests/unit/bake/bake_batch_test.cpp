@@ -67,5 +67,29 @@ TEST_F(BakeBatchTest, SetsAreFoundByTheirTiles) {
   expect_refused({"rock_<UDIM>.png", "rock_<UDIM>.png"}, ErrorCode::kUsage, {"would go there"});
 }
 
+TEST_F(BakeBatchTest, SetsHaveTheWordsOfOtherPrograms) {
+  make({"rock_1002.png", "rock_1013.png", "wall_u1_v1.png", "wall_u3_v2.png", "wall_u0_v1.png", "wall_u11_v1.png",
+        "wall_u1_v1_old.png", "wall_u01_v1.png"});
+  for (const char* word : {"<UDIM>", "<udim>", "%(UDIM)d"}) {
+    pattern_.output = path(std::string("o_") + word + ".exr");
+    const std::vector<BakeJob> jobs = make_bake_jobs(pattern_, {path(std::string("rock_") + word + ".png")});
+    ASSERT_EQ(jobs.size(), 2u) << word;
+    EXPECT_EQ(jobs[1].input, path("rock_1013.png"));
+    EXPECT_EQ(jobs[1].output, path("o_1013.exr"));
+    EXPECT_NE(jobs[0].reading.tiles, nullptr);
+    EXPECT_EQ(jobs[0].reading.tiles, jobs[1].reading.tiles);
+  }
+  for (const char* word : {"<UVTILE>", "<uvtile>"}) {
+    pattern_.output = path("o_<UDIM>.exr");
+    const std::vector<BakeJob> jobs = make_bake_jobs(pattern_, {path(std::string("wall_") + word + ".png")});
+    ASSERT_EQ(jobs.size(), 2u) << word;
+    EXPECT_EQ(jobs[0].input, path("wall_u1_v1.png"));
+    EXPECT_EQ(jobs[1].input, path("wall_u3_v2.png"));
+    EXPECT_EQ(jobs[0].output, path("o_1001.exr"));
+    EXPECT_EQ(jobs[1].output, path("o_1013.exr"));
+    EXPECT_EQ(jobs[1].reading.tile, "1013");
+  }
+}
+
 }  // namespace
 }  // namespace multum::testing

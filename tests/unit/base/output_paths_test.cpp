@@ -50,6 +50,30 @@ TEST(OutputPathsTest, WritableLeavesNothing) {
   expect_error(ErrorCode::kUsage, {"is a folder"}, [&] { check_writable(folder.path()); });
 }
 
+// What a command that was refused leaves: none of the folders that it made, and all others.
+TEST(OutputPathsTest, NewFoldersThatStayEmptyGoAway) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "old");
+  {
+    const NewFolders outer;
+    {
+      const NewFolders inner;
+      make_folder(folder / "a/b/c");
+      make_folder(folder / "old/new");
+      make_folder(folder / "old");
+      make_folder(folder / "full/inside/empty");
+      write_bytes(folder / "full/inside/file", "x");
+    }
+    EXPECT_TRUE(std::filesystem::exists(folder / "a/b/c")) << "the outermost decides";
+  }
+  EXPECT_EQ(folder.names(), (testing::Names{"old", "full"}));
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "old"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "full/inside/empty"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "full/inside/file"));
+  make_folder(folder / "kept");  // by nobody who looks after it
+  EXPECT_TRUE(std::filesystem::exists(folder / "kept"));
+}
+
 TEST(OutputPathsTest, NamesWithControlCharactersAreRefused) {
   const TemporaryFolder folder;
   for (const char* name : {"a\nb.exr", "\x1b[31m.exr", "a\x7f.exr", "tab\t.exr", "a\xc2\x9b.exr"}) {

@@ -23,6 +23,7 @@ TEST(ReadingSettingsTest, WhatIsWrittenIsReadBack) {
               .is_signed = true,
               .two_channel = false,
               .height_scale = 0.1f,
+              .dequantize = true,
               .normal_scale = 0.3f,
               .wrap_s = WrapMode::kMirror,
               .wrap_t = WrapMode::kBlack,
@@ -31,6 +32,7 @@ TEST(ReadingSettingsTest, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(to_text(parse_reading_settings(text)), text);
   EXPECT_EQ(parse_reading_settings(text).height_scale, 0.1f);
   EXPECT_EQ(parse_reading_settings(text).normal_scale, 0.3f);
+  EXPECT_TRUE(parse_reading_settings(text).dequantize);
   EXPECT_EQ(parse_reading_settings(text).wrap_t, WrapMode::kBlack);
   EXPECT_EQ(parse_reading_settings(text).z_range, std::nullopt);
   settings.z_range = ZRange::kPositive;

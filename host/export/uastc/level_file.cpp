@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/gltf/level_file.h"
+#include "host/export/uastc/level_file.h"
 
 #include "host/asset/baked_file.h"
 #include "host/base/size_of.h"

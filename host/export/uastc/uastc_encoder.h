@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "host/base/progress.h"
-#include "host/gltf/level_file.h"
+#include "host/export/uastc/level_file.h"
 
 namespace multum {
 
 struct UastcSettings {
+  std::string option;   // of the command that asks for it, "--format": what messages name
   std::string folder;   // for files between the programs
   std::string encoder;  // folder of the package, or of the node_modules with it; empty: looked for where node does
   int effort = 1;       // of Basis Universal, 0..3: how many ways to code a block are tried
@@ -22,8 +23,9 @@ struct UastcSettings {
 /// Throws Error(kEnvironment): there is no Node.js, or it does not find ktx2-encoder; says what to install.
 void check_uastc_encoder(const UastcSettings& settings);
 
-/// Blocks of 16 bytes a level, level 0 first. Throws Error(kEnvironment) where the tool fails, Cancelled.
+/// Blocks of 16 bytes a level, level 0 first. `decoded`: gets what a reader finds in them; null: nobody asks. Throws
+/// Error(kEnvironment) where the tool fails, Cancelled.
 std::vector<std::vector<std::uint8_t>> encode_uastc(const LevelFile& levels, const UastcSettings& settings,
-                                                    Progress* progress);
+                                                    Progress* progress, const LevelFile* decoded = nullptr);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/base/held_warnings.h"
+#include "host/base/messages/held_warnings.h"
 
 #include <mutex>
 #include <utility>

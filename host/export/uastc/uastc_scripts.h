@@ -9,6 +9,6 @@
 namespace multum {
 
 /// By name. Made by tools/embed_files.py.
-const std::map<std::string, std::string_view>& gltf_scripts();
+const std::map<std::string, std::string_view>& uastc_scripts();
 
 }  // namespace multum

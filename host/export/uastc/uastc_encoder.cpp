@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/gltf/uastc_encoder.h"
+#include "host/export/uastc/uastc_encoder.h"
 
 #include <fmt/format.h>
 
@@ -14,18 +14,19 @@
 #include "host/base/files/json_file.h"
 #include "host/base/processes/child_process.h"
 #include "host/export/texel_format.h"
-#include "host/gltf/gltf_scripts.h"
+#include "host/export/uastc/uastc_scripts.h"
 
 namespace multum {
 namespace {
 
 constexpr int kNoPackage = 3;  // exit code of the script
 
-[[noreturn]] void refuse_encoder(const std::string& what) {
+[[noreturn]] void refuse_encoder(const UastcSettings& settings, const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
-              "--format uastc: " + what +
+              settings.option + " uastc: " + what +
                   "; expected Node.js 18 or later and its package ktx2-encoder: 'npm install ktx2-encoder' in this "
-                  "folder, or --encoder FOLDER where it is. --format rgba8 needs neither");
+                  "folder, or --encoder FOLDER where it is. " +
+                  settings.option + " rgba8 needs neither");
 }
 
 bool wants_to_stop(Progress* progress) {
@@ -39,7 +40,7 @@ bool wants_to_stop(Progress* progress) {
 
 void run_script(const UastcSettings& settings, const nlohmann::json& plan, Progress* progress) {
   const std::string script = settings.folder + "/encode_uastc.mjs", plan_file = settings.folder + "/uastc_plan.json";
-  write_text_file(script, gltf_scripts().at("encode_uastc.mjs"));
+  write_text_file(script, uastc_scripts().at("encode_uastc.mjs"));
   write_text_file(plan_file, json_text(plan));
   ChildLimits limits;
   limits.time_max = std::chrono::hours(24);
@@ -49,16 +50,18 @@ void run_script(const UastcSettings& settings, const nlohmann::json& plan, Progr
   try {
     result = run_child({"node", script, plan_file}, limits);
   } catch (const Error& error) {
-    refuse_encoder(error.what());
+    refuse_encoder(settings, error.what());
   }
   if (is_cancelled) throw Cancelled();
   if (result.exit_code == kNoPackage)
-    refuse_encoder(settings.encoder.empty() ? "ktx2-encoder was not found" : settings.encoder + ": no ktx2-encoder");
+    refuse_encoder(settings,
+                   settings.encoder.empty() ? "ktx2-encoder was not found" : settings.encoder + ": no ktx2-encoder");
   if (result.exit_code != 0)
-    refuse_encoder(fmt::format(
-        "the encoder ended with {}: {}",
-        result.signal != 0 ? fmt::format("signal {}", result.signal) : fmt::format("exit code {}", result.exit_code),
-        result.output.substr(result.output.size() > 400 ? result.output.size() - 400 : 0)));
+    refuse_encoder(settings,
+                   fmt::format("the encoder ended with {}: {}",
+                               result.signal != 0 ? fmt::format("signal {}", result.signal)
+                                                  : fmt::format("exit code {}", result.exit_code),
+                               result.output.substr(result.output.size() > 400 ? result.output.size() - 400 : 0)));
 }
 
 nlohmann::json plan_of(const UastcSettings& settings) {
@@ -73,11 +76,12 @@ nlohmann::json plan_of(const UastcSettings& settings) {
 void check_uastc_encoder(const UastcSettings& settings) { run_script(settings, plan_of(settings), nullptr); }
 
 std::vector<std::vector<std::uint8_t>> encode_uastc(const LevelFile& levels, const UastcSettings& settings,
-                                                    Progress* progress) {
+                                                    Progress* progress, const LevelFile* decoded) {
   const std::string blocks_file = settings.folder + "/uastc_blocks";
   nlohmann::json plan = plan_of(settings);
   plan["input"] = std::filesystem::absolute(levels.path()).string();
   plan["output"] = std::filesystem::absolute(blocks_file).string();
+  if (decoded != nullptr) plan["decoded"] = std::filesystem::absolute(decoded->path()).string();
   for (int level = 0; level < levels.level_count(); ++level)
     plan["levels"].push_back(
         {{"width", mip_level_size(levels.width(), level)}, {"height", mip_level_size(levels.height(), level)}});
@@ -88,7 +92,7 @@ std::vector<std::vector<std::uint8_t>> encode_uastc(const LevelFile& levels, con
   for (int level = 0; level < levels.level_count(); ++level) {
     std::vector<std::uint8_t> blocks(level_bytes(texture, level));
     file.read(reinterpret_cast<char*>(blocks.data()), static_cast<std::streamsize>(blocks.size()));
-    if (!file) refuse_encoder("the encoder's blocks are cut");
+    if (!file) refuse_encoder(settings, "the encoder's blocks are cut");
     made.push_back(std::move(blocks));
   }
   return made;

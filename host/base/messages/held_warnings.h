@@ -8,7 +8,8 @@
 
 namespace multum {
 
-/// While it lives, it keeps what log_warning() is told, by all threads. One inside another has its own.
+/// While it lives, it keeps what log_warning() and log_named_warning() are told, by all threads, with its subject. One
+/// inside another has its own.
 class HeldWarnings {
  public:
   HeldWarnings();

@@ -5,10 +5,11 @@
 //
 //   node encode_uastc.mjs PLAN.json
 //
-// PLAN: {"encoder": FOLDER or "", "threads": 2, "effort": 1, "input": FILE, "output": FILE, "levels": [{"width": 4,
-// "height": 4}, ...]}. The input is RGBA of 8 bits, level after level, as host/gltf/level_file.h has it; the output are
-// blocks of 16 bytes in rows, level after level. Without "input" the package is only looked for. Exit code 3: it is not
-// there.
+// PLAN: {"encoder": FOLDER or "", "threads": 2, "effort": 1, "input": FILE, "output": FILE, "decoded": FILE, "levels":
+// [{"width": 4, "height": 4}, ...]}. The input is RGBA of 8 bits, level after level, as host/export/uastc/level_file.h
+// has it; the output are blocks of 16 bytes in rows, level after level. "decoded", which may be missing, is a file that
+// gets the blocks' texels in the form of the input. Without "input" the package is only looked for. Exit code 3: it is
+// not there.
 import { closeSync, existsSync, openSync, readFileSync, readSync, writeSync } from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
@@ -67,15 +68,32 @@ function levelOf(file) {
   return file.subarray(offset, offset + Number(view.getBigUint64(LEVEL_INDEX + 8, true)));
 }
 
+// The texels of such a file, by the package's own decoder.
+async function texelsOf(file, { width, rows }, encoder) {
+  const RGBA32 = 13; // of its formats
+  const decoder = new (await encoder.init()).KTX2File(file);
+  try {
+    const texels = new Uint8Array(4 * width * rows);
+    if (!decoder.startTranscoding() || !decoder.transcodeImage(texels, 0, 0, 0, RGBA32, 0, -1, -1))
+      throw new Error("the encoder cannot decode what it wrote");
+    return texels;
+  } finally {
+    decoder.close();
+    decoder.delete();
+  }
+}
+
 async function work({ plan, encoder, strips, next }) {
   console.log = () => {}; // the encoder tells of each slice
-  const { encodeToKTX2 } = await import(pathToFileURL(encoder).href);
+  const { NodeBasisEncoder } = await import(pathToFileURL(encoder).href);
+  const basis = new NodeBasisEncoder();
   const input = openSync(plan.input, "r"), output = openSync(plan.output, "r+");
+  const decoded = plan.decoded === undefined ? undefined : openSync(plan.decoded, "r+");
   for (let i; (i = Atomics.add(next, 0, 1)) < strips.length;) {
     const strip = strips[i];
     const texels = new Uint8Array(4 * strip.width * strip.rows);
     if (readSync(input, texels, 0, texels.length, strip.input) !== texels.length) throw new Error("levels are cut");
-    const file = await encodeToKTX2(texels, {
+    const file = await basis.encode(texels, {
       isUASTC: true, isKTX2File: true, generateMipmap: false, needSupercompression: false, isPerceptual: false,
       isInputSRGB: false, isSetKTX2SRGBTransferFunc: false, uastcLDRQualityLevel: plan.effort,
       imageDecoder: async (data) => ({ data, width: strip.width, height: strip.rows }),
@@ -83,9 +101,9 @@ async function work({ plan, encoder, strips, next }) {
     const blocks = levelOf(file);
     if (blocks.length !== strip.bytes) throw new Error(`found ${blocks.length} bytes, expected ${strip.bytes}`);
     writeSync(output, blocks, 0, blocks.length, strip.output);
+    if (decoded !== undefined) writeSync(decoded, await texelsOf(file, strip, basis), 0, texels.length, strip.input);
   }
-  closeSync(input);
-  closeSync(output);
+  for (const descriptor of [input, output, decoded]) if (descriptor !== undefined) closeSync(descriptor);
 }
 
 if (isMainThread) {
