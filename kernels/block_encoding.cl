@@ -623,6 +623,14 @@ static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
   return best;
 }
 
+// What mode 6 cannot reach, since its p is 1: 0 is stored as 1. A channel that is 0 everywhere, such as metalness, is
+// not a reason to search on.
+static inline float unreachable_error(Colours c) {
+  float error = 0.0f;
+  for (int channel = 0; channel < 3; ++channel) error += most_of(channel_of(c, channel)) == 0.0f ? 16.0f : 0.0f;
+  return error;
+}
+
 // One work-item = one block.
 //   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
@@ -647,7 +655,8 @@ __kernel void encode_colour_blocks(__global const float* values, __global uint4*
     int partition = 0;
     CodedLine lines[2];
     lines[0].error = lines[1].error = INFINITY;  // mode 1 has no alpha
-    if (!third_is_alpha) {
+    const int is_near = fmin(fit.line.error + fit.scalar.error, line.error - unreachable_error(c)) <= ROUNDING_ERROR;
+    if (!third_is_alpha && !is_near) {
       const int2 partitions = best_partitions(c);
       for (int k = 0; k < 2; ++k) {
         const int tried = k == 0 ? partitions.x : partitions.y;
