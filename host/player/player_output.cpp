@@ -150,8 +150,8 @@ void write_player(const std::string& field, const PlayerOutput& output) {
   if (output.page.empty()) return;
   if (bytes.size() + geometry.size() > kPlayerPageBytesMax)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: the field and its geometry have {} bytes, a page takes {} at most; expected a folder "
-                            "for a player (--player)",
+                fmt::format("{}: the field and its geometry have {} bytes, a page takes {} at most; expected a "
+                            "folder for the player, in the place of a page",
                             output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
   write_text_file(output.page, one_page(name, title, bytes, geometry));
 }

@@ -516,10 +516,9 @@ class Generator:
         picture = scalar_picture([0.5] * 63, 9, 7, "float", 32)
         data = write_tiff(picture, Layout())
         self.add("heights", data, "tif", read_tiff(data), Meaning(height_scale=1), ("--bumpformat", "height"))
-        picture, _ = self.normals("float", 32, ((9, 13),), False)  # the mean of the channels
-        data = write_tiff(picture, Layout())
-        self.add("heights", data, "tif", read_tiff(data), Meaning(height_scale=3),
-                 ("--bumpformat", "height", "--height-scale", "3"))
+        picture, _ = self.normals("float", 32, ((9, 13),), False)
+        self.add("heights", write_tiff(picture, Layout()), "tif", refused=("colours", "expected"),
+                 options=("--bumpformat", "height", "--height-scale", "3"))
 
     def beside(self, width, height, *besides, kind="beside", **keys):
         """A case of plain normals with other maps."""
@@ -635,9 +634,10 @@ class Generator:
         good = self.png(picture, 2)
         for data, extension in ((b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 8\n" + bytes(256), "hdr"),
                                 (b"PF\n8 8\n-1.0\n" + bytes(768), "pfm"), (b"BM" + bytes(200), "bmp"),
-                                (b"GIF89a" + bytes(100), "gif"), (b"DDS " + bytes(124), "dds"), (b"", "png"),
+                                (b"GIF89a" + bytes(100), "gif"), (b"", "png"),
                                 (b"P6 8 8 255\n" + bytes(192), "ppm")):
             add(data, extension, "unknown format", "expected")
+        add(b"DDS " + bytes(124), "dds", "DDS texture", "expected")
         for share in (0.3, 0.6, 0.95):
             add(good[:int(len(good) * share)], "png", "cut")
         whole = write_tiff(picture, Layout(compression=tiff.DEFLATE))
@@ -667,7 +667,7 @@ class Generator:
         data = self.exr_file(nan, "RGB")
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--checknan",))
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--fixnan", "none"))
-        nan.samples[0:21] = [NAN] * 21
+        nan.samples[0:21] = [INF] * 21  # NaN in all channels would be texels that were never written
         add(self.exr_file(nan, "RGB"), "exr", "8 of 561", "expected")
         black, _ = self.normals(sizes=((33, 17),))
         black.samples[:3 * 300] = [0] * 900
