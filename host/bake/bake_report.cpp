@@ -8,6 +8,7 @@
 
 #include "host/accuracy/accuracy_table.h"
 #include "host/base/files/json_file.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/path_text.h"
 
 namespace multum {
@@ -72,7 +73,7 @@ std::string BakeReport::to_json() const {
   json["input"] = {{"format", input.format},
                    {"encoding", input.encoding},
                    {"reason", input.encoding_reason},
-                   {"warnings", input.warnings},
+                   {"warnings", with_advice(input.warnings)},
                    {"unused_texels", input.unused_texels},
                    {"nonfinite_repaired", input.nonfinite_repaired},
                    {"zero_length_repaired", input.zero_length_repaired},
@@ -84,7 +85,7 @@ std::string BakeReport::to_json() const {
                          {"most", roughness->most},
                          {"share_at_0", roughness->share_zero},
                          {"share_at_1", roughness->share_one},
-                         {"warnings", roughness->warnings}};
+                         {"warnings", with_advice(roughness->warnings)}};
   json["stages"] = Json::array();
   for (const StageTime& stage : stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
   json["plan"] = plan();

@@ -94,7 +94,7 @@ std::string reading_json(const BakeJob& job, const BakeSource& source) {
   if (source.roughness)
     json["roughness"] =
         (roughness_file(job).is_gloss ? "gloss, read as roughness = 1 - gloss: " : "") + source.roughness->to_text();
-  if (!found.warnings.empty()) json["doubts"] = found.warnings;
+  for (const std::string& warning : found.warnings) json["doubts"].push_back(without_advice(warning));
   return json_text(json);
 }
 

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "host/base/messages/option_words.h"
 #include "host/base/messages/stream_turn.h"
 #include "host/base/shown_text.h"
 #include "host/base/system_failure.h"
@@ -31,7 +32,8 @@ std::string with_names(std::string message) {
 
 }  // namespace
 
-Error::Error(ErrorCode code, const std::string& message) : std::runtime_error(with_names(message)), code_(code) {}
+Error::Error(ErrorCode code, const std::string& message)
+    : std::runtime_error(with_names(with_advice(message))), code_(code) {}
 
 int exit_code(ErrorCode code) {
   switch (code) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "host/base/messages/held_warnings.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/shown_text.h"
 
 namespace multum {
@@ -21,7 +22,8 @@ LogLevel log_level() { return g_level; }
 void log_warning(const std::string& subject, const std::string& message) {
   log_named_warning(subject + ": " + message);
 }
-void log_named_warning(const std::string& warning) {
+void log_named_warning(const std::string& marked) {
+  const std::string warning = with_advice(marked);
   if (HeldWarnings::keep(warning)) return;
   if (g_level != LogLevel::kQuiet) log_line("warning: " + warning);
 }

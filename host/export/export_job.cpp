@@ -13,6 +13,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/files/work_folder.h"
 #include "host/base/log.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/path_text.h"
 #include "host/base/stopwatch.h"
 #include "host/export/engine_support.h"
@@ -152,7 +153,7 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"levels", level_count},
                                  {"format", input.format},
                                  {"encoding", input.encoding},
-                                 {"warnings", input.warnings},
+                                 {"warnings", with_advice(input.warnings)},
                                  {"side_warnings", side_warnings},
                                  {"base_roughness", nullptr},
                                  {"anisotropy", job.lobe.is_anisotropic},

@@ -15,6 +15,7 @@
 #include "host/base/files/output_paths.h"
 #include "host/base/files/work_folder.h"
 #include "host/base/log.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/path_text.h"
 #include "host/base/stopwatch.h"
 #include "host/export/engine_support.h"
@@ -252,7 +253,7 @@ std::string GltfReport::to_json(const GltfJob& job) const {
                                  {"bytes_after", bytes_after},
                                  {"materials", nlohmann::ordered_json::array()},
                                  {"textures", nlohmann::ordered_json::array()},
-                                 {"warnings", warnings},
+                                 {"warnings", with_advice(warnings)},
                                  {"device", device},
                                  {"launches", launches}};
   for (const Material& material : materials) {

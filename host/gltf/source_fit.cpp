@@ -90,6 +90,8 @@ PlaneStore read_normals(const GltfAsset& asset, const PreparedSource& prepared, 
     return read_normal_map_rows(prepared.normal_file, gltf_normal_reading(source, settings), spill_of(settings),
                                 settings.threads, progress);
   });
+  log_info(fmt::format("{}: image {}: {} x {}, {}; {}", asset.path, source.normal_image, map.normals.width(),
+                       map.normals.height(), map.report.encoding, map.report.encoding_reason));
   for (const std::string& warning : map.report.warnings)
     log_warning(asset.path, fmt::format("image {}: {}", source.normal_image, warning));
   if (map.normals.width() == prepared.width && map.normals.height() == prepared.height) return std::move(map.normals);

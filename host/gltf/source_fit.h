@@ -55,7 +55,8 @@ auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file
     const Error error = caught_error(file);
     std::string message = error.what();
     const std::string name = fmt::format("{}: image {}", asset.path, image);
-    if (const std::size_t at = message.find(file); at != std::string::npos) message.replace(at, file.size(), name);
+    const std::string shown = Error(error.code(), file).what();  // as messages name it
+    if (const std::size_t at = message.find(shown); at != std::string::npos) message.replace(at, shown.size(), name);
     else message = name + ": " + message;
     throw Error(error.code(), message);
   }

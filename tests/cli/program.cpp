@@ -174,7 +174,7 @@ const std::set<std::string>& options_in_help(const std::string& command) {
 }
 
 void check_message(const std::vector<std::string>& arguments, const std::string& line) {
-  static const std::regex other_command("multum(-view)? [a-z]+|maketx ");
+  static const std::regex other_command("multum(-view)? [a-z-]+|maketx ");
   if (line.starts_with("warning: ")) {
     const std::string subject = line.substr(9, line.find(": ", 9) - 9);
     EXPECT_TRUE(subject.find_first_of("/.") != std::string::npos || subject == "OpenCL" || subject == "GL")

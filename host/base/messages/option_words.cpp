@@ -7,6 +7,8 @@
 namespace multum {
 namespace {
 
+constexpr char kBegin = '\x02', kEnd = '\x03';  // which no text of ours has
+
 struct Words {
   std::optional<std::set<std::string>> options;
   std::set<std::string> keys;
@@ -58,7 +60,36 @@ std::string advice(const std::string& text) {
     result += text.substr(done, open - done) + *option;
     done = close + 1;
   }
-  return result + text.substr(done);
+  return kBegin + result + text.substr(done) + kEnd;
+}
+
+std::string names_as_advice(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    const bool is_key = words_of_command().keys.contains(name);
+    text += (text.empty() ? ": " : ", ") + (is_key ? name : on_command_line(name, ""));
+  }
+  return kBegin + text + kEnd;
+}
+
+std::string with_advice(std::string message) {
+  std::erase_if(message, [](char c) { return c == kBegin || c == kEnd; });
+  return message;
+}
+
+std::vector<std::string> with_advice(std::vector<std::string> messages) {
+  for (std::string& message : messages) message = with_advice(std::move(message));
+  return messages;
+}
+
+std::string without_advice(const std::string& message) {
+  std::string text;
+  bool is_advice = false;
+  for (const char c : message) {
+    if (c == kBegin || c == kEnd) is_advice = c == kBegin;
+    else if (!is_advice) text += c;
+  }
+  return text;
 }
 
 }  // namespace multum

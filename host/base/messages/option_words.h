@@ -22,7 +22,17 @@ void add_key_words(const std::vector<std::string>& names);
 std::optional<std::string> option_text(const std::string& name, const std::string& value = "");
 
 /// Replaces every "<name>" and "<name value>" of the text by its option. Returns "" where the command lacks one of
-/// them: a piece of advice is a text of its own, to be appended to a message that is whole without it.
+/// them: a piece of advice is a text of its own, to be appended to a message that is whole without it. Marks, which
+/// Error and the log take away, tell it from the rest of the message.
 std::string advice(const std::string& text);
+
+/// The options of these parameters as advice: ": --green, --signed".
+std::string names_as_advice(const std::vector<std::string>& names);
+
+/// The message without the marks, as people read it.
+std::string with_advice(std::string message);
+std::vector<std::string> with_advice(std::vector<std::string> messages);
+/// The message without the advice, which is the same whatever command runs: for what is stored in files.
+std::string without_advice(const std::string& message);
 
 }  // namespace multum

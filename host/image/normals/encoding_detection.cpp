@@ -341,10 +341,10 @@ void check_blue(const std::string& path, const Evidence& evidence, const Reading
 // Of the options given, those that say nothing of what the file was taken for.
 void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, const char* what,
                      std::vector<std::string>& warnings) {
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& [is_given, name] : given)
-    if (is_given) names += (names.empty() ? "" : ", ") + option_text(name).value_or(name);
-  if (!names.empty()) warnings.push_back(names + ": without effect on " + what);
+    if (is_given) names.emplace_back(name);
+  if (!names.empty()) warnings.push_back(fmt::format("settings without effect on {}", what) + names_as_advice(names));
 }
 
 DetectedEncoding height_field(const std::string& reason, const HeightReading& reading,

@@ -229,9 +229,17 @@ class GltfTest(FolderCase):
                     continue
                 self.assertIn(word, report["materials"][1]["kept"])
                 self.assertIn("'other' stays as it was", self.messages)
+                self.assertNotIn("multum-partial", self.messages)
                 self.assertNotIn("--green", self.messages)
                 self.assertEqual(after.json["materials"][1], model.json["materials"][1])
                 self.assertEqual(after.image(texture), bad)
+        # Blue that stores z from 0 to 1 is found and said.
+        steep = [[math.sin(0.4 * x), math.cos(0.3 * y), 1.0] for y in range(32) for x in range(32)]
+        lengths = [math.sqrt(sum(v * v for v in n)) for n in steep]
+        self.convert(plain_model(normal=png(32, 32, lambda x, y: (
+            code(steep[32 * y + x][0] / lengths[32 * y + x]), code(steep[32 * y + x][1] / lengths[32 * y + x]),
+            round(255 / lengths[32 * y + x])))))
+        self.assertIn("z from 0 to 1", self.messages)
         # Advice of other commands is left out.
         self.convert(plain_model(normal=bumps(32, 32, -0.6)))
         self.assertNotIn("--green", self.messages)

@@ -173,6 +173,21 @@ TEST_F(UseOfBlue, AdviceIsOfTheCommand) {
   EXPECT_FALSE(contains(bare, "--")) << bare;
 }
 
+// What a baked file states of its source does not depend on the command that baked it.
+TEST_F(UseOfBlue, WithoutAdviceAWarningIsTheSameForAllCommands) {
+  write_test_image(folder_ / "a.png", image_of(tilted_normals(20.0), occlusion(0.8)));
+  const auto warnings = [&] {
+    return all_warnings(read_map(folder_ / "a.png", {.bump_format = BumpFormat::kNormal, .green = GreenAxis::kDown}));
+  };
+  const std::string of_options = warnings();
+  add_key_words({"two_channel", "z_range", "green"});
+  const std::string of_keys = warnings();
+  EXPECT_TRUE(contains(with_advice(of_keys), "green = \"up\"")) << of_keys;
+  EXPECT_NE(with_advice(of_options), with_advice(of_keys));
+  EXPECT_EQ(without_advice(of_options), without_advice(of_keys));
+  EXPECT_TRUE(contains(without_advice(of_keys), "blue does not follow")) << of_keys;
+}
+
 // Painters and bakers leave floats outside of charts at 0, or at NaN.
 TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
   const std::vector<glm::dvec3> normals = tilted_normals(20.0);
