@@ -90,6 +90,14 @@ TEST_F(LimitSweepTest, SizesOfFiles) { sweep({"-f 1", "-f 4", "-f 40"}); }
 TEST_F(LimitSweepTest, OpenFiles) { sweep({"-n 8", "-n 14", "-n 22"}); }
 #ifndef MULTUM_SHADOW_MEMORY
 TEST_F(LimitSweepTest, Memory) { sweep({"-v 250000", "-v 450000", "-v 700000"}); }
+
+// Drivers of OpenGL end a program by a signal where they find no memory; how much each takes differs between machines.
+TEST_F(LimitSweepTest, MemoryOfDrivers) {
+  if (!fs::exists(program("multum-view"))) GTEST_SKIP() << "without multum-view";
+  for (int limit = 200000; limit < 480000; limit += 12000)
+    expect_done_or_refused("-v " + std::to_string(limit),
+                           {program("multum-view"), path("moments.ndf.exr"), "-o", out("a.png"), "--size", "32x32"});
+}
 #endif
 
 }  // namespace

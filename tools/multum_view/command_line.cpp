@@ -14,6 +14,7 @@
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/command_options.h"
+#include "tools/multum_view/driver_faults.h"
 
 namespace multum {
 namespace {
@@ -190,6 +191,7 @@ int run_view_command(int argc, char** argv) {
     if (const std::string message = misspelt_command(options.map.file); !message.empty())
       throw Error(ErrorCode::kUsage, message);
   }
+  explain_driver_faults();
   const NewFolders new_folders;
   int code = 0;
   if (chosen.empty()) code = draw_map(options.map);
