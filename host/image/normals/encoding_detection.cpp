@@ -535,7 +535,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   result.vectors.tilt = settings.normal_scale;
   if (settings.normal_scale != 1.0f) result.description += fmt::format(", scaled by {:g}", settings.normal_scale);
   const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
-  warn_of_ignored({{is_scaled, "height_scale"}}, "a normal map", result.warnings);
+  warn_of_ignored({{is_scaled, "height_scale"}, {settings.dequantize, "dequantize"}}, "a normal map", result.warnings);
   if (reading.encoding.rebuild_z && channel_count > 2 && !settings.two_channel)
     result.reason += fmt::format(", blue is {:.3g} throughout, which completes no vector", reading.statistics.blue_min);
   if (reading.signed_z_error > 0.0)

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/messages/option_words.h"
 #include "host/base/processes/parallel.h"
 #include "host/image/normals/height_dequantize.h"
 #include "host/image/normals/height_steps.h"
@@ -172,12 +173,14 @@ void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const Heig
                    const NormalMapSettings& settings) {
   const auto scale = static_cast<double>(settings.height_scale);
   if (settings.dequantize && steps.step == 0.0)
-    report.warnings.emplace_back("--dequantize: without effect: its heights come in no steps");
+    report.warnings.push_back("settings without effect on heights that come in no steps" +
+                              names_as_advice({"dequantize"}));
   if (settings.dequantize || !steps.are_terraces(scale)) return;
   report.warnings.push_back(fmt::format(
-      "its heights come in steps of {}: at --height-scale {:g} one step tilts a texel by {:.1f} degrees, and smooth "
-      "slopes become terraces. Use heights of more bits, or --dequantize, which smooths them within half a step",
-      step_text(steps, surface), settings.height_scale, steps.degrees(scale)));
+      "its heights come in steps of {}: at a height scale of {:g} one step tilts a texel by {:.1f} degrees, "
+      "and smooth slopes become terraces. Heights of more bits have none{}",
+      step_text(steps, surface), settings.height_scale, steps.degrees(scale),
+      advice("; <dequantize> smooths these within half a step")));
 }
 
 // "height field, Terrarium elevation in metres, -12 to 1830, no data on 3.2 % of the texels, scale 30 texels, ..."

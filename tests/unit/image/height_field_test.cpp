@@ -320,6 +320,17 @@ TEST(HeightField, TerracesAreKnownInWiderNumbers) {
     EXPECT_EQ(warning.find("terraces"), std::string::npos) << warning;
 }
 
+TEST(HeightField, DequantizingWithoutEffectIsSaid) {
+  NormalMapSettings settings;
+  settings.dequantize = true;
+  const TestImage smooth = height_image(64, 48, [](int x, int y) { return 0.3 * std::sin(0.31 * x) + 0.1 * y; });
+  testing::expect_says(read_heights(smooth, settings).report.warnings.back(), {"without effect", "--dequantize"});
+  const TemporaryFolder folder;
+  write_test_image(folder / "n.png", normal_image(64, 48));
+  testing::expect_says(read_map(folder / "n.png", settings).report.warnings.front(),
+                       {"without effect on a normal map", "--dequantize"});
+}
+
 // Curved surfaces keep their shape; a step of two codes stays where it is; all stay within half a step.
 TEST(HeightField, DequantizingKeepsShapesAndEdges) {
   const auto waves = [](int x, int y) { return 127.0 + 20.0 * std::sin(0.05 * x) * std::cos(0.04 * y); };
