@@ -27,7 +27,6 @@ OF_ONE_COMMAND = {
     "host/pyramid/reflectance_bake.cpp": "reflectance", "host/target/plane_picture.cpp": "runs multum-view",
     "host/target/pending_views.cpp": "runs multum-view",
     "host/target/tradeoff_page.cpp": "shows a command line", "host/target/tradeoff_sweep.cpp": "runs multum-view",
-    "host/image/normals/height_field.cpp": "height fields, which no command without these options reads",
 }
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")

@@ -65,23 +65,21 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
   const bool is_scale_said = settings.height_scale != 1.0f;  // nobody says the default
   std::string text;
   if (settings.bump_format == BumpFormat::kAuto && surface.reading().coding == HeightCoding::kGrey)
-    text = fmt::format(
-        "a grey image, taken for a height field at --height-scale {:g} (--bumpformat height says that "
-        "it is one)",
-        settings.height_scale);
+    text = fmt::format("a grey image, taken for a height field with a height scale of {:g}{}", settings.height_scale,
+                       advice(" (<bumpformat height> says that it is one)"));
   if (!text.empty() && is_odd(slope_rms)) text += "; ";
   if (slope_rms > kSlopeMax && !is_scale_said)
     text += fmt::format(
-        "no --height-scale is given, so heights are taken in texels, which is almost certainly wrong: the surface "
+        "no height scale is given, so heights are taken in texels, which is almost certainly wrong: the surface "
         "would be {:.1f} degrees steep (rms slope {:.3g} is too steep, expected {:g} to {:g})",
         std::atan(slope_rms) * 180.0 / std::numbers::pi, slope_rms, kSlopeMin, kSlopeMax);
   else if (is_odd(slope_rms))
     text +=
-        fmt::format("its rms slope {:.3g} is too {}, expected {:g} to {:g}: --height-scale {:g} may be wrong",
+        fmt::format("its rms slope {:.3g} is too {}, expected {:g} to {:g}: a height scale of {:g} may be wrong",
                     slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin, kSlopeMax, settings.height_scale);
   const std::string suggestion = suggested_scale(surface, slope_rms, is_odd(slope_rms), settings);
   if (text.empty() && !suggestion.empty())
-    text = fmt::format("--height-scale {:g} may be wrong", settings.height_scale);
+    text = fmt::format("a height scale of {:g} may be wrong", settings.height_scale);
   text += suggestion;
   if (!text.empty()) report.warnings.push_back(text);
 }

@@ -190,13 +190,13 @@ TEST(HeightField, DoubtsAreWarnedOf) {
   };
   EXPECT_EQ(warnings(1.0, BumpFormat::kHeight), "");
   const std::string taken = warnings(1.0, BumpFormat::kAuto);
-  testing::expect_says(taken, {"grey", "height field", "--height-scale 1"});
+  testing::expect_says(taken, {"grey", "height field", "a height scale of 1"});
   EXPECT_EQ(taken.find("slope"), std::string::npos) << taken;
   for (const BumpFormat format : {BumpFormat::kAuto, BumpFormat::kHeight}) {
     const std::string flat = warnings(0.01, format), steep = warnings(10.0, format);
-    testing::expect_says(flat, {"flat", "0.05 to 5", "--height-scale 1"});
+    testing::expect_says(flat, {"flat", "0.05 to 5", "a height scale of 1"});
     testing::expect_says(
-        steep, {"no --height-scale is given", "84.3 degrees", "steep", "0.05 to 5", "--height-scale 0.05 would"});
+        steep, {"no height scale is given", "84.3 degrees", "steep", "0.05 to 5", "--height-scale 0.05 would"});
   }
 }
 
@@ -209,8 +209,8 @@ TEST(HeightField, ASteepScaleIsDoubtedWhoeverGaveIt) {
   const TestImage image = height_image(64, 8, [](int x, int) { return 0.1 * x; });
   const std::vector<std::string> found = read_heights(image, settings).report.warnings;
   ASSERT_EQ(found.size(), 1u);
-  testing::expect_says(found[0], {"steep", "--height-scale 100 may be wrong", "--height-scale 5 would"});
-  EXPECT_EQ(found[0].find("no --height-scale"), std::string::npos) << found[0];
+  testing::expect_says(found[0], {"steep", "a height scale of 100 may be wrong", "--height-scale 5 would"});
+  EXPECT_EQ(found[0].find("no height scale"), std::string::npos) << found[0];
   settings.height_scale = 1.0f;
   expect_error(ErrorCode::kInput, {"horizon", "; --height-scale 1.4e-05", " would make it 0.5"},
                [&] { read_heights(height_image(64, 8, [](int x, int) { return 500.0 * x * x; }), settings); });
