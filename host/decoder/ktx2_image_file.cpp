@@ -35,16 +35,6 @@ class Ktx2ImageFile : public LibraryImageFile {
     description_ = {container.format, container.file_size, {part}, container.notes, 0.0};
   }
 
-  std::byte* reserve(std::size_t byte_count) override {
-    memory_.resize(std::max(byte_count, memory_.size()));
-    return memory_.data();
-  }
-
-  std::string read(const PixelBlock& block, std::size_t offset, const std::function<void()>&) override {
-    MULTUM_CHECK(offset <= memory_.size() && block_bytes(part(block.part), block) <= memory_.size() - offset);
-    return read_into(block, memory_.data() + offset);
-  }
-
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
     if (block.base_type != survey_.base_type) return "its texels cannot be converted to other numbers";
     const std::size_t value_bytes = survey_.base_type == number_type::kHalf ? 2 : 1;
@@ -111,7 +101,6 @@ class Ktx2ImageFile : public LibraryImageFile {
   std::vector<std::uint8_t> level_;    // decompressed: texels or blocks
   std::vector<std::uint8_t> decoded_;  // a row of blocks, as rows of RGBA
   int decoded_row_ = -1;
-  std::vector<std::byte> memory_;
 };
 
 }  // namespace

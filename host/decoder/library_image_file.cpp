@@ -159,16 +159,6 @@ class OiioImageFile : public LibraryImageFile {
     open_.input->geterror();  // the end of the parts is no error
   }
 
-  std::byte* reserve(std::size_t byte_count) override {
-    memory_.resize(std::max(byte_count, memory_.size()));
-    return memory_.data();
-  }
-
-  std::string read(const PixelBlock& block, std::size_t offset, const std::function<void()>&) override {
-    MULTUM_CHECK(offset <= memory_.size() && block_bytes(part(block.part), block) <= memory_.size() - offset);
-    return read_into(block, memory_.data() + offset);
-  }
-
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
     return with_damage_named(path_, [&] {
       if (exr_chunks_ != nullptr) check_exr_rows(block);
@@ -212,10 +202,19 @@ class OiioImageFile : public LibraryImageFile {
   std::vector<int> exr_rows_checked_;      // [part]: so many from the top
   OpenImage open_;
   bool inverts_integers_;  // ImageContainer's
-  std::vector<std::byte> memory_;
 };
 
 }  // namespace
+
+std::byte* LibraryImageFile::reserve(std::size_t byte_count) {
+  memory_.resize(std::max(byte_count, memory_.size()));
+  return memory_.data();
+}
+
+std::string LibraryImageFile::read(const PixelBlock& block, std::size_t offset, const std::function<void()>&) {
+  MULTUM_CHECK(offset <= memory_.size() && block_bytes(part(block.part), block) <= memory_.size() - offset);
+  return read_into(block, memory_.data() + offset);
+}
 
 std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings) {
   MULTUM_CHECK(replaces_zlib_uncompress());
