@@ -53,6 +53,11 @@ export async function startLook(bin) {
 
 export const settled = (page) => page.evaluate(() => new Promise((resolve) =>
   requestAnimationFrame(() => requestAnimationFrame(resolve))));
+/** What the page says of its map, which follows with the next frame. */
+export async function factsOf(page) {
+  await page.evaluate(() => globalThis.multumLook.waiting);
+  return page.textContent("#facts");
+}
 /** Puts `hash` into the page's address; the page has heard of it when this is done. */
 export const goTo = (page, hash) => page.evaluate((text) => new Promise((resolve) => {
   if (location.hash.slice(1) === text) return resolve();

@@ -7,7 +7,7 @@ import assert from "node:assert/strict";
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { deflateSync } from "node:zlib";
-import { drop, goTo, pixelsOf, settled, startLook, viewOf } from "./look_browser.mjs";
+import { drop, factsOf, goTo, pixelsOf, settled, startLook, viewOf } from "./look_browser.mjs";
 import { lowContrasts } from "../service/page_contrast.mjs";
 
 const [bin, screenshots] = process.argv.slice(2);
@@ -84,16 +84,16 @@ try {
 
   // A page of two maps: chosen by the list, kept by the address.
   const both = await open("both.html");
-  assert.match(await both.textContent("#facts"), /96 x 96, 2 lobes/);
+  assert.match(await factsOf(both), /96 x 96, 2 lobes/);
   assert.deepEqual(await both.locator("#map option").allTextContents(), ["other.ndf.exr", "map.ndf.exr"]);
   await both.focus("#map");
   await both.keyboard.press("ArrowDown");
   await both.waitForFunction(() => globalThis.multumLook.shown === 1);
   await settled(both);
-  assert.match(await both.textContent("#facts"), /128 x 128, 4 lobes/);
+  assert.match(await factsOf(both), /128 x 128, 4 lobes/);
   assert.equal(await both.textContent("#title"), "map.ndf.exr");
   const kept = await open("both.html", await both.evaluate(() => location.hash));
-  assert.match(await kept.textContent("#facts"), /128 x 128, 4 lobes/);
+  assert.match(await factsOf(kept), /128 x 128, 4 lobes/);
   await kept.evaluate(() => { location.hash = "map=40"; });
   await settled(kept);
   assert.equal((await viewOf(kept)).map, 1, "an address of a stranger is clamped");
@@ -134,10 +134,10 @@ try {
   // It is one of the list by now; the page's own maps are still there.
   assert.equal(await other.locator("#map option").last().textContent(), "map.ndf.exr (dropped)");
   await other.selectOption("#map", "0");
-  assert.match(await other.textContent("#facts"), /96 x 96, 2 lobes/);
+  assert.match(await factsOf(other), /96 x 96, 2 lobes/);
   assert.equal(await other.locator("#right option[value=export]").evaluate((one) => one.disabled), false);
   await other.selectOption("#map", "dropped");
-  assert.match(await other.textContent("#facts"), /128 x 128, 4 lobes/);
+  assert.match(await factsOf(other), /128 x 128, 4 lobes/);
 
   // Every compression that is read gives the same.
   const texture = () => other.evaluate(async () => {
@@ -173,13 +173,13 @@ try {
     assert.match(await dropped(other, "map_albedo.png"), /found normals that are .* from those of the lobes/);
     assert.match(await dropped(other, "other_normal.png"), /found 96 x 96, expected 128 x 128/);
     assert.equal(await dropped(other, "map_normal.png"), "");
-    assert.match(await other.textContent("#facts"), /128 x 128, 1 lobe\./);
+    assert.match(await factsOf(other), /128 x 128, 1 lobe\./);
     const { mean } = await apart(full, other, "left=mip&split=1");
     console.log(`  a map of 8 bits whose green is ${green}: mean difference ${mean.toFixed(3)} of 255`);
     assert.ok(mean < MEAN_MOST, `green ${green}: mean ${mean}`);
   }
   assert.equal(await dropped(other, "map_normal.png", "rest.ndf.exr"), "");
-  assert.match(await other.textContent("#facts"), /128 x 128, 4 lobes/);
+  assert.match(await factsOf(other), /128 x 128, 4 lobes/);
   assert.ok((await apart(halves, other, "left=lobes&split=1")).mean < 0.5);
 
   // What it does not read is refused in words, and what was shown stays.

@@ -7,7 +7,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
-import { drop, goTo, pixelsOf as pixels, settled, startLook, viewOf as view } from "./look_browser.mjs";
+import { drop, factsOf, goTo, pixelsOf as pixels, settled, startLook, viewOf as view } from "./look_browser.mjs";
 import { lowContrasts } from "../service/page_contrast.mjs";
 import { NARROW, misplaced } from "../service/page_layout.mjs";
 
@@ -104,7 +104,7 @@ try {
   assert.ok(Math.abs((await view(page)).split - 0.8) < 0.02);
   await page.check("#light");
   await changes(page, "the light", () => page.mouse.move(box.x + 0.8 * box.width, box.y + 0.2 * box.height));
-  const facts = await page.textContent("#facts");
+  const facts = await factsOf(page);
   assert.match(facts, /128 x 128, 4 lobes.*all mip levels.*roughness as BC4.*lobes 0.06 MB \(BC5.*takes [\d.]+ ms/);
 
   // Its error beside the map itself: hardly any where texels are larger than pixels, little of lobes far away, and gone
