@@ -2,7 +2,7 @@
 // Forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding"), of all textures of a chunk in
 // one launch: colours to three planes, then block cosines (DCT-II, orthonormal) or a level of the biorthogonal 9/7
 // wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
-// host/codec/decoder/block_dct.h and wavelet_transform.h say which; the decoder has the inverses.
+// host/fields/codec/decoder/block_dct.h and wavelet_transform.h say which; the decoder has the inverses.
 //
 // Every coefficient is summed by one work-item in a fixed order, with explicit fma: the same on every device that
 // rounds as IEEE does, however many textures a launch has.

@@ -14,7 +14,7 @@
 //   normal_x, normal_y, normal_z [row][map_width]
 //   nodes [plane][row][row_length]                 written: the texels of MULTUM_MOMENT_PLANES planes
 // Where a BRDF's width is in the normal's length c (`shortened`), its microfacets' slopes have the variance 1 - c about
-// the normal's (host/image/material_maps.h). Memory bound.
+// the normal's (host/formats/image/material_maps.h). Memory bound.
 __kernel void moment_finest(__global const float* normal_x, __global const float* normal_y,
                             __global const float* normal_z, __global float* nodes, MultumBoxBand band,
                             float slope_z_min, int shortened) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bins normals as movmf_binning.cl does, for devices that add to one place from many work-items and take a texel by a
-// team of them (host/opencl/launch_shape.h): the same bytes. A file of its own, since a driver compiles all that a file
-// has. This file has only a scalar variant.
+// team of them (host/formats/opencl/launch_shape.h): the same bytes. A file of its own, since a driver compiles all
+// that a file has. This file has only a scalar variant.
 
 #include "device/binned_cells.clh"
 

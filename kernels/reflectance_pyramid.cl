@@ -6,7 +6,7 @@
 //
 // as runtime_gl/shaders/scene.frag has it. Williams draws lights by hand into a map of 9; here Blinn-Phong does. A
 // texel is the mean over sample_side^2 normals, evenly spread over it in the map's equal-area projection
-// (host/asset/pyramid/reflectance_mapping.h), so that a highlight narrower than a texel keeps its energy.
+// (host/formats/asset/pyramid/reflectance_mapping.h), so that a highlight narrower than a texel keeps its energy.
 
 #include "device/vmf_shading.clh"
 #include "shared/mip_box.h"

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Finds messages of code that several commands share which name an option by hand: a command that lacks it would advise
-it all the same. advice() and option_text() of host/base/messages/option_words.h name options of the command that runs.
+it all the same. advice() and option_text() of host/foundation/base/messages/option_words.h name options of the
+command that runs.
 
     tools/check_advice.py [--root DIR]     # exit code 1, and a line for each message
 
@@ -18,15 +19,17 @@ SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gl
           "manifest", "mesh", "movmf", "opencl", "pyramid", "sandbox", "scene", "target")
 # Code that one command alone runs, whose options these are; and command lines that are run.
 OF_ONE_COMMAND = {
-    "host/bake/region_bake.cpp": "bake --region", "host/base/share_record.cpp": "those with --shard",
-    "host/export/export_job.cpp": "export", "host/export/lobes/lobe_export.cpp": "export --lobes",
-    "host/export/uastc/uastc_encoder.cpp": "export and gltf have --encoder",
-    "host/gltf/gltf_job.cpp": "gltf", "host/look/look_page.cpp": "look",
-    "host/movmf/map_shard.cpp": "those with --shard", "host/movmf/bake_plan.cpp": "names what the plan was made with",
-    "host/bake/movmf_file_bake.cpp": "names --shard or --merge, which was given",
-    "host/pyramid/reflectance_bake.cpp": "reflectance", "host/target/plane_picture.cpp": "runs multum-view",
-    "host/target/pending_views.cpp": "runs multum-view",
-    "host/target/tradeoff_page.cpp": "shows a command line", "host/target/tradeoff_sweep.cpp": "runs multum-view",
+    "host/bakes/bake/region_bake.cpp": "bake --region", "host/foundation/base/share_record.cpp": "those with --shard",
+    "host/delivery/export/export_job.cpp": "export", "host/delivery/export/lobes/lobe_export.cpp": "export --lobes",
+    "host/delivery/export/uastc/uastc_encoder.cpp": "export and gltf have --encoder",
+    "host/delivery/gltf/gltf_job.cpp": "gltf", "host/delivery/look/look_page.cpp": "look",
+    "host/bakes/movmf/map_shard.cpp": "those with --shard",
+    "host/bakes/movmf/bake_plan.cpp": "names what the plan was made with",
+    "host/bakes/bake/movmf_file_bake.cpp": "names --shard or --merge, which was given",
+    "host/bakes/pyramid/reflectance_bake.cpp": "reflectance", "host/bakes/target/plane_picture.cpp": "runs multum-view",
+    "host/bakes/target/pending_views.cpp": "runs multum-view",
+    "host/bakes/target/tradeoff_page.cpp": "shows a command line",
+    "host/bakes/target/tradeoff_sweep.cpp": "runs multum-view",
 }
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")

@@ -104,7 +104,7 @@ def folder_rows(root):
 
 
 def is_listed(folder, listed):
-    """Whether the folder has a row; one with subfolders alone (host/texture_inference) has theirs."""
+    """Whether the folder has a row; one with subfolders alone (host/fields/inference) has theirs."""
     return folder in listed or any(row.startswith(f"{folder}/") for row in listed)
 
 

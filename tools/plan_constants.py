@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The constants of host/scene/bake_cost.cpp, measured: bakes of the four-quarter map in two sizes with a few settings,
-whose stages are solved for nanoseconds a texel and for what does not grow. Prints them as C++.
+"""The constants of host/bakes/scene/bake_cost.cpp, measured: bakes of the four-quarter map in two sizes
+with a few settings, whose stages are solved for nanoseconds a texel and for what does not grow. Prints them as C++.
 
     tools/plan_constants.py --multum build/release/bin/multum [--sizes 512 2048] [--repeat 3]
 """

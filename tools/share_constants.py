@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Processor times of the shares of a map beside what `multum plan --shards N` predicts by the constants of
-host/scene/share_cost.cpp.
+host/bakes/scene/share_cost.cpp.
 
     tools/share_constants.py --multum build/release/bin/multum                      # a table of settings and counts
     tools/share_constants.py --multum build/release/bin/multum --check --size 1024  # exit code 1: off by over a third

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mip pyramid's texels in one list, as host/asset/mip_layout.h has them, with tables of the bilinear interpolation
-// between neighbouring levels and of its transpose (host/texture_inference/solver/pyramid_tables.h makes them). Valid
-// OpenCL C and C++.
+// A mip pyramid's texels in one list, as host/formats/asset/mip_layout.h has them, with tables of the bilinear
+// interpolation between neighbouring levels and of its transpose (host/fields/inference/solver/pyramid_tables.h makes
+// them). Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 #define MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 

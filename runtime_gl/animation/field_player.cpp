@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "host/asset/mip_layout.h"
-#include "host/base/error.h"
-#include "host/base/stopwatch.h"
+#include "host/formats/asset/mip_layout.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/stopwatch.h"
 
 namespace multum::gl {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plays a packed field: a program asks for a point of the parameter space each frame, and gets the textures of every
 // object there, from what is decoded by then. Hakura et al. 2000, section 5: images are decoded as they are needed and
-// cached (host/playback), and added up by the GPU. Where all of a single sample's are waited for, workers add up its
-// coefficients instead, and whole textures are cached: one transform for all images, and nothing is left for the GPU to
-// do. Textures lie on exact geometry, so a camera may be anywhere near its
-// samples; how near, docs/ANIMATION.md says.
+// cached (host/fields/playback), and added up by the GPU. Where all of a single sample's are waited for, workers add up
+// its coefficients instead, and whole textures are cached: one transform for all images, and nothing is left for the
+// GPU to do. Textures lie on exact geometry, so a camera may be anywhere near its samples; how near, docs/ANIMATION.md
+// says.
 //
 //      player.prepare(point, ahead);                         // each frame
 //      for each object: draw its mesh of player.mapping(object) with player.layers(object)
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "host/playback/field_playback.h"
+#include "host/fields/playback/field_playback.h"
 #include "runtime_gl/animation/layer_sum.h"
 #include "runtime_gl/gl/texture.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/context/egl_functions.h"
 
 namespace multum::gl {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "host/base/error.h"
-#include "host/base/log.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/log.h"
 #include "runtime_gl/context/egl_context.h"
 #include "runtime_gl/context/osmesa_context.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/context/shared_library.h"
 
 namespace multum::gl {

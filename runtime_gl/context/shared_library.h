@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::gl {
 

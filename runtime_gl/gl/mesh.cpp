@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::gl {
 

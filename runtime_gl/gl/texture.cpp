@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "host/base/error.h"
-#include "host/base/half_bits.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/half_bits.h"
 
 namespace multum::gl {
 namespace {

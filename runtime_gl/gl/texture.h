@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/wrap_mode.h"
+#include "host/foundation/base/wrap_mode.h"
 #include "runtime_gl/gl/gl_functions.h"
 
 namespace multum::gl {

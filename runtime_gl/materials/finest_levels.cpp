@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/materials/mip_texture.h"
 #include "runtime_gl/materials/normal_material.h"
 

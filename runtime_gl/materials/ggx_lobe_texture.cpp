@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/materials/ggx_lobe_texture.h"
 
-#include "host/brdf/ggx_lobe.h"
+#include "host/formats/brdf/ggx_lobe.h"
 
 namespace multum::gl {
 

@@ -6,7 +6,7 @@
 
 #include <glm/vec4.hpp>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "host/asset/averages/moment_mipmap.h"
+#include "host/formats/asset/averages/moment_mipmap.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"

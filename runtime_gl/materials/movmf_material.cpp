@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "host/base/error.h"
-#include "host/sampling/blue_noise.h"
+#include "host/formats/sampling/blue_noise.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked file on the GPU: one texture a lobe (a r, a), and one a lobe for premultiplied colours if the file has them.
 // Level for level as they are in the file; trilinear filtering of these values is exact
-// (host/asset/lobes/movmf_mipmap.h). Levels that the file leaves to the normal map are textures of that map
+// (host/formats/asset/lobes/movmf_mipmap.h). Levels that the file leaves to the normal map are textures of that map
 // (movmf_shading.glsl, multum_normal_map_share).
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/asset/textures/lobe_texture.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/textures/lobe_texture.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"
@@ -27,7 +27,7 @@ enum class LobeFormula {
 };
 
 enum class DrawnNoise {
-  kBlue,   // host/sampling/blue_noise.h
+  kBlue,   // host/formats/sampling/blue_noise.h
   kWhite,  // a hash of each pixel: for comparison
 };
 

@@ -9,9 +9,9 @@
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/asset/averages/moment_mipmap.h"
-#include "host/asset/lobes/gmm_quantize.h"
-#include "host/base/error.h"
+#include "host/formats/asset/averages/moment_mipmap.h"
+#include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/materials/mip_texture.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/texture_binder.h"
@@ -32,7 +32,7 @@ glm::vec3 finest_normal(const glm::vec3& mean, bool has_roughness) {
   return has_roughness ? mean / std::max(size, 1.0f) : mean / size;
 }
 
-// c = 1 - alpha^2 / 2, alpha = roughness^2 (host/image/material_maps.h), solved for the roughness.
+// c = 1 - alpha^2 / 2, alpha = roughness^2 (host/formats/image/material_maps.h), solved for the roughness.
 float roughness_of_length(float size) { return std::pow(2.0f * std::clamp(1.0f - size, 0.0f, 0.5f), 0.25f); }
 
 TexelPlane weight_plane(const NormalImage& image) {

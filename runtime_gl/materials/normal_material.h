@@ -9,9 +9,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/asset/averages/moment_mipmap.h"
-#include "host/asset/averages/sh_mipmap.h"
-#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/averages/moment_mipmap.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/material.h"
 

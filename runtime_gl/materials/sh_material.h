@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/asset/averages/sh_mipmap.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/finest_levels.h"
 #include "runtime_gl/materials/material.h"

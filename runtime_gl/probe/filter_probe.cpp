@@ -8,9 +8,9 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/base/error.h"
-#include "host/base/processes/parallel.h"
-#include "host/base/split_mix.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/parallel.h"
+#include "host/foundation/base/split_mix.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/probe/texel_classes.h"
 #include "runtime_gl/shaders/embedded_shaders.h"

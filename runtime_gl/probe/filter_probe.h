@@ -12,8 +12,8 @@
 // in the end or does not sum to 1 is left out and counted.
 #pragma once
 
-#include "host/asset/inferred/filter_matrix.h"
-#include "host/asset/inferred/texture_mapping.h"
+#include "host/fields/inferred/filter_matrix.h"
+#include "host/fields/inferred/texture_mapping.h"
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/shader_program.h"
 #include "runtime_gl/probe/placed_mesh.h"

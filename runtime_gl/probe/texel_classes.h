@@ -10,7 +10,7 @@
 
 #include <vector>
 
-#include "host/asset/mip_layout.h"
+#include "host/formats/asset/mip_layout.h"
 
 namespace multum::gl {
 

@@ -11,7 +11,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "host/asset/pyramid/pyramid_file.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/shader_program.h"

@@ -3,10 +3,10 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/brdf/facet_distribution.h"
-#include "host/brdf/fresnel.h"
-#include "host/brdf/measured_brdf.h"
-#include "host/brdf/vmf_terms.h"
+#include "host/formats/brdf/facet_distribution.h"
+#include "host/formats/brdf/fresnel.h"
+#include "host/formats/brdf/measured_brdf.h"
+#include "host/formats/brdf/vmf_terms.h"
 #include "runtime_gl/materials/ggx_lobe_texture.h"
 #include "runtime_gl/materials/mip_texture.h"
 #include "runtime_gl/materials/texture_binder.h"

@@ -9,7 +9,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/brdf/brdf.h"
+#include "host/formats/brdf/brdf.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/materials/material.h"
 #include "runtime_gl/render/kept_of_brdf.h"

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::gl {
 

@@ -10,10 +10,10 @@
 #include <glm/trigonometric.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/base/error.h"
-#include "host/brdf/facet_distribution.h"
-#include "host/brdf/vmf_terms.h"
-#include "host/light/reflection_table.h"
+#include "host/formats/brdf/facet_distribution.h"
+#include "host/formats/brdf/vmf_terms.h"
+#include "host/formats/light/reflection_table.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 

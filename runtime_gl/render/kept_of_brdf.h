@@ -7,7 +7,7 @@
 #include <list>
 #include <utility>
 
-#include "host/brdf/brdf.h"
+#include "host/formats/brdf/brdf.h"
 
 namespace multum::gl {
 

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::gl {
 namespace {

@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/base/error.h"
-#include "host/base/run_times.h"
-#include "host/base/stopwatch.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/run_times.h"
+#include "host/foundation/base/stopwatch.h"
 #include "runtime_gl/render/light_shading.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 

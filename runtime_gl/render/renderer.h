@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/shader_program.h"

@@ -7,10 +7,10 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/asset/tap_filter.h"
-#include "host/base/wrap_mode.h"
-#include "host/brdf/brdf.h"
-#include "host/light/environment_light.h"
+#include "host/formats/asset/tap_filter.h"
+#include "host/formats/brdf/brdf.h"
+#include "host/formats/light/environment_light.h"
+#include "host/foundation/base/wrap_mode.h"
 #include "runtime_gl/render/camera.h"
 
 namespace multum::gl {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the texture of a layer from decoded images of a packed field: what host/codec/decoder/texture_chunk and
+// Makes the texture of a layer from decoded images of a packed field: what host/fields/codec/decoder/texture_chunk and
 // mip_levels do, one texel a fragment. One of
 //   MULTUM_IMAGE_COUNT n   adds up n images, gamma-coded values; with MULTUM_IS_LAST as radiance, rounded to half, and
 //                          with MULTUM_HAS_SUM beside what passes before have added up

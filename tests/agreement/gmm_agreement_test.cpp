@@ -15,9 +15,9 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/accuracy/highlight.h"
-#include "host/opencl/device.h"
-#include "host/reference/planar_em.h"
+#include "host/bakes/accuracy/highlight.h"
+#include "host/formats/opencl/device.h"
+#include "host/lab/reference/planar_em.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"
 #include "tests/reference/random_values.h"

@@ -10,8 +10,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/opencl/device.h"
-#include "host/reference/moments.h"
+#include "host/formats/opencl/device.h"
+#include "host/lab/reference/moments.h"
 #include "kernels/shared/moments.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"

@@ -13,10 +13,10 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/asset/averages/spherical_harmonics.h"
-#include "host/opencl/device.h"
-#include "host/reference/spherical_harmonics.h"
-#include "host/selftest/sh_launch.h"
+#include "host/formats/asset/averages/spherical_harmonics.h"
+#include "host/formats/opencl/device.h"
+#include "host/lab/reference/spherical_harmonics.h"
+#include "host/lab/selftest/sh_launch.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -126,7 +126,7 @@ TEST_P(ShAgreementTest, OpenclGlslAndDoubleAgree) {
       const std::vector<double> coefficients(sets[i].begin(), sets[i].end());
       for (std::size_t d = 0; d < directions.size(); ++d) {
         const double expected = std::max(0.0, reference::shade_sh(coefficients, 1.0, zonal, glm::dvec3(directions[d])));
-        // The basis is within 1e-5 of its bound (host/selftest/sh_cases.cpp).
+        // The basis is within 1e-5 of its bound (host/lab/selftest/sh_cases.cpp).
         EXPECT_NEAR(opencl[d], expected, 1e-5 * peak) << s << ", " << i << ", " << d;
         EXPECT_NEAR(static_cast<double>(glsl[i * directions.size() + d]), expected, 1e-5 * peak)
             << s << ", " << i << ", " << d;

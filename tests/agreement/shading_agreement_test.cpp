@@ -14,10 +14,10 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/accuracy/highlight.h"
-#include "host/brdf/brdf_text.h"
-#include "host/opencl/device.h"
-#include "host/reference/shading.h"
+#include "host/bakes/accuracy/highlight.h"
+#include "host/formats/brdf/brdf_text.h"
+#include "host/formats/opencl/device.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tests/gl/shader_harness.h"
 #include "tests/reference/random_values.h"
@@ -135,7 +135,8 @@ std::string terms_expression(const MultumHighlight& f) {
   return fmt::format("vec4(a.w <= 1e-6 ? 0.0 : a.w * max({}, 0.0))", sum);
 }
 
-// Facets that are sums of vMFs, by which a bake's error is measured for GGX and others (host/accuracy/highlight.h).
+// Facets that are sums of vMFs, by which a bake's error is measured for GGX and others
+// (host/bakes/accuracy/highlight.h).
 TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   const Lobes set = test_lobes(43);
   std::mt19937 random(43);

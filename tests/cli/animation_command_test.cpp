@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum animation: a folder of renders to a job file, whole or not at all.
-#include "host/texture_inference/job/animation_job_reading.h"
+#include "host/fields/inference/job/animation_job_reading.h"
 #include "tests/cli/program.h"
-#include "tests/unit/texture_inference/animation_test_scene.h"
+#include "tests/unit/fields/inference/animation_test_scene.h"
 
 namespace multum::testing {
 namespace {

@@ -10,10 +10,10 @@
 #include <random>
 #include <regex>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/base/files/content_hash.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

@@ -7,8 +7,8 @@
 #include <map>
 #include <memory>
 
-#include "host/asset/header_hash.h"
-#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/header_hash.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

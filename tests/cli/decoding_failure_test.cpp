@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // When the child that decodes fails, a command refuses the file or the machine, with the exit code of that, and leaves
 // no trace: an older output stays as it was.
-#include "host/base/processes/sanitizers.h"
+#include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
-#include "tests/unit/texture_inference/animation_test_scene.h"
+#include "tests/unit/fields/inference/animation_test_scene.h"
 
 namespace multum::testing {
 namespace {
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 class DecodingFailureTest : public CliTest {
  protected:
   // The programs, in a folder of their own; beside them failing_helper is multum-decode, which fails as the name of its
-  // file says (tests/unit/sandbox/failing_helper.cpp). Empty `decoder`: there is none.
+  // file says (tests/unit/foundation/sandbox/failing_helper.cpp). Empty `decoder`: there is none.
   void install(const std::string& decoder) {
     fs::remove_all(path("bin"));
     fs::create_directories(path("bin"));

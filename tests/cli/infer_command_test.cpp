@@ -9,9 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/asset/inferred/filter_matrix.h"
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/image/files/exr_layers.h"
+#include "host/fields/inferred/filter_matrix.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/formats/image/files/exr_layers.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 

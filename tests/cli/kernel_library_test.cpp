@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // PoCL compiles kernels for the processor at hand with a library of built-in functions for its instructions. Kernels
 // must give the same bytes whichever it is: machines of a build farm differ.
-#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

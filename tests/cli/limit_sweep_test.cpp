@@ -2,7 +2,7 @@
 // Every command under small limits of the shell (ulimit -f, -v, -n): it is done or says what is missing, with the exit
 // code of the machine; no signal ends it, and nothing half-written is left.
 
-#include "host/base/processes/sanitizers.h"
+#include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

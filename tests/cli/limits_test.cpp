@@ -3,7 +3,7 @@
 // error, an exit code, no signal, and nothing half-written.
 #include <sys/mount.h>
 
-#include "host/base/processes/sanitizers.h"
+#include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

@@ -9,7 +9,7 @@
 #include <regex>
 
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

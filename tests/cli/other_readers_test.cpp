@@ -6,13 +6,13 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
-#include "host/asset/averages/moment_mipmap.h"
-#include "host/asset/averages/sh_mipmap.h"
-#include "host/asset/inferred/filter_matrix.h"
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/asset/lobes/gmm_quantize.h"
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/base/files/content_hash.h"
+#include "host/fields/inferred/filter_matrix.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/formats/asset/averages/moment_mipmap.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
+#include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {
@@ -140,7 +140,7 @@ class FloatStream {
   std::size_t at_ = 0;
 };
 
-// What a level's arrays of read_lobes() must hold, from the lobes that host/asset reads.
+// What a level's arrays of read_lobes() must hold, from the lobes that host/formats/asset reads.
 void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStream& python) {
   const bool is_half = header.header.encoding == StorageEncoding::kHalf,
              planar = header.header.representation == Representation::kGmm;

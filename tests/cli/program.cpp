@@ -19,7 +19,7 @@
 #include <set>
 #include <sstream>
 
-#include "host/base/log.h"
+#include "host/foundation/base/log.h"
 #include "tools/multum/commands.h"
 
 namespace multum::testing {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/unit/base/test_folder.h"
-#include "tests/unit/base/text_parts.h"
+#include "tests/unit/foundation/base/test_folder.h"
+#include "tests/unit/foundation/base/text_parts.h"
 
 namespace multum::testing {
 
@@ -54,7 +54,7 @@ bool program_works(const std::string& program, const std::string& argument);
 /// Debian's Chromium; empty: there is none.
 std::string chromium_path();
 
-/// Exit codes (host/base/error.h).
+/// Exit codes (host/foundation/base/error.h).
 inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5;
 
 /// It ended with `exit_code`, and stderr says all of `parts`.

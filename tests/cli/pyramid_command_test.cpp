@@ -7,11 +7,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "host/asset/pyramid/pyramid_file.h"
-#include "host/base/base64.h"
-#include "host/image/colour_map.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
+#include "host/formats/image/colour_map.h"
+#include "host/foundation/base/base64.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

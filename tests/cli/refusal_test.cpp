@@ -6,7 +6,7 @@
 #include <random>
 
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
 
-#include "host/image/files/png_writer.h"
-#include "host/image/normals/normal_map.h"
+#include "host/formats/image/files/png_writer.h"
+#include "host/formats/image/normals/normal_map.h"
 #include "tests/cli/program.h"
 #include "tests/reference/test_maps.h"
 

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/base/path_text.h"
+#include "host/foundation/base/path_text.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

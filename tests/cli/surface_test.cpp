@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/base/files/atomic_file.h"
-#include "host/image/files/png_writer.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/image/files/png_writer.h"
+#include "host/foundation/base/files/atomic_file.h"
 #include "tests/cli/program.h"
 
 namespace multum {

@@ -4,9 +4,9 @@
 #include <regex>
 #include <sstream>
 
-#include "host/asset/baked_file.h"
+#include "host/formats/asset/baked_file.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

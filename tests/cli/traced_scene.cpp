@@ -16,9 +16,9 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/image/files/png_writer.h"
-#include "tests/unit/base/test_folder.h"
-#include "tests/unit/texture_inference/animation_test_scene.h"
+#include "host/formats/image/files/png_writer.h"
+#include "tests/unit/fields/inference/animation_test_scene.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum::testing {
 namespace {

@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "tests/cli/program.h"
-#include "tests/unit/html/rendered_page.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
+#include "tests/unit/foundation/html/rendered_page.h"
 
 namespace multum::testing {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smaller files and texts of the project's own: filter matrices, requests to the probe, the list of inferred textures,
 // settings in headers, results of cases, "FILE:CHANNEL".
-#include "host/asset/inferred/filter_matrix.h"
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/asset/inferred/probe_request.h"
-#include "host/image/material_maps.h"
-#include "host/image/normals/reading_settings.h"
-#include "host/reference/case_table.h"
+#include "host/fields/inferred/filter_matrix.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/fields/inferred/probe_request.h"
+#include "host/formats/image/material_maps.h"
+#include "host/formats/image/normals/reading_settings.h"
+#include "host/lab/reference/case_table.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

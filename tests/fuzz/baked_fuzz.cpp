@@ -3,9 +3,9 @@
 // process: it is the only library that does (docs/HOSTILE.md).
 #include <functional>
 
-#include "host/asset/baked_verify.h"
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/asset/lobes/movmf_reader.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/formats/asset/baked_verify.h"
+#include "host/formats/asset/lobes/movmf_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/reference/small_baked_files.h"
 

@@ -2,7 +2,7 @@
 // Measured BRDFs: tables by wavelength, MERL's binary files, networks as JSON. What is read must be finite.
 #include <cmath>
 
-#include "host/brdf/measured_file.h"
+#include "host/formats/brdf/measured_file.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

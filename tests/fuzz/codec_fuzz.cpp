@@ -3,12 +3,12 @@
 // use it refuses with a reason. And descriptions, which are read with more libraries and refused by Error.
 #include <zlib.h>
 
-#include "host/codec/byte_writer.h"
-#include "host/codec/chunk_choice.h"
-#include "host/codec/decoder/mip_levels.h"
-#include "host/codec/decoder/section_checksum.h"
-#include "host/codec/field_description.h"
-#include "host/codec/packed_file.h"
+#include "host/fields/codec/byte_writer.h"
+#include "host/fields/codec/chunk_choice.h"
+#include "host/fields/codec/decoder/mip_levels.h"
+#include "host/fields/codec/decoder/section_checksum.h"
+#include "host/fields/codec/field_description.h"
+#include "host/fields/codec/packed_file.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

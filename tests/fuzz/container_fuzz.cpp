@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first look at image files (host/image/files/image_container.h), and Radiance files, which our own code reads
-// whole.
+// The first look at image files (host/formats/image/files/image_container.h), and Radiance files, which our own code
+// reads whole.
 #include <cmath>
 
-#include "host/decoder/file_ranges.h"
-#include "host/image/files/environment_file.h"
-#include "host/image/files/image_container.h"
-#include "host/image/files/image_file.h"
+#include "host/formats/decoder/file_ranges.h"
+#include "host/formats/image/files/environment_file.h"
+#include "host/formats/image/files/image_container.h"
+#include "host/formats/image/files/image_file.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

@@ -5,15 +5,15 @@
 #include <cstring>
 #include <numeric>
 
-#include "host/image/files/decoding_messages.h"
-#include "host/image/files/environment_file.h"
-#include "host/image/files/exr_layers.h"
-#include "host/image/files/number_type.h"
-#include "host/image/material_maps.h"
-#include "host/image/normals/normal_map.h"
-#include "host/image/object_index.h"
-#include "host/image/small_picture.h"
-#include "host/sandbox/byte_message.h"
+#include "host/formats/image/files/decoding_messages.h"
+#include "host/formats/image/files/environment_file.h"
+#include "host/formats/image/files/exr_layers.h"
+#include "host/formats/image/files/number_type.h"
+#include "host/formats/image/material_maps.h"
+#include "host/formats/image/normals/normal_map.h"
+#include "host/formats/image/object_index.h"
+#include "host/formats/image/small_picture.h"
+#include "host/foundation/sandbox/byte_message.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

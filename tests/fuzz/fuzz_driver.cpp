@@ -9,7 +9,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "host/base/split_mix.h"
+#include "host/foundation/base/split_mix.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum::fuzz {

@@ -3,10 +3,10 @@
 // be read again, with buffer views that lie where they say.
 #include <fmt/format.h>
 
-#include "host/gltf/glb_layout.h"
-#include "host/gltf/gltf_asset.h"
-#include "host/gltf/gltf_rewrite.h"
-#include "host/gltf/material_plan.h"
+#include "host/delivery/gltf/glb_layout.h"
+#include "host/delivery/gltf/gltf_asset.h"
+#include "host/delivery/gltf/gltf_rewrite.h"
+#include "host/delivery/gltf/material_plan.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

@@ -3,10 +3,10 @@
 // tests/service/fault_injection/fuzz.py sends whole requests to a running one.
 #include <nlohmann/json.hpp>
 
-#include "host/service/http/http_reply.h"
-#include "host/service/http/job_request.h"
-#include "host/service/service_settings.h"
-#include "host/service/workers/job_types.h"
+#include "host/farm/service/http/http_reply.h"
+#include "host/farm/service/http/job_request.h"
+#include "host/farm/service/service_settings.h"
+#include "host/farm/service/workers/job_types.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "host/decoder/mesh_readers.h"
-#include "host/mesh/mesh_messages.h"
+#include "host/formats/decoder/mesh_readers.h"
+#include "host/formats/mesh/mesh_messages.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum::fuzz {

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
-#include "host/base/base64.h"
-#include "host/decoder/mesh_decoder.h"
-#include "host/mesh/gltf_material.h"
+#include "host/formats/decoder/mesh_decoder.h"
+#include "host/formats/mesh/gltf_material.h"
+#include "host/foundation/base/base64.h"
 #include "tests/fuzz/mesh_checks.h"
 
 namespace multum {

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <functional>
 
-#include "host/manifest/bake_manifest.h"
-#include "host/movmf/bake_checkpoint.h"
-#include "host/scene/scene_file.h"
-#include "host/service/service_settings.h"
-#include "host/texture_inference/job/animation_job_reading.h"
+#include "host/bakes/manifest/bake_manifest.h"
+#include "host/bakes/movmf/bake_checkpoint.h"
+#include "host/bakes/scene/scene_file.h"
+#include "host/farm/service/service_settings.h"
+#include "host/fields/inference/job/animation_job_reading.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace multum {
@@ -127,7 +127,7 @@ direction = [0.3, 0.8, 0.5]
 [environment]
 file = "sky.exr"
 )";
-// Structure that counts (host/toml/toml_limits.h), and what looks like it and does not.
+// Structure that counts (host/foundation/toml/toml_limits.h), and what looks like it and does not.
 constexpr char kNested[] = R"([[a.b]]
 c.d = [[1, {e.f = "x.[{", g = []}], '''y]'''] # h.i = [[
 "j.k" = """m" "" \\"""

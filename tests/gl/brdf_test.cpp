@@ -9,8 +9,8 @@
 #include <numbers>
 #include <random>
 
-#include "host/brdf/vmf_terms.h"
-#include "host/reference/shading.h"
+#include "host/formats/brdf/vmf_terms.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/renderer.h"

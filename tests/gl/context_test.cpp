@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/context/egl_functions.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/gl/shader_program.h"

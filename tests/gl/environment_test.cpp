@@ -9,8 +9,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/brdf/facet_distribution.h"
-#include "host/reference/shading.h"
+#include "host/formats/brdf/facet_distribution.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"

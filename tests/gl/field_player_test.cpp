@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/codec/field_unpacking.h"
+#include "host/fields/codec/field_unpacking.h"
 #include "tests/gl/test_context.h"
-#include "tests/unit/base/test_folder.h"
-#include "tests/unit/playback/small_packed_field.h"
+#include "tests/unit/fields/playback/small_packed_field.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum::gl {
 namespace {

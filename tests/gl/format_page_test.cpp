@@ -11,7 +11,7 @@
 #include <numbers>
 #include <regex>
 
-#include "host/reference/shading.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/gl/texture.h"

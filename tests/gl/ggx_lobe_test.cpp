@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GGX over vMF lobes as one term from a table (host/brdf/ggx_lobe.h, brdf/ggx_lobe.glsl) against quadrature: all
-// roughnesses, lobes from single directions to the whole sphere.
+// GGX over vMF lobes as one term from a table (host/formats/brdf/ggx_lobe.h, brdf/ggx_lobe.glsl) against quadrature:
+// all roughnesses, lobes from single directions to the whole sphere.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/brdf/ggx_lobe.h"
-#include "host/brdf/ggx_lobe_fit.h"
-#include "host/brdf/ggx_lobe_specular.h"
-#include "host/reference/shading.h"
+#include "host/formats/brdf/ggx_lobe.h"
+#include "host/formats/brdf/ggx_lobe_fit.h"
+#include "host/formats/brdf/ggx_lobe_specular.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/ggx_lobe_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/shader_harness.h"

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/normal_material.h"

@@ -6,10 +6,10 @@
 
 #include <cmath>
 
-#include "host/base/half_bits.h"
-#include "host/base/split_mix.h"
-#include "host/codec/decoder/mip_levels.h"
-#include "host/codec/decoder/texture_chunk.h"
+#include "host/fields/codec/decoder/mip_levels.h"
+#include "host/fields/codec/decoder/texture_chunk.h"
+#include "host/foundation/base/half_bits.h"
+#include "host/foundation/base/split_mix.h"
 #include "tests/gl/test_context.h"
 
 namespace multum::gl {

@@ -7,10 +7,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/base/base64.h"
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/mesh/mesh.h"
+#include "host/formats/mesh/mesh.h"
+#include "host/foundation/base/base64.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
 #include "tests/reference/shared_data.h"
 
 namespace multum {

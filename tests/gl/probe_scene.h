@@ -9,7 +9,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/base/split_mix.h"
+#include "host/foundation/base/split_mix.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/gl/texture.h"
 #include "runtime_gl/probe/placed_mesh.h"

@@ -9,8 +9,8 @@
 #include <random>
 #include <utility>
 
-#include "host/base/error.h"
-#include "host/base/split_mix.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/split_mix.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"

@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/gl/sh_test_map.h"
 
-#include "host/reference/spherical_harmonics.h"
+#include "host/lab/reference/spherical_harmonics.h"
 
 namespace multum::gl {
 

@@ -2,7 +2,7 @@
 // A baked file of spherical harmonics without a bake, from the definition in double.
 #pragma once
 
-#include "host/asset/averages/sh_mipmap.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
 #include "runtime_gl/materials/normal_material.h"
 
 namespace multum::gl {

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/gl/framebuffer.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/shaders/embedded_shaders.h"

@@ -8,7 +8,7 @@
 
 #include <glm/vec4.hpp>
 
-#include "host/base/source_edit.h"
+#include "host/foundation/base/source_edit.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/gl/shader_program.h"
 #include "runtime_gl/gl/texture.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/reference/shading.h"
+#include "host/lab/reference/shading.h"
 #include "tests/gl/shader_harness.h"
 #include "tests/gl/test_context.h"
 

@@ -6,9 +6,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/mesh/gltf_material.h"
-#include "host/mesh/mesh.h"
-#include "host/mesh/tangent_space.h"
+#include "host/formats/mesh/gltf_material.h"
+#include "host/formats/mesh/mesh.h"
+#include "host/formats/mesh/tangent_space.h"
 #include "tests/reference/shared_data.h"
 
 namespace multum {

@@ -8,8 +8,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/lobes/gmm_quantize.h"
-#include "host/base/split_mix.h"
+#include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/foundation/base/split_mix.h"
 
 namespace multum::gl {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "host/base/error.h"
-#include "host/base/half_bits.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/half_bits.h"
 #include "runtime_gl/gl/texture.h"
 #include "tests/gl/shader_harness.h"
 #include "tests/gl/test_context.h"

@@ -8,8 +8,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/movmf/movmf_bake.h"
-#include "host/opencl/launch_shape.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/formats/opencl/launch_shape.h"
 #include "tests/reference/test_maps.h"
 
 namespace multum {

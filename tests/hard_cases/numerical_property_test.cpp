@@ -11,15 +11,15 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/reference/coverage.h"
-#include "host/reference/shading.h"
-#include "host/selftest/box_launch.h"
-#include "host/selftest/em_launch.h"
-#include "host/selftest/feature_launch.h"
-#include "host/selftest/moment_launch.h"
-#include "host/selftest/shade_launch.h"
-#include "host/texture_inference/solver/texture_system.h"
+#include "host/fields/inference/solver/texture_system.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/lab/reference/coverage.h"
+#include "host/lab/reference/shading.h"
+#include "host/lab/selftest/box_launch.h"
+#include "host/lab/selftest/em_launch.h"
+#include "host/lab/selftest/feature_launch.h"
+#include "host/lab/selftest/moment_launch.h"
+#include "host/lab/selftest/shade_launch.h"
 #include "kernels/shared/movmf_fit.h"
 #include "tests/reference/test_device.h"
 

@@ -13,11 +13,11 @@
 #include <regex>
 #include <set>
 
-#include "host/base/error.h"
-#include "host/reference/case_page.h"
-#include "host/reference/case_table.h"
-#include "host/reference/case_topics.h"
-#include "host/selftest/selftest.h"
+#include "host/foundation/base/error.h"
+#include "host/lab/reference/case_page.h"
+#include "host/lab/reference/case_table.h"
+#include "host/lab/reference/case_topics.h"
+#include "host/lab/selftest/selftest.h"
 #include "tests/reference/test_device.h"
 
 namespace multum {
@@ -132,7 +132,7 @@ TEST(SelftestRegistry, EveryKernelHasACase) {
   for (const NumericalCase& c : numerical_cases())
     for (const std::string& kernel : kernels_of(c)) without.erase(kernel);
   for (const std::string& kernel : without)
-    ADD_FAILURE() << kernel << " has no numerical case (host/selftest/*_cases.cpp) that names it";
+    ADD_FAILURE() << kernel << " has no numerical case (host/lab/selftest/*_cases.cpp) that names it";
 }
 
 TEST(SelftestRegistry, IsWhatThePageHas) {

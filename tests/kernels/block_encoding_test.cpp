@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "host/export/block_decoding.h"
-#include "host/export/block_encoder.h"
-#include "host/reference/block_encoding.h"
+#include "host/delivery/export/block_decoding.h"
+#include "host/delivery/export/block_encoder.h"
+#include "host/lab/reference/block_encoding.h"
 #include "tests/reference/random_values.h"
 #include "tests/reference/test_device.h"
 

@@ -8,11 +8,11 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/movmf/movmf_binning.h"
-#include "host/movmf/movmf_em_step.h"
-#include "host/opencl/launch_shape.h"
-#include "host/reference/planar_em.h"
+#include "host/bakes/movmf/movmf_binning.h"
+#include "host/bakes/movmf/movmf_em_step.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/opencl/launch_shape.h"
+#include "host/lab/reference/planar_em.h"
 
 namespace multum::testing {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "host/image/normals/normal_map.h"
-#include "host/movmf/mip_schedule.h"
-#include "host/reference/movmf_em.h"
+#include "host/bakes/movmf/mip_schedule.h"
+#include "host/formats/image/normals/normal_map.h"
+#include "host/lab/reference/movmf_em.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
 #include "tests/reference/test_device.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/image_transform.cl, driven by host/codec/transforms, against double precision and against the transforms of
-// the decoder's folder.
+// kernels/image_transform.cl, driven by host/fields/codec/transforms, against double precision and against the
+// transforms of the decoder's folder.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,9 +8,9 @@
 #include <random>
 #include <thread>
 
-#include "host/codec/decoder/wavelet_transform.h"
-#include "host/codec/transforms/device_image_transforms.h"
-#include "host/reference/image_transform.h"
+#include "host/fields/codec/decoder/wavelet_transform.h"
+#include "host/fields/codec/transforms/device_image_transforms.h"
+#include "host/lab/reference/image_transform.h"
 #include "tests/reference/random_values.h"
 #include "tests/reference/test_device.h"
 

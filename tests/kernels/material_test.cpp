@@ -11,13 +11,13 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/accuracy/accuracy.h"
-#include "host/averages/moment_bake.h"
-#include "host/averages/sh_bake.h"
-#include "host/movmf/movmf_bake.h"
-#include "host/reference/planar_em.h"
-#include "host/reference/spherical_harmonics.h"
-#include "host/testmap/four_quarter_map.h"
+#include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/averages/moment_bake.h"
+#include "host/bakes/averages/sh_bake.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/formats/testmap/four_quarter_map.h"
+#include "host/lab/reference/planar_em.h"
+#include "host/lab/reference/spherical_harmonics.h"
 #include "tests/kernels/em_harness.h"
 #include "tests/reference/test_maps.h"
 
@@ -348,7 +348,8 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
       for (int m = -l; m <= l; ++m) {
         const auto k = static_cast<std::size_t>(sh_coefficient(l, m));
         const double expected = zonal[static_cast<std::size_t>(l)] * basis[k];
-        // The quadrature's own error; harmonics-of-rough-normals has the kernel's, 5e-5 (host/selftest/sh_cases.cpp).
+        // The quadrature's own error; harmonics-of-rough-normals has the kernel's, 5e-5
+        // (host/lab/selftest/sh_cases.cpp).
         EXPECT_NEAR(rough.levels[0].value(static_cast<int>(k), i), expected, 5e-4) << kappa << ": " << l << ", " << m;
         means[k] += expected / static_cast<double>(map.x.size());
       }

@@ -9,9 +9,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/averages/moment_bake.h"
-#include "host/base/error.h"
-#include "host/reference/moments.h"
+#include "host/bakes/averages/moment_bake.h"
+#include "host/foundation/base/error.h"
+#include "host/lab/reference/moments.h"
 #include "tests/kernels/em_harness.h"
 #include "tests/reference/test_maps.h"
 

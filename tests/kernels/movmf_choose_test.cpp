@@ -10,9 +10,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/opencl/launch_shape.h"
-#include "host/reference/movmf_choose.h"
-#include "host/reference/planar_em.h"
+#include "host/formats/opencl/launch_shape.h"
+#include "host/lab/reference/movmf_choose.h"
+#include "host/lab/reference/planar_em.h"
 #include "kernels/shared/movmf_choose.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"

@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "tests/kernels/em_harness.h"
 #include "tests/reference/test_maps.h"
 

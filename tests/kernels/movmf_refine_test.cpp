@@ -12,8 +12,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/opencl/launch_shape.h"
-#include "host/reference/movmf_refine.h"
+#include "host/formats/opencl/launch_shape.h"
+#include "host/lab/reference/movmf_refine.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/movmf_refine.h"
 #include "kernels/shared/vmf_lobe.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/selftest/struct_layout.h"
+#include "host/lab/selftest/struct_layout.h"
 #include "tests/kernels/em_harness.h"
 
 namespace multum::testing {

@@ -11,13 +11,13 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "host/asset/baked_file.h"
-#include "host/base/error.h"
-#include "host/export/axis_cut.h"
-#include "host/export/facet_samples.h"
-#include "host/export/one_lobe_fit.h"
-#include "host/opencl/launch_shape.h"
-#include "host/reference/one_lobe.h"
+#include "host/delivery/export/axis_cut.h"
+#include "host/delivery/export/facet_samples.h"
+#include "host/delivery/export/one_lobe_fit.h"
+#include "host/formats/asset/baked_file.h"
+#include "host/formats/opencl/launch_shape.h"
+#include "host/foundation/base/error.h"
+#include "host/lab/reference/one_lobe.h"
 #include "tests/reference/random_values.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"

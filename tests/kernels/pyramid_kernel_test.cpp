@@ -8,10 +8,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/pyramid/pyramid_sample.h"
-#include "host/base/error.h"
-#include "host/pyramid/reflectance_bake.h"
-#include "host/reference/reflectance.h"
+#include "host/bakes/pyramid/reflectance_bake.h"
+#include "host/formats/asset/pyramid/pyramid_sample.h"
+#include "host/foundation/base/error.h"
+#include "host/lab/reference/reflectance.h"
 #include "tests/kernels/em_harness.h"
 
 namespace multum {

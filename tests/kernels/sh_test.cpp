@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kernels/sh_project.cl with mip_box.cl against averages of the basis in double, over sizes that nest and sizes
-// that do not, in bands of any height. Numerical cases of both: host/selftest/sh_cases.cpp.
+// that do not, in bands of any height. Numerical cases of both: host/lab/selftest/sh_cases.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,12 +10,12 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/accuracy/accuracy.h"
-#include "host/asset/averages/spherical_harmonics.h"
-#include "host/averages/sh_bake.h"
-#include "host/base/error.h"
-#include "host/reference/coverage.h"
-#include "host/reference/spherical_harmonics.h"
+#include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/averages/sh_bake.h"
+#include "host/formats/asset/averages/spherical_harmonics.h"
+#include "host/foundation/base/error.h"
+#include "host/lab/reference/coverage.h"
+#include "host/lab/reference/spherical_harmonics.h"
 #include "tests/kernels/em_harness.h"
 #include "tests/reference/test_maps.h"
 

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/error.h"
-#include "host/base/split_mix.h"
-#include "host/reference/texture_inference.h"
-#include "host/texture_inference/solver/texture_inference.h"
-#include "host/texture_inference/solver/texture_system.h"
+#include "host/fields/inference/solver/texture_inference.h"
+#include "host/fields/inference/solver/texture_system.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/split_mix.h"
+#include "host/lab/reference/texture_inference.h"
 #include "tests/kernels/em_harness.h"
 
 namespace multum::testing {

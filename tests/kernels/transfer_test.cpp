@@ -6,9 +6,9 @@
 #include <numeric>
 #include <vector>
 
-#include "host/opencl/device.h"
-#include "host/opencl/device_counts.h"
-#include "host/opencl/launch_shape.h"
+#include "host/formats/opencl/device.h"
+#include "host/formats/opencl/device_counts.h"
+#include "host/formats/opencl/launch_shape.h"
 #include "tests/kernels/em_harness.h"
 
 namespace multum {

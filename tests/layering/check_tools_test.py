@@ -17,11 +17,12 @@ class CheckToolsTest(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.root = pathlib.Path(self.folder.name)
         self.write("docs/ARCHITECTURE.md", (ROOT / "docs/ARCHITECTURE.md").read_text())
-        self.write("host/base/error.h", LICENCE + "// Errors.\n#pragma once\n#include <string>\n")
-        self.write("host/asset/lobes/movmf_mipmap.h",
+        self.write("host/foundation/base/error.h", LICENCE + "// Errors.\n#pragma once\n#include <string>\n")
+        self.write("host/formats/asset/lobes/movmf_mipmap.h",
                    LICENCE + "// Lobes.\n#include <string>\n#include <glm/vec3.hpp>\n")
-        self.write("host/bake/bake.cpp", LICENCE + '// A bake.\n#include "host/asset/lobes/movmf_mipmap.h"\n')
-        self.write("host/bake/CMakeLists.txt", "# SPDX-License-Identifier: Apache-2.0\nadd_library(b bake.cpp)\n")
+        self.write("host/bakes/bake/bake.cpp",
+                   LICENCE + '// A bake.\n#include "host/formats/asset/lobes/movmf_mipmap.h"\n')
+        self.write("host/bakes/bake/CMakeLists.txt", "# SPDX-License-Identifier: Apache-2.0\nadd_library(b bake.cpp)\n")
 
     def tearDown(self):
         self.folder.cleanup()
@@ -48,16 +49,17 @@ class CheckToolsTest(unittest.TestCase):
             self.assertEqual(self.run_tool(tool), (0, ""))
 
     def test_include_against_the_arrow(self):
-        self.write("host/asset/bad.h", LICENCE + '// x\n#include "host/bake/bake.h"\n')
-        self.expect_violation("check_layering", "host/asset/bad.h:3", "host/asset includes host/bake/bake.h")
+        self.write("host/formats/asset/bad.h", LICENCE + '// x\n#include "host/bakes/bake/bake.h"\n')
+        self.expect_violation("check_layering", "host/formats/asset/bad.h:3",
+                              "host/formats/asset includes host/bakes/bake/bake.h")
 
     def test_relative_include_against_the_arrow(self):
-        self.write("host/asset/bad.h", LICENCE + '// x\n#include "../bake/bake.cpp"\n')
-        self.expect_violation("check_layering", "host/asset includes host/bake/bake.cpp")
+        self.write("host/formats/asset/bad.h", LICENCE + '// x\n#include "../../bakes/bake/bake.cpp"\n')
+        self.expect_violation("check_layering", "host/formats/asset includes host/bakes/bake/bake.cpp")
 
     def test_runtime_may_not_see_the_bake(self):
-        self.write("runtime_gl/gl/bad.cpp", LICENCE + '// x\n#include "host/opencl/device.h"\n')
-        self.expect_violation("check_layering", "runtime_gl includes host/opencl/device.h")
+        self.write("runtime_gl/gl/bad.cpp", LICENCE + '// x\n#include "host/formats/opencl/device.h"\n')
+        self.expect_violation("check_layering", "runtime_gl includes host/formats/opencl/device.h")
 
     def test_only_agreement_tests_see_both_worlds(self):
         self.write("tests/unit/bad.cpp", LICENCE + '// x\n#include "runtime_gl/gl/mesh.h"\n')
@@ -68,11 +70,11 @@ class CheckToolsTest(unittest.TestCase):
         for header in ("CL/cl.h", "GL/glcorearb.h", "EGL/egl.h", "OpenImageIO/imageio.h", "ImfHeader.h",
                        "assimp/scene.h", "openssl/evp.h", "CLI/CLI.hpp"):
             with self.subTest(header=header):
-                self.write("host/bake/bad.h", LICENCE + f"// x\n#include <{header}>\n")
-                self.expect_violation("check_layering", "host/bake/bad.h:3", header)
+                self.write("host/bakes/bake/bad.h", LICENCE + f"// x\n#include <{header}>\n")
+                self.expect_violation("check_layering", "host/bakes/bake/bad.h:3", header)
 
     def test_unknown_header(self):
-        self.write("host/bake/bad.h", LICENCE + "// x\n#include <folly/Any.h>\n")
+        self.write("host/bakes/bake/bad.h", LICENCE + "// x\n#include <folly/Any.h>\n")
         self.expect_violation("check_layering", "folly/Any.h", "no row")
 
     def test_folder_without_layer(self):
@@ -80,42 +82,59 @@ class CheckToolsTest(unittest.TestCase):
         self.expect_violation("check_layering", "host/surprise/bad.h", "no row in the layer table")
 
     def test_link_against_the_arrow(self):
-        self.write("host/image/CMakeLists.txt", "# x\nmultum_library(multum_image PUBLIC multum_base multum_opencl)\n")
-        self.expect_violation("check_layering", "host/image/CMakeLists.txt:2", "links multum_opencl")
+        self.write("host/formats/image/CMakeLists.txt",
+                   "# x\nmultum_library(multum_image PUBLIC multum_base multum_opencl)\n")
+        self.expect_violation("check_layering", "host/formats/image/CMakeLists.txt:2", "links multum_opencl")
+
+    def write_tables(self, layers, districts="", headers="glm/ host"):
+        self.write("docs/ARCHITECTURE.md", f"```districts\n{districts}\n```\n```layers\n{layers}\n```\n"
+                                           f"```headers\n{headers}\n```\n```programs\n```\n")
 
     def test_row_that_nothing_needs(self):
-        headers, programs = "```headers\nglm/ host\n```\n", "```programs\n```\n"
-        for layers, words in (
-                ("host/base -\nhost/asset host/base\nhost/bake host/asset", ("host/asset allows host/base",)),
-                ("host/base -\nhost/asset host/gone\nhost/bake host/asset", ("host/gone", "no folder")),
-                ("host/base -\nhost/asset -\nhost/bake host/asset\nhost/gone -", ("host/gone", "no folder"))):
+        base, asset, bake = "host/foundation/base", "host/formats/asset", "host/bakes/bake"
+        for layers, words in ((f"{base} -\n{asset} {base}\n{bake} {asset}", (f"{asset} allows {base}",)),
+                              (f"{base} -\n{asset} host/gone\n{bake} {asset}", ("host/gone", "no folder")),
+                              (f"{base} -\n{asset} -\n{bake} {asset}\nhost/gone -", ("host/gone", "no folder"))):
             with self.subTest(layers=layers):
-                self.write("docs/ARCHITECTURE.md", f"```layers\n{layers}\n```\n{headers}{programs}")
+                self.write_tables(layers)
                 self.assertEqual(self.run_tool("check_layering"), (0, ""))
                 code, output = self.run_tool("check_layering", "--rows")
                 self.assertEqual(code, 1, output)
                 for word in words:
                     self.assertIn(word, output)
-        rows = "```layers\nhost/base -\nhost/asset -\nhost/bake host/asset\n```\n"
-        self.write("docs/ARCHITECTURE.md", rows + headers + programs)
+        rows = f"{base} -\n{asset} -\n{bake} \\\n {asset}"
+        self.write_tables(rows)
         self.assertEqual(self.run_tool("check_layering", "--rows"), (0, ""))
-        self.write("docs/ARCHITECTURE.md", rows + headers.replace("host", "host tests") + programs)
+        self.write_tables(rows, headers="glm/ host tests")
         self.expect_violation("check_layering", "glm/ allows tests", options=["--rows"])
 
     def test_rows_that_lead_in_a_circle(self):
-        self.write("docs/ARCHITECTURE.md", "```layers\nhost/base -\nhost/asset host/bake\nhost/bake host/asset\n```\n"
-                   "```headers\nglm/ host\n```\n```programs\n```\n")
-        self.write("host/asset/back.h", LICENCE + '// x\n#include "host/bake/bake.cpp"\n')
+        self.write_tables("host/foundation/base -\nhost/formats/asset host/bakes/bake\n"
+                          "host/bakes/bake host/formats/asset")
+        self.write("host/formats/asset/back.h", LICENCE + '// x\n#include "host/bakes/bake/bake.cpp"\n')
         code, output = self.run_tool("check_layering", "--rows")
         self.assertEqual((code, len(output.splitlines())), (1, 2), output)
-        self.assertIn("the row of host/bake leads back to it", output)
+        self.assertIn("the row of host/bakes/bake leads back to it", output)
+
+    def test_districts(self):
+        rows = "host/foundation/base -\nhost/formats/asset -\nhost/bakes/bake host/formats/asset"
+        self.write_tables(rows, "host/formats -\nhost/bakes host/formats")
+        self.assertEqual(self.run_tool("check_layering", "--rows"), (0, ""))
+        self.write_tables(rows, "host/formats -\nhost/bakes -")
+        self.expect_violation("check_layering", "the district host/bakes uses host/formats")
+        self.write_tables(rows, "host/foundation -\nhost/formats host/foundation\nhost/bakes host/formats")
+        self.expect_violation("check_layering", "host/formats allows host/foundation", options=["--rows"])
+        self.write_tables(rows, "host/formats host/bakes\nhost/bakes host/formats")
+        self.write("host/formats/CMakeLists.txt", "multum_library(multum_x PUBLIC multum_bake)\n")
+        _, output = self.run_tool("check_layering", "--rows")
+        self.assertIn("the row of host/formats leads back to it", output)
 
     def test_folder_of_many_files(self):
         for number in range(38):
-            self.write(f"host/bake/unit_{number}.h", LICENCE + "// x\n")
+            self.write(f"host/bakes/bake/unit_{number}.h", LICENCE + "// x\n")
         self.assertEqual(self.run_tool("check_layering"), (0, ""))
-        self.write("host/bake/unit_38.h", LICENCE + "// x\n")
-        self.expect_violation("check_layering", "host/bake:1", "41 files")
+        self.write("host/bakes/bake/unit_38.h", LICENCE + "// x\n")
+        self.expect_violation("check_layering", "host/bakes/bake:1", "41 files")
 
     def test_program_that_links_what_it_must_not(self):
         (self.root / "bin").mkdir()
@@ -136,49 +155,54 @@ class CheckToolsTest(unittest.TestCase):
                             (LICENCE + "#pragma once\n", (":1", "no comment")),
                             (LICENCE + "// x" + "y" * 117 + "\n", (":2", "121 characters"))):
             with self.subTest(words=words):
-                self.write("host/base/bad.h", text)
-                self.expect_violation("check_style.py", "host/base/bad.h", *words)
+                self.write("host/foundation/base/bad.h", text)
+                self.expect_violation("check_style.py", "host/foundation/base/bad.h", *words)
 
     def test_header_that_opens_with_a_riddle(self):
         for word in ("What", "Where", "Which", "How", "That", "Whether", "Who", "As", "Of"):
             with self.subTest(word=word):
-                self.write("host/base/bad.h", LICENCE + f"// {word} rows go.\n")
-                self.expect_violation("check_style.py", "host/base/bad.h:2", f"'{word}'", "verb or noun first")
+                self.write("host/foundation/base/bad.h", LICENCE + f"// {word} rows go.\n")
+                self.expect_violation("check_style.py", "host/foundation/base/bad.h:2", f"'{word}'",
+                                      "verb or noun first")
         for text in ("// Offers rows.\n// What they hold.\n", "// Assets of a map.\n", "// Rows. Of what: below.\n"):
             with self.subTest(text=text):
-                self.write("host/base/bad.h", LICENCE + text)
+                self.write("host/foundation/base/bad.h", LICENCE + text)
                 self.assertEqual(self.run_tool("check_style.py"), (0, ""))
 
     def test_dead_file(self):
-        self.write("host/bake/old.cpp", LICENCE + "// x\n")
-        self.expect_violation("check_style.py", "host/bake/old.cpp", "dead")
+        self.write("host/bakes/bake/old.cpp", LICENCE + "// x\n")
+        self.expect_violation("check_style.py", "host/bakes/bake/old.cpp", "dead")
 
     def test_commented_out_file_is_dead(self):
-        self.write("host/bake/old.cpp", LICENCE + "// x\n")
-        self.write("host/bake/CMakeLists.txt", "# SPDX-License-Identifier: Apache-2.0\nx(bake.cpp)  # old.cpp\n")
-        self.expect_violation("check_style.py", "host/bake/old.cpp", "dead")
+        self.write("host/bakes/bake/old.cpp", LICENCE + "// x\n")
+        self.write("host/bakes/bake/CMakeLists.txt", "# SPDX-License-Identifier: Apache-2.0\nx(bake.cpp)  # old.cpp\n")
+        self.expect_violation("check_style.py", "host/bakes/bake/old.cpp", "dead")
 
     def test_unlisted_folder(self):
         self.write("tests/surprise/x.h", LICENCE + "// x\n")
         self.expect_violation("check_style.py", "tests/surprise: has no row")
 
     def test_unit_tests_mirror_rooms(self):
-        self.write("tests/unit/asset/lobes/x.h", LICENCE + "// x\n")
+        self.write("tests/unit/formats/asset/lobes/x.h", LICENCE + "// x\n")
         self.assertEqual(self.run_tool("check_style.py"), (0, ""))
         self.write("tests/unit/surprise/x.h", LICENCE + "// x\n")
         self.expect_violation("check_style.py", "tests/unit/surprise: has no row")
 
     def test_dead_paths(self):
-        self.write("docs/ARCHITECTURE.md", "`host/bake`, `host/base/error.h`, `host/bake/bake`: `movmf_mipmap.h`.\n")
-        self.write("host/base/good.h", LICENCE + "// As asset/lobes/movmf_mipmap.h and kernels/FILE.cl.\n"
+        self.write("docs/ARCHITECTURE.md", "`host/bakes/bake`, `host/foundation/base/error.h`, `host/bakes/bake/bake`: "
+                                           "`movmf_mipmap.h`.\n")
+        self.write("host/foundation/base/good.h", LICENCE + "// As asset/lobes/movmf_mipmap.h and kernels/FILE.cl.\n"
                    'const char* text = "host/gone";\n')
         self.assertEqual(self.run_tool("check_paths"), (0, ""))
         for file, text, name in (("docs/PAGE.md", "See `host/gone/error.h`.\n", "host/gone/error.h"),
                                  ("docs/PAGE.md", "See `host/gone`: a folder.\n", "host/gone"),
-                                 ("docs/PAGE.md", "host/base/errors has it.\n", "host/base/errors"),
+                                 ("docs/PAGE.md", "host/foundation/base/errors has it.\n",
+                                  "host/foundation/base/errors"),
                                  ("README.md", "The file `gone_file.h`.\n", "gone_file.h"),
-                                 ("host/base/bad.h", LICENCE + "int x;  // host/base/gone.h\n", "host/base/gone.h"),
-                                 ("host/base/bad.h", LICENCE + "// As bake/error.h has it.\n", "bake/error.h"),
+                                 ("host/foundation/base/bad.h", LICENCE + "int x;  // host/foundation/base/gone.h\n",
+                                  "host/foundation/base/gone.h"),
+                                 ("host/foundation/base/bad.h", LICENCE + "// As bake/error.h has it.\n",
+                                  "bake/error.h"),
                                  ("tools/bad.py", "# Reads tools/gone.py.\n", "tools/gone.py")):
             with self.subTest(name=name):
                 self.write(file, text)

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::bench {
 namespace {

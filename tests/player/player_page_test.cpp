@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/codec/field_unpacking.h"
-#include "host/codec/packed_file.h"
-#include "host/mesh/object_mesh.h"
-#include "host/player/player_files.h"
-#include "host/player/player_output.h"
-#include "host/player/scene_glb.h"
+#include "host/fields/codec/field_unpacking.h"
+#include "host/fields/codec/packed_file.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/fields/player/player_files.h"
+#include "host/fields/player/player_output.h"
+#include "host/fields/player/scene_glb.h"
+#include "host/formats/mesh/object_mesh.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 

@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "host/accuracy/accuracy.h"
-#include "host/base/error.h"
-#include "host/pyramid/mip_coverage.h"
+#include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/pyramid/mip_coverage.h"
+#include "host/foundation/base/error.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 

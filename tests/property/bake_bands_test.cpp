@@ -10,9 +10,9 @@
 #include <optional>
 #include <random>
 
-#include "host/base/error.h"
-#include "host/movmf/movmf_bake.h"
-#include "host/opencl/launch_shape.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/formats/opencl/launch_shape.h"
+#include "host/foundation/base/error.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <random>
 
-#include "host/movmf/movmf_bake.h"
-#include "host/movmf/start_memory.h"
-#include "host/opencl/launch_shape.h"
-#include "host/testmap/four_quarter_map.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/bakes/movmf/start_memory.h"
+#include "host/formats/opencl/launch_shape.h"
+#include "host/formats/testmap/four_quarter_map.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 

@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/accuracy/accuracy.h"
-#include "host/movmf/movmf_bake.h"
-#include "host/testmap/four_quarter_map.h"
+#include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/formats/testmap/four_quarter_map.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 

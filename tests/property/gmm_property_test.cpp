@@ -9,9 +9,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/accuracy/accuracy.h"
-#include "host/asset/lobes/gmm_quantize.h"
-#include "host/movmf/movmf_bake.h"
+#include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/formats/asset/lobes/gmm_quantize.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"
 

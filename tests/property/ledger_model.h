@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/service/ledger/job_queue.h"
+#include "host/farm/service/ledger/job_queue.h"
 
 namespace multum::testing {
 

@@ -11,10 +11,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/base/error.h"
-#include "host/service/ledger/job_queue.h"
+#include "host/farm/service/ledger/job_queue.h"
+#include "host/foundation/base/error.h"
 #include "tests/property/ledger_model.h"
-#include "tests/unit/base/test_folder.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
 namespace {

@@ -7,13 +7,13 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "host/accuracy/accuracy.h"
-#include "host/asset/lobes/movmf_reader.h"
-#include "host/bake/bake_file.h"
-#include "host/base/split_mix.h"
-#include "host/image/files/png_writer.h"
+#include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/bake/bake_file.h"
+#include "host/formats/asset/lobes/movmf_reader.h"
+#include "host/formats/image/files/png_writer.h"
+#include "host/foundation/base/split_mix.h"
 #include "tests/reference/test_maps.h"
-#include "tests/unit/base/test_folder.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
 namespace {

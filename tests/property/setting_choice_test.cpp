@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Settings are chosen by what a map needs; a mosaic is made of the map; and the interval of a measured error holds what
 // all texels say.
-#include "host/target/setting_choice.h"
+#include "host/bakes/target/setting_choice.h"
 
 #include <gtest/gtest.h>
 
@@ -14,11 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/bake/ndf_bake.h"
-#include "host/base/error.h"
-#include "host/movmf/movmf_bake.h"
-#include "host/target/map_mosaic.h"
-#include "host/testmap/four_quarter_map.h"
+#include "host/bakes/bake/ndf_bake.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/bakes/target/map_mosaic.h"
+#include "host/formats/testmap/four_quarter_map.h"
+#include "host/foundation/base/error.h"
 #include "tests/reference/shared_data.h"
 #include "tests/reference/test_device.h"
 #include "tests/reference/test_maps.h"

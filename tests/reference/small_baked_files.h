@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "host/asset/averages/moment_mipmap.h"
-#include "host/asset/averages/sh_mipmap.h"
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/asset/pyramid/pyramid_file.h"
+#include "host/formats/asset/averages/moment_mipmap.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
 
 namespace multum::testing {
 

@@ -2,7 +2,7 @@
 // The device that tests run kernels on.
 #pragma once
 
-#include "host/opencl/device.h"
+#include "host/formats/opencl/device.h"
 
 namespace multum::testing {
 

@@ -10,8 +10,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/image/colour_map.h"
-#include "host/image/normals/normal_map.h"
+#include "host/formats/image/colour_map.h"
+#include "host/formats/image/normals/normal_map.h"
 #include "tests/reference/random_values.h"
 
 namespace multum::testing {

@@ -122,7 +122,7 @@ const steps = {
       assert.equal(again.status, 304, path);
     }
     // The embedded bytes are the file's.
-    const source = await readFile(new URL("../../host/service/web/job_list.js", import.meta.url), "utf8");
+    const source = await readFile(new URL("../../host/farm/service/web/job_list.js", import.meta.url), "utf8");
     assert.equal(await (await fetch(service.url + "/job_list.js")).text(), source);
   },
 

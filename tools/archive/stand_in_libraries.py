@@ -4,8 +4,8 @@
 
 Debian's OpenImageIO links the decoders of every format it knows: films, medical images, volumes, 220 libraries of 320
 MB in all, and is bound at start, so that each of their symbols must be there. multum hands it PNG, JPEG, WebP, TIFF and
-OpenEXR alone (host/image/files/image_container.h). A stand-in has the same name, symbols and symbol versions as the
-library; its functions say so and end the process, but for those that return a version as text.
+OpenEXR alone (host/formats/image/files/image_container.h). A stand-in has the same name, symbols and
+symbol versions as the library; its functions say so and end the process, but for those that return a version as text.
 """
 import pathlib
 import re

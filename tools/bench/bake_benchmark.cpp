@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/base/error.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/base/error.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/measuring/bake_programs.h"
 #include "tools/bench/measuring/command_text.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 #include "tools/bench/documents/result_view.h"
 #include "tools/bench/measuring/instructions.h"
 

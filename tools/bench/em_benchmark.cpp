@@ -8,13 +8,13 @@
 #include <cmath>
 #include <vector>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/base/files/content_hash.h"
-#include "host/movmf/mip_schedule.h"
-#include "host/movmf/movmf_bake.h"
-#include "host/opencl/device.h"
-#include "host/opencl/launch_shape.h"
-#include "host/testmap/four_quarter_map.h"
+#include "host/bakes/movmf/mip_schedule.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/opencl/device.h"
+#include "host/formats/opencl/launch_shape.h"
+#include "host/formats/testmap/four_quarter_map.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "kernels/shared/vmf_lobe.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/measuring/elapsed.h"

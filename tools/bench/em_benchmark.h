@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 #include "tools/bench/documents/result_view.h"
 #include "tools/bench/measuring/instructions.h"
 

@@ -15,9 +15,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/asset/baked_file.h"
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
+#include "host/formats/asset/baked_file.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/picture_error.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tools/bench/documents/result_view.h"
 

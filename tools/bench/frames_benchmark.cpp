@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "host/asset/baked_file.h"
-#include "host/asset/gpu_bytes.h"
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
+#include "host/formats/asset/baked_file.h"
+#include "host/formats/asset/gpu_bytes.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"

@@ -8,11 +8,11 @@
 #include <limits>
 #include <vector>
 
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
-#include "host/opencl/device.h"
-#include "host/texture_inference/solver/texture_inference.h"
-#include "host/texture_inference/solver/texture_system.h"
+#include "host/fields/inference/solver/texture_inference.h"
+#include "host/fields/inference/solver/texture_system.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "tools/bench/measuring/elapsed.h"
 #include "tools/bench/measuring/plane_views.h"
 #include "tools/bench/measuring/statistics.h"

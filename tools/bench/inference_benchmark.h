@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 #include "tools/bench/documents/result_view.h"
 
 namespace multum::bench {

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <functional>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
-#include "host/base/stopwatch.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/stopwatch.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/measuring/bake_programs.h"

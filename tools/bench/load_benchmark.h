@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tools/bench/documents/result_view.h"
 

@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <functional>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/opencl/pocl_settings.h"
+#include "host/formats/opencl/pocl_settings.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
 #include "tools/bench/bake_benchmark.h"
 #include "tools/bench/build_info.h"
 #include "tools/bench/documents/accuracy_document.h"

@@ -12,12 +12,12 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "host/asset/baked_file.h"
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/processes/child_process.h"
-#include "host/opencl/device.h"
+#include "host/formats/asset/baked_file.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/processes/child_process.h"
 #include "tools/bench/documents/on_gpu_page.h"
 #include "tools/bench/documents/result_file.h"
 #include "tools/bench/measuring/bake_programs.h"

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 
 namespace multum::bench {
 

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/measuring/bake_programs.h"
 #include "tools/bench/measuring/command_text.h"

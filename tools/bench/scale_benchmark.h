@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 #include "tools/bench/documents/result_view.h"
 
 namespace multum::bench {

@@ -13,8 +13,8 @@
 #include <set>
 #include <string>
 
-#include "host/base/error.h"
-#include "host/base/messages/option_words.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/messages/option_words.h"
 
 namespace multum {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host/base/choices.h"
+#include "host/foundation/base/choices.h"
 
 namespace multum {
 

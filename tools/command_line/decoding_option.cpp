@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
-#include "host/image/files/image_file.h"
-#include "host/mesh/mesh_source.h"
+#include "host/formats/image/files/image_file.h"
+#include "host/formats/mesh/mesh_source.h"
 
 namespace multum {
 namespace {

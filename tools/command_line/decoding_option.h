@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Option --decode child|child:SECONDS[,MEMORY]: limits of the child that decodes images (host/image/files/image_file.h)
-// and meshes (host/mesh/mesh_source.h).
+// Option --decode child|child:SECONDS[,MEMORY]: limits of the child that decodes images
+// (host/formats/image/files/image_file.h) and meshes (host/formats/mesh/mesh_source.h).
 #pragma once
 
 #include <string>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/parameters/parameter_values.h"
+#include "host/foundation/parameters/parameter_values.h"
 
 namespace multum {
 

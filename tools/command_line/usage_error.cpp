@@ -5,9 +5,9 @@
 #include <sstream>
 #include <vector>
 
-#include "host/base/error.h"
-#include "host/base/nearest_name.h"
-#include "host/base/shown_text.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/nearest_name.h"
+#include "host/foundation/base/shown_text.h"
 
 namespace multum {
 namespace {

@@ -20,11 +20,11 @@
 #include <queue>
 #include <random>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/stopwatch.h"
-#include "host/service/ledger/job_queue.h"
-#include "host/service/slurm/slurm_plan.h"
+#include "host/farm/service/ledger/job_queue.h"
+#include "host/farm/service/slurm/slurm_plan.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/stopwatch.h"
 #include "tools/command_line/usage_error.h"
 
 namespace multum {

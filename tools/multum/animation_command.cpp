@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/shown_text.h"
-#include "host/texture_inference/job/animation_job.h"
+#include "host/fields/inference/job/animation_job.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 

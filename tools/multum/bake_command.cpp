@@ -5,14 +5,14 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/bake/bake_batch.h"
-#include "host/bake/bake_file.h"
-#include "host/base/error.h"
-#include "host/base/log.h"
-#include "host/base/processes/machine.h"
-#include "host/base/shown_text.h"
-#include "host/base/system_failure.h"
-#include "host/target/chosen_bake.h"
+#include "host/bakes/bake/bake_batch.h"
+#include "host/bakes/bake/bake_file.h"
+#include "host/bakes/target/chosen_bake.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/base/system_failure.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/bake_manifest_mode.h"

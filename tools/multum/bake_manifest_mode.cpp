@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/messages/option_words.h"
-#include "host/base/shown_text.h"
-#include "host/base/stopwatch.h"
-#include "host/base/system_failure.h"
-#include "host/manifest/manifest_report.h"
-#include "host/parameters/bake_parameters.h"
+#include "host/bakes/manifest/manifest_report.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/messages/option_words.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/base/stopwatch.h"
+#include "host/foundation/base/system_failure.h"
+#include "host/foundation/parameters/bake_parameters.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/openjd_lines.h"
 

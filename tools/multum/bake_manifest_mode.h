@@ -6,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host/bake/bake_job.h"
-#include "host/base/work_shard.h"
-#include "host/manifest/manifest_run.h"
+#include "host/bakes/bake/bake_job.h"
+#include "host/bakes/manifest/manifest_run.h"
+#include "host/foundation/base/work_shard.h"
 #include "tools/multum/bake_print.h"
 #include "tools/multum/commands.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum/bake_print.h"
-#include "host/base/shown_text.h"
+#include "host/foundation/base/shown_text.h"
 
 namespace multum {
 

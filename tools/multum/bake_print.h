@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "host/bake/bake_job.h"
+#include "host/bakes/bake/bake_job.h"
 
 namespace multum {
 

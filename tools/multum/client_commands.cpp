@@ -15,12 +15,12 @@
 #include <set>
 #include <thread>
 
-#include "host/base/error.h"
-#include "host/base/files/regular_file.h"
-#include "host/base/path_text.h"
-#include "host/base/shown_text.h"
-#include "host/service/http/http_client.h"
-#include "host/service/workers/job_types.h"
+#include "host/farm/service/http/http_client.h"
+#include "host/farm/service/workers/job_types.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/regular_file.h"
+#include "host/foundation/base/path_text.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

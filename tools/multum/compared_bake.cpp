@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "host/bake/bake_file.h"
-#include "host/base/messages/quiet_log.h"
+#include "host/bakes/bake/bake_file.h"
+#include "host/foundation/base/messages/quiet_log.h"
 
 namespace multum {
 

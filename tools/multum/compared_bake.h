@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "host/bake/bake_job.h"
-#include "host/base/files/work_folder.h"
-#include "host/export/export_job.h"
-#include "host/opencl/device.h"
+#include "host/bakes/bake/bake_job.h"
+#include "host/delivery/export/export_job.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/files/work_folder.h"
 
 namespace multum {
 

@@ -8,21 +8,21 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "host/accuracy/accuracy_table.h"
-#include "host/asset/averages/moment_mipmap.h"
-#include "host/asset/averages/sh_mipmap.h"
-#include "host/asset/baked_verify.h"
-#include "host/asset/gpu_bytes.h"
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/asset/pyramid/pyramid_file.h"
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/json_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/shown_text.h"
-#include "host/codec/field_unpacking.h"
-#include "host/opencl/device.h"
-#include "host/testmap/four_quarter_map.h"
+#include "host/bakes/accuracy/accuracy_table.h"
+#include "host/fields/codec/field_unpacking.h"
+#include "host/formats/asset/averages/moment_mipmap.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
+#include "host/formats/asset/baked_verify.h"
+#include "host/formats/asset/gpu_bytes.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
+#include "host/formats/opencl/device.h"
+#include "host/formats/testmap/four_quarter_map.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/command_line/choices.h"
 #include "tools/multum/commands.h"
 
@@ -304,7 +304,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
     for (const char* part : {"_normal.png", "_albedo.png"}) check_writable(options->prefix + part);
     write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter);
     const char* prefix = options->prefix.c_str();
-    // Its statistics look like green down (host/testmap/four_quarter_map.cpp).
+    // Its statistics look like green down (host/formats/testmap/four_quarter_map.cpp).
     print_shown(stdout,
                 "%s_normal.png, %s_albedo.png: written; bake with --green up (its statistics look like green down, of "
                 "which the bake warns)\n",

@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/base/processes/machine.h"
-#include "host/base/shown_text.h"
-#include "host/gltf/gltf_job.h"
-#include "host/image/normals/reading_parameters.h"
-#include "host/parameters/gltf_parameters.h"
+#include "host/delivery/gltf/gltf_job.h"
+#include "host/formats/image/normals/reading_parameters.h"
+#include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/parameters/gltf_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/base/error.h"
-#include "host/base/processes/child_process.h"
-#include "host/base/processes/machine.h"
-#include "host/base/shown_text.h"
-#include "host/look/look_page.h"
+#include "host/delivery/look/look_page.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/child_process.h"
+#include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

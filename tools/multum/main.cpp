@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum: the command line.
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "tools/multum/commands.h"
 
 int main(int argc, char** argv) { return multum::run_guarded("multum", multum::run_command, argc, argv); }

@@ -7,13 +7,13 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/path_text.h"
-#include "host/base/shown_text.h"
-#include "host/image/image_reader.h"
-#include "host/mesh/gltf_material.h"
+#include "host/formats/image/image_reader.h"
+#include "host/formats/mesh/gltf_material.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/path_text.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum/commands.h"
 

@@ -9,19 +9,19 @@
 #include <optional>
 #include <set>
 
-#include "host/asset/inferred/field_files.h"
-#include "host/bake/bake_batch.h"
-#include "host/base/error.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/files/udim_set.h"
-#include "host/base/shown_text.h"
-#include "host/base/work_shard.h"
-#include "host/export/batch/export_manifest.h"
-#include "host/farm/openjd_bundle.h"
-#include "host/farm/openjd_limits.h"
-#include "host/manifest/bake_manifest.h"
-#include "host/scene/scene_file.h"
-#include "host/texture_inference/job/animation_job_reading.h"
+#include "host/bakes/bake/bake_batch.h"
+#include "host/bakes/manifest/bake_manifest.h"
+#include "host/bakes/scene/scene_file.h"
+#include "host/delivery/export/batch/export_manifest.h"
+#include "host/farm/openjd/openjd_bundle.h"
+#include "host/farm/openjd/openjd_limits.h"
+#include "host/fields/inference/job/animation_job_reading.h"
+#include "host/fields/inferred/field_files.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/files/udim_set.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/base/work_shard.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "host/base/error.h"
-#include "host/base/shown_text.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/shown_text.h"
 
 namespace multum {
 namespace {

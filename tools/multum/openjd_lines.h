@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 
 namespace multum {
 

@@ -7,17 +7,17 @@
 
 #include <fmt/format.h>
 
-#include "host/asset/inferred/inference_error.h"
-#include "host/base/choices.h"
-#include "host/base/error.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/log.h"
-#include "host/base/shown_text.h"
-#include "host/codec/field_unpacking.h"
-#include "host/codec/packing/field_packing.h"
-#include "host/codec/transforms/device_image_transforms.h"
-#include "host/parameters/pack_parameters.h"
-#include "host/player/player_output.h"
+#include "host/fields/codec/field_unpacking.h"
+#include "host/fields/codec/packing/field_packing.h"
+#include "host/fields/codec/transforms/device_image_transforms.h"
+#include "host/fields/inferred/inference_error.h"
+#include "host/fields/player/player_output.h"
+#include "host/foundation/base/choices.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/parameters/pack_parameters.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
 

@@ -6,9 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/base/shown_text.h"
-#include "host/parameters/parameter_page.h"
-#include "host/service/workers/job_types.h"
+#include "host/farm/service/workers/job_types.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/parameters/parameter_page.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/base/error.h"
-#include "host/base/processes/machine.h"
-#include "host/base/shown_text.h"
-#include "host/parameters/pyramid_parameters.h"
-#include "host/pyramid/mip_bake.h"
-#include "host/pyramid/reflectance_bake.h"
+#include "host/bakes/pyramid/mip_bake.h"
+#include "host/bakes/pyramid/reflectance_bake.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/parameters/pyramid_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"

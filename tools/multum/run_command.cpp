@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/log.h"
-#include "host/base/processes/machine.h"
-#include "host/opencl/kernel_caches.h"
-#include "host/opencl/pocl_settings.h"
+#include "host/formats/opencl/kernel_caches.h"
+#include "host/formats/opencl/pocl_settings.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/processes/machine.h"
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"

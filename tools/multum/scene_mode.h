@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "host/base/work_shard.h"
+#include "host/foundation/base/work_shard.h"
 #include "tools/multum/bake_print.h"
 #include "tools/multum/commands.h"
 

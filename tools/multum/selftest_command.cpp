@@ -6,14 +6,14 @@
 #include <iterator>
 #include <memory>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/json_file.h"
-#include "host/base/shown_text.h"
-#include "host/base/stopwatch.h"
-#include "host/reference/case_page.h"
-#include "host/reference/case_table.h"
-#include "host/selftest/selftest.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/base/stopwatch.h"
+#include "host/lab/reference/case_page.h"
+#include "host/lab/reference/case_table.h"
+#include "host/lab/selftest/selftest.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

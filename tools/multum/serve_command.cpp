@@ -9,16 +9,16 @@
 #include <fstream>
 #include <thread>
 
-#include "host/base/error.h"
-#include "host/base/processes/machine.h"
-#include "host/base/shown_text.h"
-#include "host/opencl/kernel_caches.h"
-#include "host/sandbox/confinement.h"
-#include "host/service/files/input_list.h"
-#include "host/service/ledger/ledger_rescue.h"
-#include "host/service/service.h"
-#include "host/service/slurm/slurm_task.h"
-#include "host/service/workers/worker_loop.h"
+#include "host/farm/service/files/input_list.h"
+#include "host/farm/service/ledger/ledger_rescue.h"
+#include "host/farm/service/service.h"
+#include "host/farm/service/slurm/slurm_task.h"
+#include "host/farm/service/workers/worker_loop.h"
+#include "host/formats/opencl/kernel_caches.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/sandbox/confinement.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

@@ -8,13 +8,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/shown_text.h"
-#include "host/brdf/ggx_lobe.h"
-#include "host/export/texture_file.h"
-#include "host/sampling/blue_noise.h"
+#include "host/delivery/export/texture_file.h"
+#include "host/formats/brdf/ggx_lobe.h"
+#include "host/formats/sampling/blue_noise.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/shading_files.h"
 

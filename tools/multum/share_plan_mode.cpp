@@ -8,14 +8,14 @@
 #include <tuple>
 #include <utility>
 
-#include "host/asset/representation.h"
-#include "host/bake/job_parameters.h"
-#include "host/bake/output_state.h"
-#include "host/base/error.h"
-#include "host/base/files/json_file.h"
-#include "host/base/shown_text.h"
-#include "host/image/files/image_file.h"
-#include "host/scene/share_cost.h"
+#include "host/bakes/bake/job_parameters.h"
+#include "host/bakes/bake/output_state.h"
+#include "host/bakes/scene/share_cost.h"
+#include "host/formats/asset/representation.h"
+#include "host/formats/image/files/image_file.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/shown_text.h"
 
 namespace multum {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host/parameters/parameter_values.h"
+#include "host/foundation/parameters/parameter_values.h"
 
 namespace multum {
 

@@ -3,12 +3,12 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/processes/machine.h"
-#include "host/base/shown_text.h"
-#include "host/target/tradeoff_page.h"
+#include "host/bakes/target/tradeoff_page.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"

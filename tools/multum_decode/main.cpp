@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum-decode: the child of multum and multum-view that reads images and meshes for them
-// (host/sandbox/decoding_child.h). It is no command: its requests come over a socket that it is given.
+// (host/foundation/sandbox/decoding_child.h). It is no command: its requests come over a socket that it is given.
 #include <cstdio>
 
-#include "host/base/error.h"
-#include "host/decoder/image_decoder.h"
-#include "host/decoder/mesh_decoder.h"
-#include "host/sandbox/helper_service.h"
+#include "host/formats/decoder/image_decoder.h"
+#include "host/formats/decoder/mesh_decoder.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/sandbox/helper_service.h"
 
 namespace multum {
 namespace {

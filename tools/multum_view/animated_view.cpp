@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <glm/common.hpp>
 
-#include "host/base/error.h"
-#include "host/base/shown_text.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/shown_text.h"
 #include "tools/multum_view/view_outputs.h"
 
 namespace multum {

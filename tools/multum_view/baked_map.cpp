@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "host/asset/pyramid/pyramid_file.h"
-#include "host/base/error.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/materials/gmm_material.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"

@@ -8,10 +8,10 @@
 #include <string>
 #include <variant>
 
-#include "host/asset/averages/moment_mipmap.h"
-#include "host/asset/averages/sh_mipmap.h"
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/asset/textures/lobe_texture.h"
+#include "host/formats/asset/averages/moment_mipmap.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/textures/lobe_texture.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/multum_view/view_scenes.h"
 

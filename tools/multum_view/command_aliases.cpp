@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "tools/multum_view/command_options.h"
 
 namespace multum {

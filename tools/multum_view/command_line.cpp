@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "host/base/error.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/nearest_name.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/nearest_name.h"
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/command_options.h"

@@ -10,7 +10,7 @@
 #include <csignal>
 #include <cstddef>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum {
 namespace {

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <string_view>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/byte_file.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/byte_file.h"
 
 namespace multum {
 namespace {

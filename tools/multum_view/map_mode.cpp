@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws a baked map and compares it with the reference and the baselines: multum-view FILE, scene and animate.
-#include "host/base/error.h"
-#include "host/base/log.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/log.h"
 #include "tools/multum_view/animated_view.h"
 #include "tools/multum_view/scene_plan.h"
 #include "tools/multum_view/view_inputs.h"

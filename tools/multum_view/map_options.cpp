@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "tools/command_line/choices.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"

@@ -2,8 +2,8 @@
 // The options of a baked map's pictures and frames.
 #pragma once
 
-#include "host/parameters/bake_parameters.h"
-#include "host/parameters/parameter_values.h"
+#include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/parameter_values.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/reference_sampling.h"
 #include "tools/multum_view/drawing_options.h"

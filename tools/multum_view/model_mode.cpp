@@ -11,12 +11,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/base/error.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/log.h"
-#include "host/base/shown_text.h"
-#include "host/image/colour_map.h"
-#include "host/mesh/gltf_material.h"
+#include "host/formats/image/colour_map.h"
+#include "host/formats/mesh/gltf_material.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/shown_text.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/multum_view/baked_map.h"

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "host/asset/pyramid/pyramid_file.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
 #include "tools/multum_view/map_options.h"
 #include "tools/multum_view/pyramid/surface_detail.h"
 
 namespace multum {
 
 struct ProbeOptions {
-  std::string request;  // JSON (host/asset/inferred/probe_request.h)
+  std::string request;  // JSON (host/fields/inferred/probe_request.h)
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   int threads = 0;  // of decoding; 0: all cores
   bool matrix_market = false;
@@ -39,7 +39,7 @@ int draw_samples(const SampleOptions& options);
 
 struct PlayOptions {
   std::string file;  // of multum pack
-  std::string path;  // host/playback/parameter_path.h, or a file, host/playback/recorded_path.h
+  std::string path;  // host/fields/playback/parameter_path.h, or a file, host/fields/playback/recorded_path.h
   std::string folder;
   int frame_count = 0;    // 0: 24, or all of a recorded path
   float rate = 30.0f;     // frames a second

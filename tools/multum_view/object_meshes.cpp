@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/object_meshes.h"
 
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
 
 namespace multum {
 

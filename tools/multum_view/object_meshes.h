@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/asset/inferred/texture_mapping.h"
-#include "host/mesh/object_mesh.h"
+#include "host/fields/inferred/texture_mapping.h"
+#include "host/formats/mesh/object_mesh.h"
 #include "runtime_gl/gl/mesh.h"
 #include "runtime_gl/probe/placed_mesh.h"
 

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 #include <set>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum {
 

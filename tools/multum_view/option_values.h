@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/choices.h"
+#include "host/foundation/base/choices.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"

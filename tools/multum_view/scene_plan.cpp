@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "host/base/error.h"
-#include "host/base/files/json_file.h"
-#include "host/base/path_text.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/path_text.h"
 
 namespace multum {
 namespace {

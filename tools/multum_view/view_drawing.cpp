@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "host/base/log.h"
-#include "host/base/progress.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/progress.h"
 #include "runtime_gl/render/environment_background.h"
 #include "tools/multum_view/kept_reference.h"
 

@@ -10,16 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "host/base/error.h"
-#include "host/base/files/content_hash.h"
-#include "host/base/log.h"
-#include "host/image/colour_map.h"
-#include "host/image/files/environment_file.h"
-#include "host/image/material_maps.h"
-#include "host/image/normals/normal_map.h"
-#include "host/image/normals/reading_parameters.h"
-#include "host/image/normals/reading_settings.h"
-#include "host/mesh/mesh.h"
+#include "host/formats/image/colour_map.h"
+#include "host/formats/image/files/environment_file.h"
+#include "host/formats/image/material_maps.h"
+#include "host/formats/image/normals/normal_map.h"
+#include "host/formats/image/normals/reading_parameters.h"
+#include "host/formats/image/normals/reading_settings.h"
+#include "host/formats/mesh/mesh.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/log.h"
 #include "runtime_gl/render/camera.h"
 #include "tools/multum_view/kept_reference.h"
 

@@ -2,8 +2,8 @@
 // Reads what is drawn: the mesh, the normal map that was baked, the environment.
 #pragma once
 
-#include "host/light/environment_light.h"
-#include "host/mesh/mesh.h"
+#include "host/formats/light/environment_light.h"
+#include "host/formats/mesh/mesh.h"
 #include "runtime_gl/gl/mesh.h"
 #include "tools/multum_view/baked_map.h"
 

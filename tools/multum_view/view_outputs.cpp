@@ -7,12 +7,12 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/json_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/shown_text.h"
-#include "host/brdf/measured_brdf.h"
-#include "host/image/material_maps.h"
+#include "host/formats/brdf/measured_brdf.h"
+#include "host/formats/image/material_maps.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/shown_text.h"
 #include "runtime_gl/render/contact_sheet.h"
 #include "runtime_gl/render/picture_error.h"
 #include "tools/multum_view/animated_view.h"

@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "host/base/error.h"
-#include "host/brdf/brdf_text.h"
+#include "host/formats/brdf/brdf_text.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/render/camera.h"
 
 namespace multum {

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/asset/exr/picture_file.h"
-#include "host/base/error.h"
-#include "host/image/colour_map.h"
-#include "host/image/files/png_writer.h"
+#include "host/formats/asset/exr/picture_file.h"
+#include "host/formats/image/colour_map.h"
+#include "host/formats/image/files/png_writer.h"
+#include "host/foundation/base/error.h"
 
 namespace multum {
 namespace {

@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <memory>
 
-#include "host/base/half_bits.h"
-#include "host/codec/decoder/mip_levels.h"
-#include "host/codec/decoder/packed_index.h"
-#include "host/codec/decoder/texture_chunk.h"
+#include "host/fields/codec/decoder/mip_levels.h"
+#include "host/fields/codec/decoder/packed_index.h"
+#include "host/fields/codec/decoder/texture_chunk.h"
+#include "host/foundation/base/half_bits.h"
 
 struct MultumPackedField {
   std::span<const std::uint8_t> bytes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // GGX over a vMF lobe as one term, for any roughness, which may come from a texture (behind movmf_shading.glsl and
-// ggx.glsl). host/brdf/ggx_lobe.h has the formula and makes the table, 32 x 32 RGBA16F, linear filter, clamped:
+// ggx.glsl). host/formats/brdf/ggx_lobe.h has the formula and makes the table, 32 x 32 RGBA16F, linear filter, clamped:
 //
 //     vec4 shape = multum_ggx_lobe_shape(ggx_lobe_table, alpha, d);      // d = multum_movmf_spread(lobe)
 //     float facets = lobe.w * multum_ggx_lobe_density(shape, alpha, d, e);   // e = 1 - mu.h

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pyramidal parametrics (Williams 1983): the choice of the level, and where a normal lies in a reflectance map. The
-// same in double: host/asset/pyramid/pyramid_sample.h, reflectance_mapping.h.
+// same in double: host/formats/asset/pyramid/pyramid_sample.h, reflectance_mapping.h.
 
 // Section 3, after Heckbert: how coordinates, in texels of level 0, grow along a row and a column of pixels. The longer
 // of the two lengths: the GL's own choice (OpenGL 4.5, section 8.14.1), which drivers may approximate, and do.

@@ -5,7 +5,7 @@
 //
 //     MULTUM_SH_ORDER    the file's, multum:shOrder
 //     MULTUM_SH_STEPS    vec2[](...), the recurrence's constants: for each m from 0 first (p_mm, 0), then (a_lm, b_lm)
-//                        of l = m + 1 to the order (host/asset/averages/spherical_harmonics.h, sh_recurrence())
+//                        of l = m + 1 to the order (host/formats/asset/averages/spherical_harmonics.h, sh_recurrence())
 //
 // and multiplies the bands by the zonal coefficients of its BRDF, a_l = 2 pi integral f(t) P_l(t) dt: any BRDF of one
 // angle, at run time. What it gets is cut off above the order. Of a sharp highlight that is a blur with rings, whose

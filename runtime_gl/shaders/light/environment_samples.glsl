@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light from everywhere on one normal by brute force. MULTUM_ENVIRONMENT_SAMPLES directions where the environment is
-// bright (host/light/light_samples.h), as many cosine-weighted ones for the diffuse part, and as many half vectors of a
-// GGX as wide as the facets, whose tail no density here exceeds, for the highlight; a direction that two of these could
-// have found counts by the sum of both densities (Veach and Guibas 1995, the balance heuristic). A low-discrepancy
-// sequence, shifted by a hash of the pixel; `u_sample` counts pictures. The map is constant over a texel.
+// bright (host/formats/light/light_samples.h), as many cosine-weighted ones for the diffuse part, and as many half
+// vectors of a GGX as wide as the facets, whose tail no density here exceeds, for the highlight; a direction that two
+// of these could have found counts by the sum of both densities (Veach and Guibas 1995, the balance heuristic). A
+// low-discrepancy sequence, shifted by a hash of the pixel; `u_sample` counts pictures. The map is constant over a
+// texel.
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 

@@ -17,11 +17,11 @@
 #include <sstream>
 #include <thread>
 
-#include "host/base/base64.h"
-#include "host/export/texel_format.h"
+#include "host/delivery/export/texel_format.h"
+#include "host/foundation/base/base64.h"
 #include "tests/cli/exports/exported_levels.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "host/base/base64.h"
-#include "host/export/engine_support.h"
+#include "host/delivery/export/engine_support.h"
+#include "host/foundation/base/base64.h"
 #include "tests/cli/exports/exported_levels.h"
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "tests/cli/program.h"
-#include "tests/unit/image/image_test_files.h"
+#include "tests/unit/formats/image/image_test_files.h"
 #include "tools/multum/compared_bake.h"
 
 namespace multum::testing {

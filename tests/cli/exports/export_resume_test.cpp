@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "host/base/files/content_hash.h"
+#include "host/foundation/base/files/content_hash.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

@@ -6,8 +6,8 @@
 
 #include <cstdint>
 
-#include "host/base/half_bits.h"
-#include "host/export/block_decoding.h"
+#include "host/delivery/export/block_decoding.h"
+#include "host/foundation/base/half_bits.h"
 
 namespace multum::testing {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/export/texel_format.h"
+#include "host/delivery/export/texel_format.h"
 
 namespace multum::testing {
 

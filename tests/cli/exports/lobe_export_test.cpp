@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "host/asset/lobes/movmf_mipmap.h"
-#include "host/asset/textures/lobe_texture.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/textures/lobe_texture.h"
 #include "tests/cli/program.h"
 
 namespace multum::testing {

@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/base/error.h"
-#include "host/codec/field_unpacking.h"
-#include "host/codec/packing/field_packing.h"
-#include "host/image/files/exr_layers.h"
+#include "host/fields/codec/field_unpacking.h"
+#include "host/fields/codec/packing/field_packing.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/formats/image/files/exr_layers.h"
+#include "host/foundation/base/error.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 

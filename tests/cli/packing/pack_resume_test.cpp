@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <thread>
 
-#include "host/base/error.h"
-#include "host/base/progress.h"
-#include "host/codec/packing/field_coder.h"
-#include "host/codec/packing/field_packing.h"
+#include "host/fields/codec/packing/field_coder.h"
+#include "host/fields/codec/packing/field_packing.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/progress.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 

@@ -9,12 +9,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/base/split_mix.h"
-#include "host/codec/chunk_choice.h"
-#include "host/codec/decoder/mip_levels.h"
-#include "host/codec/field_unpacking.h"
-#include "host/codec/packed_file.h"
+#include "host/fields/codec/chunk_choice.h"
+#include "host/fields/codec/decoder/mip_levels.h"
+#include "host/fields/codec/field_unpacking.h"
+#include "host/fields/codec/packed_file.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/foundation/base/split_mix.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 #include "tools/multum_wasm/packed_field.h"

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
-#include "host/codec/field_unpacking.h"
-#include "host/image/small_picture.h"
+#include "host/fields/codec/field_unpacking.h"
+#include "host/formats/image/small_picture.h"
+#include "host/foundation/base/error.h"
 #include "tests/cli/program.h"
 #include "tests/cli/traced_scene.h"
 

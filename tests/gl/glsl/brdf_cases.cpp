@@ -9,8 +9,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/vec3.hpp>
 
-#include "host/brdf/ggx_lobe.h"
-#include "host/reference/shading.h"
+#include "host/formats/brdf/ggx_lobe.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/ggx_lobe_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/glsl/case_lists.h"

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "host/asset/pyramid/reflectance_mapping.h"
+#include "host/formats/asset/pyramid/reflectance_mapping.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/glsl/case_lists.h"

@@ -12,9 +12,9 @@
 #include <map>
 #include <regex>
 
-#include "host/base/files/atomic_file.h"
-#include "host/reference/case_page.h"
-#include "host/reference/case_table.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/lab/reference/case_page.h"
+#include "host/lab/reference/case_table.h"
 #include "tests/gl/glsl/glsl_cases.h"
 #include "tests/gl/test_context.h"
 

@@ -9,7 +9,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/reference/shading.h"
+#include "host/lab/reference/shading.h"
 #include "tests/gl/glsl/case_lists.h"
 
 namespace multum::gl {

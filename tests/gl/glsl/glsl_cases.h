@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of runtime_gl/shaders: as those of the kernels (host/selftest), by the GL that a context has.
+// The numerical cases of runtime_gl/shaders: as those of the kernels (host/lab/selftest), by the GL that a context has.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/reference/numerical_case.h"
+#include "host/lab/reference/numerical_case.h"
 #include "tests/gl/shader_harness.h"
 
 namespace multum::gl {

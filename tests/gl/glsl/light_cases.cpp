@@ -12,9 +12,9 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
-#include "host/base/split_mix.h"
-#include "host/reference/shading.h"
-#include "host/reference/spherical_harmonics.h"
+#include "host/foundation/base/split_mix.h"
+#include "host/lab/reference/shading.h"
+#include "host/lab/reference/spherical_harmonics.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/glsl/case_lists.h"
 #include "tests/gl/glsl/environment_inputs.h"

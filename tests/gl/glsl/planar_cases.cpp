@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The numerical cases of planar Gaussians and of moments of slopes, on what the kernels of the same formulas are tried
-// with (host/selftest) and on what only a shader meets.
+// with (host/lab/selftest) and on what only a shader meets.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "host/reference/moments.h"
-#include "host/reference/planar_em.h"
-#include "host/reference/shading.h"
+#include "host/lab/reference/moments.h"
+#include "host/lab/reference/planar_em.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "tests/gl/glsl/case_lists.h"
 
@@ -146,7 +146,7 @@ void slopes_along_a_line(const GlFunctions& gl, const Edits& edits, WorstError& 
   }
 }
 
-// Steep slopes nearly alike under a sharp highlight, as in host/selftest/moment_cases.cpp.
+// Steep slopes nearly alike under a sharp highlight, as in host/lab/selftest/moment_cases.cpp.
 void steep_and_sharp(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {100.0, 1e3, 1e4, 1e5}) {
     GlslInputs inputs;

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "host/reference/shading.h"
+#include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/glsl/case_lists.h"

@@ -9,10 +9,10 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/asset/averages/spherical_harmonics.h"
-#include "host/reference/planar_em.h"
-#include "host/reference/shading.h"
-#include "host/reference/spherical_harmonics.h"
+#include "host/formats/asset/averages/spherical_harmonics.h"
+#include "host/lab/reference/planar_em.h"
+#include "host/lab/reference/shading.h"
+#include "host/lab/reference/spherical_harmonics.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/glsl/case_lists.h"

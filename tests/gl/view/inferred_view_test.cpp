@@ -12,13 +12,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/asset/inferred/filter_matrix.h"
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/asset/inferred/probe_request.h"
-#include "host/base/files/content_hash.h"
-#include "host/base/processes/child_process.h"
+#include "host/fields/inferred/filter_matrix.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/fields/inferred/probe_request.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/processes/child_process.h"
 #include "tests/gl/probe_scene.h"
-#include "tests/unit/base/test_folder.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
 namespace {

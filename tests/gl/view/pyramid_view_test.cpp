@@ -12,17 +12,17 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/asset/pyramid/pyramid_sample.h"
-#include "host/asset/pyramid/pyramid_surface.h"
-#include "host/asset/pyramid/reflectance_mapping.h"
-#include "host/base/processes/child_process.h"
-#include "host/reference/reflectance.h"
+#include "host/formats/asset/pyramid/pyramid_sample.h"
+#include "host/formats/asset/pyramid/pyramid_surface.h"
+#include "host/formats/asset/pyramid/reflectance_mapping.h"
+#include "host/foundation/base/processes/child_process.h"
+#include "host/lab/reference/reflectance.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/pyramid/pyramid_renderer.h"
 #include "runtime_gl/render/picture_error.h"
 #include "tests/gl/test_context.h"
 #include "tests/gl/test_maps.h"
-#include "tests/unit/base/test_folder.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
 namespace {

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "host/base/processes/child_process.h"
+#include "host/foundation/base/processes/child_process.h"
 #include "tests/gl/test_maps.h"
-#include "tests/unit/base/test_folder.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
 namespace {

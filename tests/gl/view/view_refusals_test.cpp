@@ -6,16 +6,16 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/asset/averages/sh_mipmap.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/content_hash.h"
-#include "host/base/processes/child_process.h"
-#include "host/image/files/png_writer.h"
-#include "host/image/normals/reading_settings.h"
+#include "host/formats/asset/averages/sh_mipmap.h"
+#include "host/formats/image/files/png_writer.h"
+#include "host/formats/image/normals/reading_settings.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/processes/child_process.h"
 #include "tests/gl/sh_test_map.h"
 #include "tests/gl/test_maps.h"
 #include "tests/gl/view/view_test_fixture.h"
-#include "tests/unit/base/test_folder.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
 namespace {

@@ -11,14 +11,14 @@
 #include <map>
 #include <optional>
 
-#include "host/accuracy/accuracy_baselines.h"
-#include "host/asset/gpu_bytes.h"
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/run_times.h"
-#include "host/movmf/movmf_bake.h"
-#include "host/target/tradeoff_page.h"
-#include "host/testmap/four_quarter_map.h"
+#include "host/bakes/accuracy/accuracy_baselines.h"
+#include "host/bakes/movmf/movmf_bake.h"
+#include "host/bakes/target/tradeoff_page.h"
+#include "host/formats/asset/gpu_bytes.h"
+#include "host/formats/testmap/four_quarter_map.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/run_times.h"
 #include "tools/bench/documents/committed_tree.h"
 #include "tools/bench/documents/formula_document.h"
 #include "tools/bench/documents/markdown_table.h"

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/output_paths.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/output_paths.h"
 #include "tools/bench/documents/committed_tree.h"
 #include "tools/bench/documents/result_file.h"
 

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::bench {
 

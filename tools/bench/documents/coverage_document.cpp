@@ -11,13 +11,13 @@
 #include <optional>
 #include <vector>
 
-#include "host/bake/bake_source.h"
-#include "host/bake/ndf_bake.h"
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/target/map_mosaic.h"
-#include "host/target/setting_candidates.h"
-#include "host/target/setting_choice.h"
+#include "host/bakes/bake/bake_source.h"
+#include "host/bakes/bake/ndf_bake.h"
+#include "host/bakes/target/map_mosaic.h"
+#include "host/bakes/target/setting_candidates.h"
+#include "host/bakes/target/setting_choice.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
 #include "tools/bench/documents/markdown_table.h"
 
 namespace multum::bench {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a page of how often the 95 % interval of a stated error (host/accuracy/footprint_error.h) holds what
+// Makes a page of how often the 95 % interval of a stated error (host/bakes/accuracy/footprint_error.h) holds what
 // all footprints say, for every normal map of a folder and many settings.
 #pragma once
 

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "host/asset/tap_filter.h"
+#include "host/formats/asset/tap_filter.h"
 #include "runtime_gl/render/scene.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/documents/result_view.h"

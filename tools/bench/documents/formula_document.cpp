@@ -16,11 +16,11 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/accuracy/highlight.h"
-#include "host/brdf/facet_distribution.h"
-#include "host/brdf/measured_file.h"
-#include "host/brdf/vmf_terms.h"
-#include "host/reference/shading.h"
+#include "host/bakes/accuracy/highlight.h"
+#include "host/formats/brdf/facet_distribution.h"
+#include "host/formats/brdf/measured_file.h"
+#include "host/formats/brdf/vmf_terms.h"
+#include "host/lab/reference/shading.h"
 #include "kernels/shared/moments.h"
 #include "tools/bench/documents/markdown_table.h"
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "host/opencl/device.h"
+#include "host/formats/opencl/device.h"
 
 namespace multum::bench {
 

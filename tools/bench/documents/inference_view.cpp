@@ -2,7 +2,7 @@
 // The result of `multum-bench infer` as people read it.
 #include <fmt/format.h>
 
-#include "host/texture_inference/solver/texture_inference.h"
+#include "host/fields/inference/solver/texture_inference.h"
 #include "tools/bench/documents/markdown_table.h"
 #include "tools/bench/inference_benchmark.h"
 #include "tools/bench/measuring/statistics.h"
@@ -106,7 +106,7 @@ ResultView view_inference(const Json& result) {
           convergence_table(systems) +
           "\nWhich form: pictures stacked, products with A and A^T against those with A^T A. The solver takes A^T A "
           "where its entries are fewer than twice those of A (`kNormalEntriesMax`, "
-          "`host/texture_inference/solver/texture_system.cpp`): "
+          "`host/fields/inference/solver/texture_system.cpp`): "
           "times cross later, but A^T A must be made first.\n\n" +
           form_table(result.at("forms"))};
 }

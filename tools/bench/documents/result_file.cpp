@@ -6,7 +6,7 @@
 #include <fstream>
 #include <utility>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "tools/bench/bake_benchmark.h"
 #include "tools/bench/build_info.h"
 #include "tools/bench/em_benchmark.h"

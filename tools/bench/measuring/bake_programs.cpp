@@ -7,9 +7,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
-#include "host/base/processes/child_process.h"
-#include "host/base/processes/machine.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/child_process.h"
+#include "host/foundation/base/processes/machine.h"
 #include "tools/bench/measuring/measured_program.h"
 
 namespace multum::bench {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 
 namespace multum::bench {
 

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/processes/child_process.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/processes/child_process.h"
 
 namespace multum::bench {
 namespace {

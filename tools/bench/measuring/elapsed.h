@@ -2,7 +2,7 @@
 // Measures elapsed seconds by a clock that is never set.
 #pragma once
 
-#include "host/base/stopwatch.h"
+#include "host/foundation/base/stopwatch.h"
 
 namespace multum::bench {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/measuring/gl_contexts.h"
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 #include "runtime_gl/context/egl_context.h"
 #include "runtime_gl/context/headless_context.h"
 

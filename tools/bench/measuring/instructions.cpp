@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::bench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-#include "host/base/processes/machine.h"
+#include "host/foundation/base/processes/machine.h"
 
 namespace multum::bench {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <filesystem>
 
-#include "host/base/error.h"
-#include "host/base/processes/child_process.h"
-#include "host/base/stopwatch.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/child_process.h"
+#include "host/foundation/base/stopwatch.h"
 #include "tools/bench/measuring/scratch_folder.h"
 #include "tools/bench/measuring/statistics.h"
 

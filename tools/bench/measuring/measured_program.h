@@ -7,15 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "host/base/progress.h"
+#include "host/foundation/base/progress.h"
 
 namespace multum::bench {
 
 struct ProgramCost {
   double wall_seconds;  // until the output is on the disk
   double cpu_seconds;   // user and system, all threads
-  double peak_mib;  // largest resident memory; never less than this process's own (host/base/processes/child_process.h)
-  double output_mb;  // of 10^6 bytes
+  double peak_mib;      // largest resident memory; never less than this process's own
+                        // (host/foundation/base/processes/child_process.h)
+  double output_mb;     // of 10^6 bytes
 };
 
 /// Runs a command that must write `output`, then syncs it. A file of that name is removed first, untimed. Throws Error

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "host/base/processes/parallel.h"
-#include "host/base/split_mix.h"
+#include "host/foundation/base/processes/parallel.h"
+#include "host/foundation/base/split_mix.h"
 
 namespace multum::bench {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "host/asset/inferred/filter_matrix.h"
+#include "host/fields/inferred/filter_matrix.h"
 
 namespace multum::bench {
 

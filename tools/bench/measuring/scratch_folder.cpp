@@ -9,7 +9,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::bench {
 namespace {

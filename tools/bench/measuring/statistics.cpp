@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::bench {
 namespace {

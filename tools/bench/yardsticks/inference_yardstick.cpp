@@ -4,7 +4,7 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
 
-#include "host/base/error.h"
+#include "host/foundation/base/error.h"
 
 namespace multum::bench {
 namespace {

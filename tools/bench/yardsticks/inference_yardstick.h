@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/texture_inference/solver/texture_system.h"
+#include "host/fields/inference/solver/texture_system.h"
 
 namespace multum::bench {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum_view/animation/animation_geometry.h"
 
-#include "host/asset/inferred/field_files.h"
+#include "host/fields/inferred/field_files.h"
 
 namespace multum {
 

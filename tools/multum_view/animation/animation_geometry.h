@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/asset/inferred/inferred_texture.h"
+#include "host/fields/inferred/inferred_texture.h"
 #include "tools/multum_view/object_meshes.h"
 
 namespace multum {

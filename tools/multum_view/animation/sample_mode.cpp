@@ -7,12 +7,12 @@
 #include <map>
 #include <set>
 
-#include "host/asset/inferred/find_sample.h"
-#include "host/asset/inferred/inferred_texture.h"
-#include "host/base/error.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/log.h"
-#include "host/codec/field_unpacking.h"
+#include "host/fields/codec/field_unpacking.h"
+#include "host/fields/inferred/find_sample.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/log.h"
 #include "runtime_gl/animation/textured_renderer.h"
 #include "runtime_gl/context/headless_context.h"
 #include "tools/multum_view/animation/animation_geometry.h"

@@ -4,11 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/asset/pyramid/pyramid_surface.h"
-#include "host/base/error.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/log.h"
-#include "host/base/shown_text.h"
+#include "host/formats/asset/pyramid/pyramid_surface.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/shown_text.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/view_inputs.h"

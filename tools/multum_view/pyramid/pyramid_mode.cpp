@@ -10,14 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "host/asset/pyramid/reflectance_mapping.h"
-#include "host/base/error.h"
-#include "host/base/files/atomic_file.h"
-#include "host/base/files/json_file.h"
-#include "host/base/files/output_paths.h"
-#include "host/base/log.h"
-#include "host/base/shown_text.h"
-#include "host/mesh/mesh.h"
+#include "host/formats/asset/pyramid/reflectance_mapping.h"
+#include "host/formats/mesh/mesh.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/shown_text.h"
 #include "runtime_gl/pyramid/pyramid_renderer.h"
 #include "runtime_gl/render/picture_error.h"
 #include "tools/command_line/decoding_option.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <glm/trigonometric.hpp>
 
-#include "host/base/error.h"
-#include "host/mesh/tangent_space.h"
+#include "host/formats/mesh/tangent_space.h"
+#include "host/foundation/base/error.h"
 #include "tools/multum_view/option_values.h"
 
 namespace multum {

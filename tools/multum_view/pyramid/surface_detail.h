@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "host/asset/pyramid/pyramid_surface.h"
-#include "host/mesh/mesh.h"
+#include "host/formats/asset/pyramid/pyramid_surface.h"
+#include "host/formats/mesh/mesh.h"
 #include "runtime_gl/render/camera.h"
 
 namespace multum {

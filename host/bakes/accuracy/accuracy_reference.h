@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reference that bakes are measured against: averages over all finest normals that a texel covers, in one pass over
+// the map by bands of rows. Memory: some rows a light or half vector, and a value for each texel that is looked at.
+//
+// Threads share the directions of a band. A direction's sums take the rows in their order, whichever thread it is and
+// however high the bands are, so that neither can be seen in the result.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/bakes/accuracy/brdf_rows.h"
+#include "host/bakes/accuracy/footprint_averages.h"
+#include "host/bakes/accuracy/highlight.h"
+#include "host/bakes/accuracy/texel_averages.h"
+#include "host/formats/image/plane_store.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+/// Normals and, unless null, linear colours, of the size of level 0.
+struct FinestPlanes {
+  const PlaneStore& normals;
+  const PlaneStore* albedo;
+};
+
+/// One row of them; no colours: null.
+struct FinestRow {
+  int y;
+  std::array<const float*, 3> normals;
+  std::array<const float*, 3> albedo;
+};
+
+/// Sums over rows of the finest level.
+class RowSums {
+ public:
+  virtual ~RowSums() = default;
+  /// Rows from the top, each once.
+  virtual void add_row(const FinestRow& row) = 0;
+  /// After the last row.
+  virtual void finish() {}
+};
+
+/// Averages of something over the selected texels.
+class TexelSums : public RowSums {
+ public:
+  void finish() override;
+  /// Of value `value` of a texel.
+  double at(std::size_t slot, std::size_t value) const { return sums_[slot * value_count_ + value]; }
+
+ protected:
+  TexelSums(const TexelAverages& averages, std::size_t value_count)
+      : averages_(averages), value_count_(value_count), sums_(averages.slot_count() * value_count) {}
+  void add_value(std::size_t value, int y, double* row) {
+    if (sums_.empty()) return;  // no texel was selected
+    averages_.add_row(y, row, sums_.data() + value, value_count_);
+  }
+
+  const TexelAverages& averages_;
+
+ private:
+  std::size_t value_count_;
+  std::vector<double> sums_;  // [slot][value]
+};
+
+/// What one direction's values of a row are, and how many.
+struct BrdfValues {
+  std::size_t count;
+  std::function<void(const std::array<const float*, 3>& normals, int width, const std::vector<double*>& rows)> evaluate;
+};
+/// max(0, omega . n)^s of each exponent.
+BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents);
+/// f at the half vector `omega` of each highlight, divided by highlight_scale().
+BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights);
+/// (s + 1) / (2 pi) of Blinn-Phong, which is averaged without it; else 1.
+double highlight_scale(const Highlight& highlight);
+/// Of shortened normals, one value (evaluate_shortened()).
+BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
+
+/// Averages over footprints of a BRDF times n . l, the pixel's own reference: value e of each highlight; with colours
+/// also times channel c, as value (1 + c) * count + e.
+class FootprintReference : public RowSums {
+ public:
+  /// `values`: of the highlights, which `cosines` multiply; none: of Lambert, the cosines alone.
+  FootprintReference(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
+                     bool has_colours);
+  void add_row(const FinestRow& row) override;
+  /// The same of values that are at hand: of each highlight, or of Lambert.
+  void add_values(const FinestRow& row, const std::vector<double*>& values);
+  double at(std::size_t footprint, std::size_t value) const { return sums_[footprint * value_count_ + value]; }
+
+ private:
+  const FootprintAverages& averages_;
+  const std::optional<BrdfValues> brdf_;
+  const BrdfValues cosines_;
+  const std::size_t highlight_count_, value_count_;
+  std::vector<AlignedRow> rows_;      // [highlight], or Lambert's
+  AlignedRow cosine_row_, coloured_;  // a row each
+  AlignedRow scratch_;                // for FootprintAverages
+  std::vector<double> sums_;          // [footprint][value]
+};
+
+/// Value e of each; with colours also times channel c, as value (1 + c) * count + e.
+class BrdfReference : public TexelSums {
+ public:
+  BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
+  void add_row(const FinestRow& row) override;
+  /// Gives its values, which are those of `footprints` too, on to it, so that they are evaluated once. Not owned.
+  void share_with(FootprintReference& footprints) { footprints_ = &footprints; }
+
+ private:
+  const BrdfValues brdf_;
+  std::vector<AlignedRow> rows_;  // [exponent]
+  AlignedRow coloured_;           // a row
+  FootprintReference* footprints_ = nullptr;
+};
+
+/// The planes themselves: values 0 to 2 the normal, 3 to 5 the colour if there are any.
+class PlaneAverages : public TexelSums {
+ public:
+  PlaneAverages(const TexelAverages& averages, bool has_colours);
+  void add_row(const FinestRow& row) override;
+
+ private:
+  bool has_colours_;
+  AlignedRow row_;
+};
+
+struct StreamSettings {
+  int threads = 2;
+  int rows_per_band = 0;  // 0: about 3 MB of normals
+};
+
+/// Gives every row to all of `sums` and finishes them. Progress: counts no units; cancels at bands.
+void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
+                 Progress* progress);
+
+}  // namespace multum

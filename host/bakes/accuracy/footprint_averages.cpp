@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/accuracy/footprint_averages.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/split_mix.h"
+
+namespace multum {
+namespace {
+
+// A row is summed up in so many strips beside each other, which hide how long an addition waits for the one before it.
+constexpr std::size_t kStrips = 4;
+
+// Columns of a strip but the last, which has the rest: somewhat less than a quarter, since places that lie a whole
+// power of two apart share cache lines' sets.
+std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
+
+// before[i] = the sum of the columns of a strip up to column i, which is not in it; sums of whole strips.
+template <typename Value>
+std::array<double, kStrips> sum_up(const Value& value, std::size_t width, double* before) {
+  const std::size_t strip = strip_width(width);
+  std::array<double, kStrips> sums = {};
+  const auto add = [&](std::size_t k, std::size_t column) {
+    before[column] = sums[k];
+    sums[k] += value(column);
+  };
+  for (std::size_t i = 0; i < strip; ++i)
+    for (std::size_t k = 0; k < kStrips; ++k) add(k, k * strip + i);
+  for (std::size_t column = kStrips * strip; column < width; ++column) add(kStrips - 1, column);
+  return sums;
+}
+
+// Where the line at height y enters and leaves a rectangle; entry >= exit: nowhere.
+std::pair<double, double> crossing(const Footprint& footprint, double y) {
+  const glm::dvec2 half_longer = 0.5 * footprint.longer_side, half_shorter = 0.5 * footprint.shorter_side;
+  const std::array<glm::dvec2, 4> corners = {
+      footprint.centre - half_longer - half_shorter, footprint.centre + half_longer - half_shorter,
+      footprint.centre + half_longer + half_shorter, footprint.centre - half_longer + half_shorter};
+  double entry = HUGE_VAL, exit = -HUGE_VAL;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const glm::dvec2 a = corners[i], b = corners[(i + 1) % corners.size()];
+    if ((a.y <= y) == (b.y <= y)) continue;
+    const double x = a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
+    entry = std::min(entry, x);
+    exit = std::max(exit, x);
+  }
+  return {entry, exit};
+}
+
+struct HorizontalLine {
+  double y, thickness;
+};
+
+// Lines through the middles of the thin slices that a footprint is cut into. Slices end where rows do and at the
+// corners, so that in each the ends of lines move evenly. Of a tall footprint, one row at random of each of as many
+// strips.
+std::vector<HorizontalLine> horizontal_lines(const Footprint& footprint, std::uint64_t seed) {
+  const double height = std::abs(footprint.longer_side.y) + std::abs(footprint.shorter_side.y);
+  const double top = footprint.centre.y - 0.5 * height, bottom = top + height;
+  std::vector<HorizontalLine> lines;
+  if (height > FootprintAverages::kRowsMax) {
+    SplitMix64 random(seed);
+    const double strip = height / FootprintAverages::kRowsMax;
+    for (int i = 0; i < FootprintAverages::kRowsMax; ++i)
+      lines.push_back({top + (i + 1.0 - random.uniform()) * strip, strip});
+    return lines;
+  }
+  const double inner = 0.5 * std::abs(std::abs(footprint.longer_side.y) - std::abs(footprint.shorter_side.y));
+  std::vector<double> cuts = {top, footprint.centre.y - inner, footprint.centre.y + inner, bottom};
+  for (double row = std::floor(top) + 1.0; row < bottom; row += 1.0) cuts.push_back(row);
+  std::sort(cuts.begin(), cuts.end());
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double between = cuts[i] - cuts[i - 1];
+    const int count = std::max(1, static_cast<int>(std::lround(FootprintAverages::kLinesMin * between / height)));
+    for (int k = 0; k < count && between > 0.0; ++k)
+      lines.push_back({cuts[i - 1] + (k + 0.5) / count * between, between / count});
+  }
+  return lines;
+}
+
+}  // namespace
+
+// C(x) = turns * (the row's sum) + sign * (the integral from 0 to texel + part).
+struct FootprintAverages::End {
+  double turns, sign;
+  int texel;
+  double part;
+};
+
+FootprintAverages::End FootprintAverages::end_at(double x) const {
+  const double width = map_width_;
+  const auto at = [&](double turns, double sign, double place) {
+    const int texel = std::clamp(static_cast<int>(place), 0, map_width_ - 1);
+    return End{turns, sign, texel, std::clamp(place - texel, 0.0, 1.0)};
+  };
+  switch (wrap_s_) {
+    case WrapMode::kPeriodic: {
+      const double turns = std::floor(x / width);
+      return at(turns, 1.0, x - turns * width);
+    }
+    case WrapMode::kMirror: {
+      const double pairs = std::floor(x / (2.0 * width)), place = x - pairs * 2.0 * width;
+      return place < width ? at(2.0 * pairs, 1.0, place) : at(2.0 * pairs + 2.0, -1.0, 2.0 * width - place);
+    }
+    default: return at(0.0, 1.0, std::clamp(x, 0.0, width));
+  }
+}
+
+void FootprintAverages::append_lines(std::uint32_t number, std::uint64_t seed, std::vector<RowLine>& lines) const {
+  const Footprint& footprint = footprints_[number];
+  const std::size_t first = lines.size();
+  double area = 0.0;
+  for (const auto& [y, thickness] : horizontal_lines(footprint, seed)) {
+    const auto [entry, exit] = crossing(footprint, y);
+    if (!(exit > entry)) continue;
+    const End begin = end_at(entry), end = end_at(exit);
+    const double in_map = (end.texel + end.part) - (begin.texel + begin.part);
+    const auto row = static_cast<std::int64_t>(std::floor(y));
+    const bool is_beyond = row < 0 || row >= map_height_;
+    // Of a map that ends at its border, a pixel there has as much of the surface as lies under it. Beyond a black
+    // border there is a surface too, which reflects nothing.
+    if (is_beyond && wrap_t_ == WrapMode::kClamp) continue;
+    area += thickness * (wrap_s_ == WrapMode::kClamp ? in_map : exit - entry);
+    if (is_beyond && wrap_t_ == WrapMode::kBlack) continue;
+    lines.push_back({wrapped_index(row, map_height_, wrap_t_),
+                     {number, begin.texel, end.texel, static_cast<float>(begin.part), static_cast<float>(end.part),
+                      thickness * begin.sign, thickness * end.sign, thickness * (end.turns - begin.turns)}});
+  }
+  for (std::size_t i = first; i < lines.size() && area > 0.0; ++i) {
+    lines[i].line.weight_begin /= area;
+    lines[i].line.weight_end /= area;
+    lines[i].line.weight_turns /= area;
+  }
+  if (!(area > 0.0)) lines.resize(first);
+}
+
+FootprintAverages::FootprintAverages(std::vector<Footprint> footprints, int map_width, int map_height,
+                                     const FootprintSettings& settings)
+    : footprints_(std::move(footprints)),
+      map_width_(map_width),
+      map_height_(map_height),
+      wrap_s_(settings.wrap_s),
+      wrap_t_(settings.wrap_t),
+      line_begin_(static_cast<std::size_t>(map_height) + 1) {
+  std::vector<RowLine> unsorted;
+  for (std::uint32_t i = 0; i < footprints_.size(); ++i)
+    append_lines(i, split_mix(settings.seed ^ split_mix(i)), unsorted);
+  // By rows; of a row in the order of footprints, which does not depend on anything else.
+  for (const RowLine& one : unsorted) ++line_begin_[static_cast<std::size_t>(one.row) + 1];
+  for (std::size_t y = 1; y < line_begin_.size(); ++y) line_begin_[y] += line_begin_[y - 1];
+  std::vector<std::size_t> next = line_begin_;
+  lines_.resize(unsorted.size());
+  for (const RowLine& one : unsorted) lines_[next[static_cast<std::size_t>(one.row)]++] = one.line;
+}
+
+template <typename Value>
+void FootprintAverages::add_values(int y, const Value& value, double* before, double* sums, std::size_t stride) const {
+  const auto width = static_cast<std::size_t>(map_width_), strip = strip_width(width);
+  const std::array<double, kStrips> strip_sums = sum_up(value, width, before);
+  std::array<double, kStrips> upto_strip = {};
+  for (std::size_t k = 1; k < kStrips; ++k) upto_strip[k] = upto_strip[k - 1] + strip_sums[k - 1];
+  const double whole = upto_strip.back() + strip_sums.back();
+  // Of the columns before `texel`, and the part of it.
+  const auto integral = [&](std::int32_t texel, float part) {
+    const auto i = static_cast<std::size_t>(texel);
+    const std::size_t k = (i >= strip ? 1u : 0u) + (i >= 2 * strip ? 1u : 0u) + (i >= 3 * strip ? 1u : 0u);
+    return upto_strip[k] + before[i] + static_cast<double>(part) * value(i);
+  };
+  const std::size_t end = line_begin_[static_cast<std::size_t>(y) + 1];
+  for (std::size_t i = line_begin_[static_cast<std::size_t>(y)]; i < end; ++i) {
+    const Line& line = lines_[i];
+    sums[line.footprint * stride] += line.weight_turns * whole + line.weight_end * integral(line.end, line.end_part) -
+                                     line.weight_begin * integral(line.begin, line.begin_part);
+  }
+}
+
+void FootprintAverages::add_row(int y, const double* values, const double* factors, double* scratch, double* sums,
+                                std::size_t stride) const {
+  if (factors == nullptr)
+    add_values(
+        y, [=](std::size_t i) { return values[i]; }, scratch, sums, stride);
+  else
+    add_values(
+        y, [=](std::size_t i) { return values[i] * factors[i]; }, scratch, sums, stride);
+}
+
+}  // namespace multum

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Averages of a plane over footprints (host/bakes/accuracy/footprints.h): the pixel's own reference. The plane comes
+// row by row, and nothing of it is kept but a sum for each footprint. Texels of level 0 are squares of one value, as
+// "nearest" shows them.
+//
+// A footprint is cut into horizontal lines. Along a line the average is exact, from sums of the row up to each end:
+//
+//      ..|..____:::     the part of a line that lies in the footprint is whole texels and a fraction of one at each
+//      end;
+//      ..|:::::/..      sum = C(x1) - C(x0), C(x) the integral of the row from its border to x, whatever the border
+//
+// There are kLinesMin of them, or as many as the footprint has rows, whichever is more; of footprints of more than
+// kRowsMax rows one line at a random place in each of kRowsMax equal strips.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/bakes/accuracy/footprints.h"
+
+namespace multum {
+
+class FootprintAverages {
+ public:
+  static constexpr int kLinesMin = 64, kRowsMax = 512;
+
+  FootprintAverages(std::vector<Footprint> footprints, int map_width, int map_height,
+                    const FootprintSettings& settings);
+
+  const std::vector<Footprint>& footprints() const { return footprints_; }
+  int map_width() const { return map_width_; }
+  /// Doubles that add_row() works with.
+  std::size_t scratch_length() const { return static_cast<std::size_t>(map_width_); }
+  bool needs_row(int y) const {
+    return line_begin_[static_cast<std::size_t>(y)] < line_begin_[static_cast<std::size_t>(y) + 1];
+  }
+  /// Adds row y of the plane, values[0..map_width()) times, unless null, `factors`, to sums[footprint * stride]. Sums
+  /// begin as 0 and are averages after the last row. `scratch`: scratch_length() doubles.
+  void add_row(int y, const double* values, const double* factors, double* scratch, double* sums,
+               std::size_t stride) const;
+
+ private:
+  // A line's part in a row: weight_turns times the sum of the row, plus weight_end times the integral up to `end` and
+  // end_part of that texel, less the same of the begin. Signs are those of mirrored rows.
+  struct Line {
+    std::uint32_t footprint;
+    std::int32_t begin, end;
+    float begin_part, end_part;
+    double weight_begin, weight_end, weight_turns;
+  };
+  struct RowLine {
+    int row;
+    Line line;
+  };
+  struct End;
+  template <typename Value>
+  void add_values(int y, const Value& value, double* before, double* sums, std::size_t stride) const;
+  End end_at(double x) const;
+  void append_lines(std::uint32_t footprint, std::uint64_t seed, std::vector<RowLine>& lines) const;
+
+  const std::vector<Footprint> footprints_;
+  const int map_width_, map_height_;
+  const WrapMode wrap_s_, wrap_t_;
+  std::vector<Line> lines_;
+  std::vector<std::size_t> line_begin_;  // [row]; one more ends the last
+};
+
+}  // namespace multum

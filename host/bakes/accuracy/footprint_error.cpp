@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/accuracy/footprint_error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+// Sum over footprints of the squared deviations of e = |model - reference| - R reference from their mean, times n / (n
+// - 1): the variance of the sum of e of n independent draws.
+double residual_variance(const std::vector<ErrorSum>& sums, const ErrorBase& base, double error) {
+  const auto n = static_cast<double>(sums.size());
+  if (n < 2.0) return 0.0;
+  const auto residual = [&](const ErrorSum& sum) { return sum.difference - error * base.of(sum); };
+  double mean = 0.0, squares = 0.0;
+  for (const ErrorSum& sum : sums) mean += residual(sum) / n;
+  for (const ErrorSum& sum : sums) squares += std::pow(residual(sum) - mean, 2.0);
+  return squares * n / (n - 1.0);
+}
+
+}  // namespace
+
+FootprintError footprint_error(AccuracyBrdf brdf, const std::vector<Footprint>& footprints,
+                               const std::vector<ErrorSum>& sums) {
+  MULTUM_CHECK(footprints.size() == sums.size());
+  FootprintError result;
+  result.brdf = std::move(brdf);
+  result.sample_count = static_cast<std::int64_t>(sums.size());
+  ErrorSum all;
+  for (const ErrorSum& sum : sums) all += sum;
+  if (!(all.count > 0.0)) return result;
+  const ErrorBase base(all);
+  result.error = all.difference / base.of(all);
+  std::map<int, std::vector<ErrorSum>> octaves;
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    octaves[footprints[i].octave].push_back(sums[i]);
+    errors.push_back(sums[i].difference / ErrorBase(sums[i]).of(sums[i]));
+  }
+  double variance = 0.0;
+  result.worst_octave_error = -1.0;
+  for (const auto& [octave, of_octave] : octaves) {
+    variance += residual_variance(of_octave, base, result.error);
+    ErrorSum sum;
+    for (const ErrorSum& one : of_octave) sum += one;
+    const double octave_error = sum.difference / ErrorBase(sum).of(sum);
+    if (!(octave_error > result.worst_octave_error)) continue;
+    result.worst_octave = octave;
+    result.worst_octave_error = octave_error;
+  }
+  result.confidence = 1.96 * std::sqrt(variance) / base.of(all);
+  const auto place = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(errors.size()))) - 1;
+  std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(place), errors.end());
+  result.percentile_95 = errors[place];
+  return result;
+}
+
+std::string octave_text(int octave) { return fmt::format("{} to {} texels", 1LL << octave, 2LL << octave); }
+
+}  // namespace multum

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Indexes what a model keeps of a file's texels: one entry for each texel that points read (texel_selection.h) and that
+// the file stores, from its first level on.
+#pragma once
+
+#include <cstddef>
+
+#include "host/bakes/accuracy/texel_selection.h"
+#include "host/foundation/base/error.h"
+
+namespace multum {
+
+class KeptTexels {
+ public:
+  /// `texels` must outlive it.
+  KeptTexels(const TexelSelection& texels, int first_level)
+      : texels_(texels),
+        first_level_(first_level),
+        first_slot_(texels.level_begin(first_level)),
+        missing_count_(texels.slot_count() - first_slot_) {}
+
+  int first_level() const { return first_level_; }
+  std::size_t count() const { return texels_.slot_count() - first_slot_; }
+  bool is_stored(std::size_t slot) const { return slot >= first_slot_; }
+  /// The entry of a slot that is stored.
+  std::size_t entry(std::size_t slot) const { return slot - first_slot_; }
+  /// Has every texel come?
+  bool is_complete() const { return missing_count_ == 0; }
+
+  /// Calls keep(entry, texel) for the texels of these rows, `texel` counted from the first row's first; each row may
+  /// come once.
+  template <typename Level, typename Keep>
+  void take_rows(int level, int first_row, const Level& rows, const Keep& keep) {
+    const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];
+    MULTUM_CHECK(level >= first_level_ && rows.width == size.width);
+    MULTUM_CHECK(first_row >= 0 && first_row + rows.height <= size.height);
+    for (int y = 0; y < rows.height; ++y) {
+      const std::size_t end = texels_.row_end(level, first_row + y);
+      for (std::size_t slot = texels_.row_begin(level, first_row + y); slot < end; ++slot) {
+        keep(entry(slot), static_cast<std::size_t>(y) * static_cast<std::size_t>(rows.width) +
+                              static_cast<std::size_t>(texels_.column(slot)));
+        MULTUM_CHECK(missing_count_ > 0);
+        --missing_count_;
+      }
+    }
+  }
+
+ private:
+  const TexelSelection& texels_;
+  const int first_level_;
+  const std::size_t first_slot_;  // the first texel that is stored
+  std::size_t missing_count_;
+};
+
+}  // namespace multum

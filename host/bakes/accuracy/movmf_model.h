@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Models what a renderer shows of a baked mipmap of lobes: the lobes of the texels around a point, filtered linearly,
+// and shaded by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps the lobes of the texels that points
+// read, no others.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "host/bakes/accuracy/accuracy_model.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+
+namespace multum {
+
+class MovmfModel : public AccuracyModel {
+ public:
+  /// The program that shades models of such mipmaps.
+  static ProgramChoice program(Representation representation, int lobe_count, int first_level);
+
+  /// `mipmap` without texels; `texels` must outlive it.
+  MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
+
+  void add_rows(int level, int first_row, const MovmfLevel& rows);
+  bool has_colours() const override { return !colours_.empty(); }
+  const std::vector<std::string>& shadings() const override;
+  std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
+  /// Lobes of a filtered point: behind those of the file, one of the map's averages where there are any.
+  std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
+  const ProgramChoice& program() const { return program_; }
+
+  /// lobes[point][lobe] as hardware filtering gives them; multiplied by their colours in `channel` unless it is -1.
+  std::vector<glm::vec4> filtered_lobes(const PointTaps& points, int channel, int threads) const;
+
+ private:
+  void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;
+
+  bool has_gaussians_;
+  ProgramChoice program_;
+  std::size_t lobe_count_;
+  std::vector<glm::vec4> lobes_;    // [kept texel][lobe]
+  std::vector<glm::vec3> colours_;  // the same
+};
+
+}  // namespace multum

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/bake/bake_file.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "host/bakes/bake/ndf_bake.h"
+#include "host/bakes/bake/output_state.h"
+#include "host/bakes/bake/shard_source.h"
+#include "host/formats/image/normals/tile_set.h"
+#include "host/formats/opencl/device_counts.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/version.h"
+
+namespace multum {
+namespace {
+
+// Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
+void check_output_name(const std::string& path) {
+  if (!path.ends_with(".exr"))
+    throw Error(ErrorCode::kUsage,
+                path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
+}
+
+// What the device did for a bake.
+void report_counts(const DeviceCounts& counts, Device& device, BakeReport& report) {
+  report.launches = counts.launches();
+  report.builds = counts.builds();
+  report.launch_seconds = counts.launch_seconds();
+  report.transfers = counts.transfers();
+  report.device_bytes_peak = device.buffer_bytes_peak();
+}
+
+// What the process takes whatever the map: the program, the OpenCL driver with its compiler, and the rows that wait to
+// be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
+constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
+constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
+constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // more than the least, where a machine is small
+
+// A quarter of the machine, of which three maps may take 3/32 (host/bakes/bake/bake_source.cpp). In a small container,
+// where that is too little, what a bake needs, up to seven eighths: of the program's own bytes a good part are those of
+// libraries, which the system can drop, and with 400 MB maps of 4096 x 4096 were baked.
+std::uint64_t usual_memory(std::uint64_t least) {
+  const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
+  if (most < least)
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("not enough memory to bake: this process may take {} MiB (the machine's, or the limit of "
+                            "its container or its shell), expected at least {} MiB",
+                            all >> 20, (least / 7 * 8 >> 20) + 1));
+  return std::max(all / 32 * 5, std::min(least + kRoomy, most));
+}
+
+std::uint64_t window_bytes(const BakeJob& job) {
+  constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
+  const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : usual_memory(kTaken + kLeast);
+  if (memory < kTaken + kLeast)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--memory is {} MiB, expected at least {} MiB: {} of them are the program's own, with its "
+                            "OpenCL driver and what waits to be written",
+                            memory >> 20, (kTaken + kLeast) >> 20, kTaken >> 20));
+  return memory - kTaken;
+}
+
+// `tiles`: what other tiles of its set gave to the map.
+BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings,
+                                const std::string& tiles = "") {
+  BakedProvenance from;
+  from.software = software_version();
+  from.source_name = source;
+  from.source_hash = job.hashes->hash(job.input);
+  if (!tiles.empty()) {
+    from.source_file_hash = from.source_hash;
+    from.source_tiles = tiles;
+    from.source_hash = tile_source_hash(from.source_file_hash, tiles);
+  }
+  from.settings = settings;
+  from.settings_hash = hash_text(settings);
+  return from;
+}
+
+// The map as share 0 has it: decoded already. Nothing where that is not there, or damaged: GatheredShards lists what is
+// missing, and the map is read where nothing is.
+std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
+  try {
+    return read_shard_source(job, key);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kEnvironment) throw;
+    return std::nullopt;
+  }
+}
+
+// The job with the region that is baked again, where one is.
+BakeJob with_region(BakeJob job, const BakeSource& source) {
+  if (job.onto.empty()) return job;
+  const MovmfMipmap header = empty_movmf_mipmap(baked_header_of(job, source), job.fitting.lobe_count);
+  job.region =
+      resolve_region(job.region, job.input, job.onto, header, source.map.normals, source.features(), job.threads);
+  return job;
+}
+
+// Lobes that roughness has shortened are as wide for diffuse light. The shader divides the mean of c out
+// (without_roughness in kernels/device/vmf_shading.clh), which leaves what a texel's c differs from it by: nothing
+// where roughness varies little, and of a map with polished and dull parts more than averaged normals have at fine
+// levels (docs/READING.md has the measurements).
+constexpr double kDiffuseErrorNoted = 0.02;
+constexpr int kFineLevels = 2;
+
+void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
+  if (!report.roughness) return;
+  double error = 0.0;
+  for (const AccuracyRow& row : report.accuracy)
+    if (row.level < kFineLevels && row.point == AccuracyPoint::kCentre && row.brdf.kind == AccuracyBrdfKind::kLambert &&
+        !row.brdf.has_colours)
+      error = std::max(error, row.error);
+  if (error <= kDiffuseErrorNoted) return;
+  report.roughness->warnings.push_back(fmt::format(
+      "{}: with roughness baked in, diffuse light is up to {:.3g} % off at levels 0 and 1, where averaged "
+      "normals are nearly exact, since roughness varies much over the map. Where diffuse light matters, take "
+      "it from the normal map, or bake without --{} (docs/READING.md)",
+      job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
+  log_named_warning(report.roughness->warnings.back());
+}
+
+}  // namespace
+
+void check_job(const BakeJob& job) {
+  std::error_code error;
+  if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
+    throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
+  check_encoding(job.representation, job.encoding);
+  ndf_bake(job.representation).check_settings(job);
+  const bool has_lobes = job.representation == Representation::kMovmf || job.representation == Representation::kGmm;
+  if ((job.shard || job.merged_shards > 0) && !has_lobes)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} is given, expected lobes: of {} one pass over the map makes averages",
+                            job.shard ? "--shard" : "--merge", representation_info(job.representation).name));
+  validate(job.writing);
+  check_paths_differ(input_files(job), {job.output, job.report});
+  check_output_name(job.output);
+  check_writable(job.output);
+  if (!job.report.empty()) check_writable(job.report);
+}
+
+BakeReport unchanged_report(const BakeJob& job) {
+  BakeReport report;
+  report.source = std::filesystem::path(job.input).filename().string();
+  report.unchanged = true;
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  return report;
+}
+
+BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& device, Progress* progress) {
+  const std::uint64_t memory_bytes = window_bytes(asked);  // too little memory is told first
+  check_job(asked);
+  if (asked.shard && asked.shard->index > 0) take_share_hashes(asked);
+  const std::string asked_settings = all_settings_json(asked);
+  if (!asked.force && !asked.shard && find_output_state(asked, asked_settings).finding == OutputFinding::kInPlace)
+    return unchanged_report(asked);
+  BakeReport report;
+  report.source = std::filesystem::path(asked.input).filename().string();
+  StageClock clock(report);
+  std::optional<BakeSource> read;
+  if (asked.shard) {
+    const std::string key = rows_key(make_provenance(asked, report.source, asked_settings));
+    report.shard = shard_path(asked.output, *asked.shard);
+    report.unchanged = !asked.force && has_shard(asked.output, *asked.shard, key);
+    if (report.unchanged) return report;
+    if (asked.shard->index > 0) read = read_shard_source(asked, key);
+  } else if (asked.merged_shards > 0) {
+    read = source_of_shares(asked, rows_key(make_provenance(asked, report.source, asked_settings)));
+  }
+  if (read) {
+    note_source(*read, report);
+    if (!asked.shard) log_source(asked, *read);
+    clock.finish("read");
+  } else if (given == nullptr) {
+    read = read_source(asked, MapReadings::kFew, report, progress);
+    clock.finish("read");
+  } else {
+    note_source(*given, report);
+  }
+  const BakeSource& source = read ? *read : *given;
+  const BakeJob job = with_region(asked, source);
+  ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
+  const DeviceCounts counts(device);
+  device.restart_buffer_peak();
+  BakedHeader header = baked_header_of(job, source);
+  header.provenance =
+      make_provenance(job, report.source, job.region == asked.region ? asked_settings : all_settings_json(job),
+                      source.map.report.tiles);
+  header.provenance.reading = reading_json(job, source);
+  report.first_level = header.first_level;
+  report.stored_only = job.stored_only;
+  report.device = device.info().name;
+  const MovmfSettings fitting = fitting_settings(job, header.wrap_s, header.wrap_t);
+  ndf_bake(job.representation).bake({job, device, source, header, fitting, memory_bytes, clock}, report, progress);
+  report_counts(counts, device, report);
+  warn_of_diffuse_error(job, report);
+  if (!job.report.empty()) write_text_file(job.report, report.to_json());
+  progress_finish(progress);
+  return report;
+}
+
+}  // namespace multum

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Steps that the bakes of all representations share: rounding and writing of rows, measurement and commit at the end,
+// and verification of a file by rows.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "host/bakes/accuracy/accuracy_table.h"
+#include "host/bakes/bake/ndf_bake.h"
+#include "host/bakes/pyramid/average_pass.h"
+#include "host/formats/asset/baked_verify.h"
+
+namespace multum {
+
+/// A sink of plain averages: rounds rows as they are stored, shows them to the measurement, if there is one, and writes
+/// them.
+template <typename Sink, typename Level, typename Writer, typename Meter>
+class RoundingSink : public Sink {
+ public:
+  using Round = void (*)(Level& rows, StorageEncoding encoding, int threads);
+
+  /// `meter`: null: nothing is measured.
+  RoundingSink(Round round, Writer& writer, Meter* meter, const BakeJob& job)
+      : round_(round), writer_(writer), meter_(meter), encoding_(job.encoding), threads_(job.threads) {}
+
+  void add_level(int level, int first_row, Level rows) override {
+    round_(rows, encoding_, threads_);
+    if (meter_ != nullptr) meter_->add_rows(level, first_row, rows);
+    writer_.write_level(level, first_row, std::move(rows));
+  }
+
+ private:
+  const Round round_;
+  Writer& writer_;
+  Meter* const meter_;
+  const StorageEncoding encoding_;
+  const int threads_;
+};
+
+/// Inputs of a bake of averages, from its source; `waiting_bytes`: what its writer holds (memory_beside_writer()).
+inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
+  return {{&run.source.map.normals, run.source.features(), memory_beside_writer(run, waiting_bytes), run.job.threads},
+          run.header.first_level};
+}
+
+/// Settings of the measurement of a bake's error; BakeJob::highlights come behind the BRDFs that are measured of every
+/// map.
+inline AccuracySettings accuracy_settings(const BakeJob& job) {
+  AccuracySettings settings;
+  settings.threads = job.threads;
+  settings.exponents = job.measured_exponents;
+  settings.highlights = job.highlights;
+  settings.has_level_table = job.measure_levels;
+  settings.first_level = first_measured_level(job);
+  return settings;
+}
+
+/// Removes those of BakeJob::highlights; the other rows or errors of pixels are what every file states.
+template <typename Measured>
+std::vector<Measured> stated(const BakeJob& job, std::vector<Measured> all) {
+  for (const Highlight& one : job.highlights)
+    std::erase_if(all, [&id = one.id](const Measured& measured) { return measured.brdf.is_same_brdf(id); });
+  return all;
+}
+
+/// Writer that drops its rows: for bakes that are only measured.
+struct NoFile {
+  template <typename Rows>
+  void write_level(int, int, const Rows&) {}
+};
+
+/// Measures the error when all rows are there, unless `meter` is null, and finishes the file. Measuring counts as
+/// `measure_units` of progress.
+template <typename Writer>
+void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t measure_units, Writer& writer,
+                        BakeReport& report, Progress* progress) {
+  if (meter != nullptr) {
+    progress_stage(progress, "measure");
+    report.accuracy = meter->run(run.device, run.source.map.normals, run.source.colours(), progress);
+    report.error = meter->footprint_errors();
+    run.clock.finish("measure");
+  }
+  progress_advance(progress, measure_units);
+  progress_stage(progress, "write");
+  writer.commit(measured_error_json(stated(run.job, report.accuracy), stated(run.job, report.error)), progress);
+  run.clock.finish("write");
+}
+
+/// NdfBake::verify by one of verify_movmf(), verify_moments(), verify_sh(), whose rows `meter` takes.
+template <typename Level, typename Meter, typename Verify>
+VerifiedFile verify_by_rows(Verify verify_file, const BakeJob& job, std::unique_ptr<Meter> meter, Progress* progress) {
+  const auto seen = [&](int level, int first_row, const Level& rows) {
+    meter->add_rows(level, first_row, rows);
+    progress_advance(progress, static_cast<std::uint64_t>(rows.height));
+  };
+  std::vector<VerifyFinding> findings = verify_file(job.output, job.threads, seen);
+  return {std::move(findings), std::move(meter)};
+}
+
+}  // namespace multum

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/bake/job_parameters.h"
+
+#include <fmt/format.h>
+
+#include "host/formats/image/normals/reading_parameters.h"
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
+const Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
+const Choices<StorageEncoding> kStorageEncodings = {
+    {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
+
+const Choices<Representation>& ndfs() {
+  static const Choices<Representation> choices = [] {
+    Choices<Representation> list;
+    for (const RepresentationInfo& info : representations()) list.emplace_back(info.option, info.representation);
+    return list;
+  }();
+  return choices;
+}
+
+void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
+  // Presets first: what is given beside them changes them.
+  if (values.flag("reference")) make_reference(fit);
+  if (values.flag("unaligned")) make_unaligned(fit);
+  fit.lobe_count = values.integer("lobes").value_or(fit.lobe_count);
+  if (const auto count = values.integer("iterations")) fit.iteration_count = fit.iteration_count_coarse = *count;
+  fit.pass_count = values.integer("passes").value_or(fit.pass_count);
+  fit.refit_iterations = values.integer("refit_iterations").value_or(fit.refit_iterations);
+  fit.order = values.choice("order", kFitOrders).value_or(fit.order);
+  fit.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(fit.coarse_normals);
+  if (values.flag("refine")) fit.refine = true;
+  if (values.flag("no_start_search")) fit.search_start = false;
+  if (values.flag("farthest_start")) fit.farthest_start = true;
+  if (const auto weight = values.number("align")) fit.alignment = static_cast<float>(*weight);
+  if (const auto cap = values.number("kappa_cap")) fit.kappa_cap = static_cast<float>(*cap);
+  fit.first_level = values.integer("first_level").value_or(fit.first_level);
+}
+
+// Level 0 is the normal map's own then, to which no point of the surface belongs.
+void apply_surface(const ParameterValues& values, BakeJob& job) {
+  job.surface = map_surface(values).value_or(job.surface);
+  if (job.surface == MapSurface::kTexels || job.fitting.first_level > 0) return;
+  if (values.integer("first_level"))
+    throw Error(ErrorCode::kUsage,
+                "--first-level is 0 with --surface interpolated, expected 1 or more: the finest level that is stored "
+                "would have points between texels in the texels' place");
+  job.fitting.first_level = 1;
+}
+
+bool is_in_scope(const Parameter& parameter, Representation representation) {
+  switch (parameter.scope) {
+    case ParameterScope::kAll: return true;
+    case ParameterScope::kLobes: return holds_lobes(representation);
+    case ParameterScope::kHarmonics: return representation == Representation::kSh;
+  }
+  return true;
+}
+
+}  // namespace
+
+ParameterValues bake_values(std::initializer_list<std::pair<const char*, ParameterValue>> values) {
+  ParameterValues all(bake_parameters());
+  for (const auto& [name, value] : values) all.set(name, value);
+  return all;
+}
+
+void apply(const ParameterValues& values, BakeJob& job) {
+  apply_reading(values, job.reading);
+  if (const auto file = values.text("albedo")) job.albedo = *file;
+  if (const auto file = values.text("roughness")) job.roughness = *file, job.roughness_is_gloss = false;
+  if (const auto file = values.text("gloss")) job.roughness = *file, job.roughness_is_gloss = !file->empty();
+  if (const auto file = values.text("weights")) job.weights = *file;
+  job.representation = given_representation(values).value_or(job.representation);
+  apply_to_fit(values, job.fitting);
+  apply_surface(values, job);
+  job.sh_order = values.integer("sh_order").value_or(job.sh_order);
+  job.encoding = values.choice("data_format", kStorageEncodings)
+                     .value_or(representation_info(job.representation).encodings.front());
+  job.writing.compression = values.text("compression").value_or(job.writing.compression);
+  if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
+  if (values.flag("no_measure")) job.measure = false;
+  job.report = values.text("report").value_or(job.report);
+  job.scratch_folder = values.text("scratch").value_or(job.scratch_folder);
+  job.onto = values.text("onto").value_or(job.onto);
+  if (values.flag("resume")) job.resume = true;
+  if (values.flag("force")) job.force = true;
+}
+
+std::optional<Representation> given_representation(const ParameterValues& values) {
+  return values.choice("ndf", ndfs());
+}
+
+const Parameter* given_of_target(const ParameterValues& values) {
+  for (const Parameter& row : bake_parameters().rows())
+    if (row.chosen_by_target && values.is_given(row.name)) return &row;
+  return nullptr;
+}
+
+ParameterValues without_those_of_target(ParameterValues values) {
+  for (const Parameter& row : bake_parameters().rows())
+    if (row.chosen_by_target) values.erase(row.name);
+  return values;
+}
+
+std::string options_text(const ParameterValues& values) { return values.options_text({kStorageGroup, kFitGroup}); }
+
+const Parameter* given_of_another_ndf(const ParameterValues& values) {
+  const Representation representation = given_representation(values).value_or(Representation::kMovmf);
+  for (const Parameter& row : bake_parameters().rows())
+    if (values.is_given(row.name) && !is_in_scope(row, representation)) return &row;
+  return nullptr;
+}
+
+std::string scope_text(const Parameter& parameter) {
+  return parameter.scope == ParameterScope::kHarmonics ? "sh" : "vmf and gmm";
+}
+
+void check_scopes(const ParameterValues& values) {
+  const Parameter* const row = given_of_another_ndf(values);
+  if (row == nullptr) return;
+  const bool is_of_lobes = row->scope == ParameterScope::kLobes;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{} is for --ndf {}, found --ndf {}{}", row->option(), scope_text(*row),
+                          values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
+}
+
+}  // namespace multum

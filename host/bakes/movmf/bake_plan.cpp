@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/movmf/bake_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+constexpr int kBandRows[] = {4096, 2048, 1024, 512, 256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 2, 1};
+constexpr int kBandRowsWanted = 8;  // fewer leave too little for many threads: more memory than is useful is better
+
+// What the windows may take, and who says so.
+struct WindowMemory {
+  std::uint64_t bytes;
+  bool on_device;
+};
+
+[[noreturn]] void refuse(const WindowMemory& found, std::uint64_t wanted, const std::string& what) {
+  throw Error(found.on_device ? ErrorCode::kEnvironment : ErrorCode::kUsage,
+              fmt::format("{} leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB for {}",
+                          found.on_device ? "the device" : "--memory", static_cast<double>(found.bytes) / (1 << 20),
+                          static_cast<double>(wanted) / (1 << 20), what));
+}
+
+// The most rows whose bytes are useful, or that are wanted and fit.
+template <typename BytesOf>
+int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
+                const std::string& what) {
+  const std::uint64_t useful = std::min(memory.bytes, useful_bytes);
+  for (int rows : kBandRows) {
+    const std::uint64_t bytes = bytes_of(std::min(rows, rows_max));
+    if (bytes <= useful || (rows <= kBandRowsWanted && bytes <= memory.bytes)) return std::min(rows, rows_max);
+  }
+  refuse(memory, bytes_of(1), what);
+}
+
+}  // namespace
+
+BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count,
+                        const PlanMemory& memory, const SpillPolicy& spill, const LaunchShape& shape) {
+  BakePlan plan;
+  MULTUM_CHECK(memory.writer_bytes <= memory.bytes);
+  const bool on_device = shape.window_bytes_max > 0;
+  const std::uint64_t memory_bytes = on_device ? shape.window_bytes_max : memory.bytes - memory.writer_bytes;
+  const WindowMemory fitting{memory_bytes, on_device}, binning{on_device ? memory_bytes : memory.bytes, on_device};
+  plan.memory_bytes = memory_bytes;
+  const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
+  const std::uint64_t useful =
+      on_device ? shape.window_bytes_useful
+                : std::max(kUsefulWindowBytes, static_cast<std::uint64_t>(map_width) * kUsefulBytesAColumn);
+  plan.spill = spill;
+  for (const LevelSchedule& level : schedule.levels) {
+    const int height = level.fit.height, map_height = level.fit.map_height;
+    BandPlan& band = plan.levels[level.level];
+    if (level.method == FitMethod::kChunks) {
+      // The level is there at once, and as much of the map at a time as fits: each band is read once an iteration.
+      const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, rgb_plane_count, {height, rows}); };
+      band = {height, map_height};
+      while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
+      if (bytes_of(band.map_band_rows) > memory_bytes)
+        refuse(fitting, bytes_of(1),
+               fmt::format("level {}, all its texels at once (--coarse-normals all),", level.level));
+    } else {
+      const auto bytes_of = [&](int rows) {
+        return fit_level_bytes(level, settings, rgb_plane_count, {rows, map_height});
+      };
+      band = {choose_rows(height, fitting, useful, bytes_of, fmt::format("a row of level {}", level.level)),
+              map_height};
+    }
+  }
+  const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
+  plan.bin_rows = choose_rows(
+      map_height, binning, useful, [&](int rows) { return binning_bytes(schedule, rows, rgb_plane_count, shape); },
+      "binning a row of normals");
+  return plan;
+}
+
+std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const {
+  std::string text =
+      fmt::format("plan: windows and buffers of at most {} MiB; levels larger than {} MiB go to scratch files\n",
+                  memory_bytes >> 20, spill.memory_bytes >> 20);
+  for (const LevelSchedule& level : schedule.levels) {
+    const BandPlan& band = levels.at(level.level);
+    const bool whole = band.band_rows >= level.fit.height;
+    const char* method = level.method == FitMethod::kTexels   ? "all normals"
+                         : level.method == FitMethod::kChoice ? "each normal to a lobe"
+                         : level.method == FitMethod::kBinned ? "binned normals"
+                                                              : "all normals, band by band of the map";
+    text += fmt::format("  level {}: {} x {}, {}, {}, {:.1f} MiB\n", level.level, level.fit.width, level.fit.height,
+                        method, whole ? "at once" : fmt::format("{} rows at a time", band.band_rows),
+                        static_cast<double>(fit_level_bytes(level, settings, rgb_plane_count, band)) / (1 << 20));
+  }
+  return text;
+}
+
+}  // namespace multum

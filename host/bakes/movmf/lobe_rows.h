@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Converts lobes as the kernels keep them to lobes as the file has them.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/bakes/movmf/fit_report.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+
+struct LobeRowsSize {
+  int width, height, lobe_count;
+  Representation representation = Representation::kMovmf;
+  bool has_colours = false;
+  int weight_count = 0;
+};
+
+/// `lobes`: r and a by rows [lobe][column], of Gaussians mean, sigma^2 and a; `features` by rows
+/// [triple][lobe][column]. Returns planes of (a r, a), of Gaussians as host/formats/asset/lobes/gmm_quantize.h has
+/// them, whose shares sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`:
+/// MovmfSettings::kappa_cap.
+MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, const std::vector<glm::vec3>& features,
+                       float kappa_cap, int threads, FitReport& report);
+
+/// Converts one lobe back.
+MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation);
+
+}  // namespace multum

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/movmf/movmf_bake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/accuracy/movmf_model.h"
+#include "host/bakes/movmf/mip_schedule.h"
+#include "host/bakes/movmf/movmf_average.h"
+#include "host/bakes/movmf/movmf_fit.h"
+#include "host/bakes/movmf/movmf_start.h"
+#include "host/bakes/movmf/start_memory.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/run_times.h"
+#include "host/foundation/base/stopwatch.h"
+
+namespace multum {
+namespace {
+
+// Gathers what a bake hands over into a whole mipmap.
+class MovmfMipmapSink : public MovmfSink {
+ public:
+  MovmfMipmapSink(const PlaneStore& normals, const MovmfSettings& settings, const FeaturePlanes& features) {
+    mipmap_.header.representation = settings.representation;
+    mipmap_.header.first_level = settings.first_level;
+    mipmap_.header.weight_count = features.weight_count;
+    mipmap_.header.has_roughness = normals.is_shortened();
+    for (int l = 0; l < mip_level_count(normals.width(), normals.height()); ++l) {
+      MovmfLevel& level = mipmap_.levels.emplace_back();
+      level.width = mip_level_size(normals.width(), l);
+      level.height = mip_level_size(normals.height(), l);
+      level.lobes.resize(static_cast<std::size_t>(settings.lobe_count));
+      if (features.has_colours) level.colours.resize(level.lobes.size());
+      if (features.weight_count > 0) level.weights.resize(level.lobes.size());
+    }
+  }
+
+  void add_level(int level, int, MovmfLevel rows) override {
+    MovmfLevel& to = mipmap_.levels[static_cast<std::size_t>(level)];
+    for (std::size_t j = 0; j < to.lobes.size(); ++j)
+      to.lobes[j].insert(to.lobes[j].end(), rows.lobes[j].begin(), rows.lobes[j].end());
+    for (std::size_t j = 0; j < to.colours.size(); ++j)
+      to.colours[j].insert(to.colours[j].end(), rows.colours[j].begin(), rows.colours[j].end());
+    for (std::size_t j = 0; j < to.weights.size(); ++j)
+      to.weights[j].insert(to.weights[j].end(), rows.weights[j].begin(), rows.weights[j].end());
+  }
+  void add_finest(int first_row, MovmfFinest rows) override {
+    add_level(0, first_row, expand(rows, mipmap_.lobe_count()));
+  }
+
+  MovmfMipmap take() { return std::move(mipmap_); }
+
+ private:
+  MovmfMipmap mipmap_;
+};
+
+// Of the proxy map's levels that are compared: finer ones hold too few normals.
+constexpr int kComparedSideMax = 16;
+
+// One bake of a small proxy map after another, each from another start: what they share is made once.
+class StartTrial {
+ public:
+  StartTrial(Device& device, const NormalMap& proxy, const MovmfSettings& settings, const MipSchedule& of_map)
+      : device_(device),
+        proxy_(proxy),
+        planes_(planes_of(proxy)),
+        settings_(settings),
+        schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
+        plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {}, device.shape())) {}
+
+  // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
+  // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
+  // them came 14th by error). 4096 normals take some 50 ms a candidate.
+  double error_from(const std::vector<MultumVmfLobe>& start) const {
+    FitReport ignored;
+    MovmfMipmapSink sink(planes_, settings_, {});
+    MovmfBakeInputs inputs;
+    inputs.normals = &planes_;
+    fit_movmf(device_, inputs, start, settings_, schedule_, plan_, sink, ignored, nullptr);
+    const MovmfMipmap mipmap = sink.take();
+    AccuracySettings accuracy;
+    accuracy.samples_per_level = 0;
+    accuracy.footprints_per_octave = 0;
+    accuracy.threads = 1;  // too small to share
+    accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64), {}};
+    const auto too_fine = [&](int level) {
+      const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
+      return size.width > kComparedSideMax || size.height > kComparedSideMax;
+    };
+    while (too_fine(accuracy.first_level)) ++accuracy.first_level;
+    double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
+    for (const AccuracyRow& row : measure_accuracy(device_, mipmap, proxy_, accuracy, nullptr))
+      if (row.brdf != AccuracyBrdf::lambert()) error += std::log(row.error + 0.005);
+    return error;
+  }
+
+ private:
+  Device& device_;
+  const NormalMap& proxy_;
+  const PlaneStore planes_;
+  const MovmfSettings settings_;
+  const MipSchedule schedule_;
+  const BakePlan plan_;
+};
+
+// Those of the map; a memory has them for all settings of as many lobes.
+StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& search, StartMemory* memory) {
+  if (memory != nullptr)
+    if (const StartCandidates* known = memory->candidates(search.lobe_count, search.kappa_max)) return *known;
+  const RunClock clock;
+  StartCandidates found{start_candidates(normals, search), {}};
+  found.time = clock.time();
+  return memory == nullptr ? found : memory->remember(search.lobe_count, search.kappa_max, std::move(found));
+}
+
+// The candidate with the best pyramid on a proxy map. `is_timed`: on kernels that are loaded.
+ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSettings& whole,
+                           const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
+                           bool is_timed) {
+  device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
+  const StartTrial start_trial(device, proxy, whole, schedule);  // the map's own kernels: no second set of programs
+  if (is_timed) start_trial.error_from(candidates.front());
+  const RunClock clock([&device] { return device.timed_seconds(); });
+  ChosenStart chosen;
+  double least = HUGE_VAL;
+  for (const std::vector<MultumVmfLobe>& candidate : candidates) {
+    const double error = start_trial.error_from(candidate);
+    ++chosen.tried;
+    if (error >= least) continue;
+    least = error;
+    chosen.start = candidate;
+  }
+  chosen.time = clock.time();
+  return chosen;
+}
+
+// Settings of the bakes of the proxy map.
+MovmfSettings trial_settings(const MovmfSettings& settings, const NormalMap& proxy) {
+  MovmfSettings whole = settings;
+  whole.refine = false;   // the pyramid of EM is what a start decides
+  whole.first_level = 0;  // of the proxy map, which has fewer levels than the map
+  // Where the finest levels are not asked for, their kernels are not either.
+  while (settings.first_level > 0 && std::max(mip_level_size(proxy.width, whole.first_level),
+                                              mip_level_size(proxy.height, whole.first_level)) > kComparedSideMax)
+    ++whole.first_level;
+  return whole;
+}
+
+ChosenStart search_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
+                         const MipSchedule& schedule, StartMemory* memory, FitReport& report) {
+  constexpr int kProxySide = 64;
+  const StartSearch search{settings.lobe_count, settings.kappa_cap, 1, 2};
+  const NormalMap proxy = sample_proxy_map(normals, kProxySide, search.seed);
+  const MovmfSettings whole = trial_settings(settings, proxy);
+  if (memory != nullptr)
+    if (const ChosenStart* known = memory->chosen(whole)) {
+      report.start_remembered = known->time;
+      return *known;
+    }
+  StartCandidates candidates = find_candidates(normals, search, memory);
+  for (std::vector<MultumVmfLobe>& lobes : candidates.starts)
+    lobes = start_lobes(std::move(lobes), settings.representation, normals.is_shortened());
+  ChosenStart chosen{candidates.starts.front(), 0, {}};
+  // Levels that do not grow from the coarsest cannot tell starts apart.
+  if (settings.search_start && settings.aligned_start && candidates.starts.size() > 1)
+    chosen = try_candidates(device, proxy, whole, schedule, candidates.starts, memory != nullptr);
+  chosen.time = chosen.time + candidates.time;
+  if (memory != nullptr) memory->remember(whole, chosen);
+  return chosen;
+}
+
+std::vector<MultumVmfLobe> choose_start(Device& device, const PlaneStore& normals, const MovmfSettings& settings,
+                                        const MipSchedule& schedule, StartMemory* memory, FitReport& report) {
+  const Stopwatch stopwatch;
+  const std::uint64_t launches_before = device.launch_total();
+  report.starts_tried = 0;
+  if (settings.farthest_start) {
+    const TexelRectangle whole_map = {0, 0, normals.width(), normals.height()};
+    return start_lobes(farthest_first_lobes(normals, whole_map, settings.lobe_count), settings.representation,
+                       normals.is_shortened());
+  }
+  const ChosenStart chosen = search_start(device, normals, settings, schedule, memory, report);
+  report.starts_tried = chosen.tried;
+  report.start_launches = device.launch_total() - launches_before;
+  report.start_seconds = stopwatch.seconds();
+  return chosen.start;
+}
+
+}  // namespace
+
+void validate(const MovmfSettings& settings, int map_width, int map_height) {
+  validate(settings);
+  if (map_width > 32768 || map_height > 32768)
+    throw Error(ErrorCode::kInput,
+                fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map_width, map_height));
+  const int level_max = mip_level_count(map_width, map_height) - 1;
+  if (settings.first_level > level_max)
+    throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
+                                               settings.first_level, level_max, map_width, map_height));
+}
+
+void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+                FitReport& report, Progress* progress) {
+  const PlaneStore& normals = *inputs.normals;
+  validate(settings, normals.width(), normals.height());
+  if (settings.refine && normals.is_shortened())
+    throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it knows unit normals alone");
+  const FeaturePlanes& features = inputs.features;
+  MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
+  if (inputs.shard != nullptr && averages_suffice(inputs, settings))
+    throw Error(ErrorCode::kUsage,
+                "--shard is given with one lobe a texel, which is a plain average: it is not divided");
+  if (averages_suffice(inputs, settings)) {
+    average_movmf(device, inputs, settings, sink, report, progress);
+    return;
+  }
+  const MipSchedule schedule = make_mip_schedule(normals, settings);
+  const BakePlan plan = make_bake_plan(schedule, settings, features.rgb_plane_count(),
+                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.spill, device.shape());
+  report.plan = plan.to_text(schedule, settings, features.rgb_plane_count());
+  prepare_fit(device, schedule, settings, !features.empty());
+  std::vector<MultumVmfLobe> top_start;
+  const bool is_band = inputs.shard != nullptr && inputs.shard->shard.index > 0;
+  if (inputs.region == nullptr && inputs.gathered == nullptr &&
+      !is_band) {  // others grow from the lobes that are there
+    progress_stage(progress, "choose a start");
+    top_start = choose_start(device, normals, settings, schedule, inputs.starts, report);
+  }
+  fit_movmf(device, inputs, top_start, settings, schedule, plan, sink, report, progress);
+}
+
+MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, FitReport& report,
+                       Progress* progress) {
+  MovmfMipmapSink sink(*inputs.normals, settings, inputs.features);
+  bake_movmf(device, inputs, settings, sink, report, progress);
+  return sink.take();
+}
+
+MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
+                       FitReport& report, Progress* progress) {
+  const PlaneStore normals = planes_of(map);
+  std::optional<PlaneStore> colours;
+  if (albedo != nullptr) colours = planes_of(*albedo);
+  MovmfBakeInputs inputs;
+  inputs.normals = &normals;
+  inputs.features = FeaturePlanes::of(colours ? &*colours : nullptr, nullptr);
+  return bake_movmf(device, inputs, settings, report, progress);
+}
+
+}  // namespace multum

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/movmf/movmf_level_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/formats/opencl/launch_shape.h"
+#include "kernels/shared/vmf_lobe.h"
+
+namespace multum {
+namespace {
+
+// Sizes of the windows of a level for a plan.
+struct WindowRows {
+  int level, parent, map;
+};
+
+// Of EM.
+int em_steps(const LevelSchedule& level, const MovmfSettings& settings) {
+  const bool has_parent = level.fit.parent_width > 0 && settings.aligned_start;
+  return level.step_count * (has_parent ? settings.pass_count : 1);
+}
+
+// Refining is a last step of all texels, which reads what EM left beside them.
+int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
+  return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
+}
+
+// Scan-line order reaches as far as the level, and chunks are summed band by band of the map, for all texels at once. A
+// window that holds nearly all rows anyway may as well hold each of them once.
+bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
+  return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
+         level.method == FitMethod::kChunks;
+}
+
+int parent_row_of(const MultumMovmfFit& fit, int row) {
+  const int real = wrapped_row(row, fit.height);
+  return std::min(real >> 1, fit.parent_height - 1) + (row - real) / fit.height * fit.parent_height;
+}
+
+// One past the last row of the map that texels of rows up to `row` read.
+int map_rows_end(const MultumMovmfFit& fit, int row) { return first_covered_row(fit, row) + fit.sample_rows; }
+
+WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
+  const MultumMovmfFit& fit = level.fit;
+  WindowRows rows{fit.height, fit.parent_height, fit.map_height};
+  if (!is_whole(level, settings, plan)) {
+    rows.level = plan.band_rows + total_steps(level, settings);
+    rows.parent = rows.level / 2 + 5;  // one more above and below: movmf_choose.cl reads parents' neighbours
+    rows.map = map_rows_end(fit, rows.level) + 1;
+  }
+  if (level.method == FitMethod::kChunks)
+    rows.map = std::min(fit.map_height, std::max(plan.map_band_rows, fit.chunk_rows + 1));
+  return rows;
+}
+
+// Rows that are handed over at a time: a band, or of a device with memory of its own, whose bands are large, as many as
+// the host should hold.
+int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
+                const LevelInputs& inputs, int band_rows) {
+  constexpr std::size_t kHandedBytes = std::size_t{64} << 20;
+  if (device.shape().window_bytes_max == 0) return band_rows;
+  const std::size_t texel = static_cast<std::size_t>(settings.lobe_count) *
+                            (sizeof(MultumVmfLobe) + inputs.map.features.rgb_planes.size() * 3 * sizeof(float));
+  const std::size_t rows = kHandedBytes / (texel * static_cast<std::size_t>(level.fit.width));
+  return static_cast<int>(std::clamp<std::size_t>(rows, 1, static_cast<std::size_t>(band_rows)));
+}
+
+}  // namespace
+
+bool is_refined(const LevelSchedule& level, const MovmfSettings& settings) {
+  return settings.refine && 1.0f / level.fit.total_weight_inverse > kRefinedNormalsMin;
+}
+
+LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
+                   const LevelInputs& inputs, const BandPlan& plan, Progress* progress)
+    : em_step_(em_step),
+      level_(level),
+      fit_(level.fit),
+      inputs_(inputs),
+      lobe_count_(settings.lobe_count),
+      gaussians_(settings.representation == Representation::kGmm),
+      whole_(is_whole(level, settings, plan)),
+      band_rows_(whole_ ? level.fit.height : plan.band_rows),
+      em_steps_(em_steps(level, settings)),
+      steps_(total_steps(level, settings)),
+      handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
+      wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
+                                      : inputs.rows.value_or(RowRange{0, level.fit.height})),
+      progress_(progress) {
+  make_windows(device, settings, plan);
+}
+
+void LevelFit::make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan) {
+  const WindowRows rows = window_rows(level_, settings, plan);
+  const auto row_bytes = [](int columns, std::size_t texel) { return static_cast<std::size_t>(columns) * texel; };
+  const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
+  windows_.lobes = RowWindow(device, lobe_count_, lobe_row, rows.level, "the lobes of a level");
+  windows_.alignment_vectors = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
+  if (refines()) windows_.refined = RowWindow(device, lobe_count_, lobe_row, rows.level, "refined lobes of a level");
+  if (has_features())
+    windows_.features = RowWindow(device, lobe_count_ * static_cast<int>(inputs_.map.features.rgb_planes.size()),
+                                  row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
+  if (inputs_.parent != nullptr)
+    windows_.parent = RowWindow(device, lobe_count_, row_bytes(fit_.parent_width, sizeof(MultumVmfLobe)), rows.parent,
+                                "the lobes of the next coarser level");
+  else fit_.parent_width = fit_.parent_height = 0;
+  if (level_.method == FitMethod::kBinned) {
+    const std::size_t samples = binned_bytes(fit_);
+    windows_.binned = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "binned normals");
+    windows_.binned_counts = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
+    for (std::size_t t = 0; t < inputs_.map.features.rgb_planes.size(); ++t)
+      windows_.binned_planes.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "binned features");
+  } else {
+    if (inputs_.on_device == nullptr || !whole_)
+      windows_of_map_.emplace(device, *inputs_.map.normals, inputs_.map.features.rgb_planes, rows.map);
+    windows_.map = windows_of_map_ ? &*windows_of_map_ : inputs_.on_device;
+  }
+}
+
+void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
+  const RowRange first = rows_of_step(0), last = rows_of_step(steps_ - 1);
+  for (int front = whole_ ? 0 : first.begin; front - steps_ + 1 < last.end; front += band_rows_) {
+    const int window_begin = whole_ ? 0 : std::max(front - steps_, lower_bound());
+    const int window_end = whole_ ? fit_.height : std::min(front + band_rows_, upper_bound());
+    if (window_begin < window_end) move_windows({window_begin, window_end});
+    for (int step = 0; step < steps_; ++step) {
+      const int lag = whole_ ? 0 : step;
+      const RowRange allowed = rows_of_step(step);
+      run_step(step, {std::max(front - lag, allowed.begin), std::min(front - lag + band_rows_, allowed.end)});
+    }
+    em_step_.finish(progress_);
+    const int lag = whole_ ? 0 : steps_ - 1;
+    const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
+    for (int row = done.begin; row < done.end; row += handed_rows_) {
+      const int count = std::min(handed_rows_, done.end - row);
+      finished({row, count, refines() ? &windows_.refined : &windows_.lobes,
+                has_features() ? &windows_.features : nullptr, reads_map_rows() ? &windows_.map->normals : nullptr,
+                fit_, &windows_.lobes});
+    }
+    if (whole_) break;
+  }
+}
+
+// The rows that step `step` must fit so that the last step's rows are right: those, and as many more as steps follow.
+LevelFit::RowRange LevelFit::rows_of_step(int step) const {
+  if (inputs_.range != nullptr) return wanted_;  // what lies outside stays as it is
+  if (whole_) return {0, fit_.height};
+  const int more = steps_ - 1 - step;
+  return {std::max(wanted_.begin - more, lower_bound()), std::min(wanted_.end + more, upper_bound())};
+}
+
+void LevelFit::move_windows(RowRange rows) {
+  const int count = rows.end - rows.begin;
+  const RowStore* there = inputs_.kept != nullptr ? inputs_.kept : inputs_.start;
+  const RowWindow::Fill fill = there == nullptr ? nullptr : fill_planes(*there);
+  windows_.lobes.move_to(rows.begin, count, fill);
+  if (refines()) windows_.refined.move_to(rows.begin, count, inputs_.kept == nullptr ? nullptr : fill);
+  if (inputs_.kept == nullptr) windows_.alignment_vectors.move_to(rows.begin, count, nullptr);
+  else windows_.alignment_vectors.move_to(rows.begin, count, fill_alignment_vectors(fill));
+  if (has_features()) windows_.features.move_to(rows.begin, count, nullptr);
+  fit_.first_row = wrapped_row(rows.begin, fit_.height);
+  fit_.window_rows = windows_.lobes.capacity_rows();
+  if (inputs_.parent != nullptr) {
+    int begin = 0, end = fit_.parent_height;
+    if (!whole_) {
+      begin = parent_row_of(fit_, rows.begin) - 1;
+      end = parent_row_of(fit_, rows.end - 1) + 2;
+      if (!repeats()) {
+        begin = std::max(begin, 0);
+        end = std::min(end, fit_.parent_height);
+      }
+    }
+    windows_.parent.move_to(begin, end - begin, fill_planes(*inputs_.parent));
+    fit_.parent_first_row = wrapped_row(begin, fit_.parent_height);
+    fit_.parent_window_rows = windows_.parent.capacity_rows();
+  }
+  if (level_.method == FitMethod::kBinned) {
+    const BinnedLevel& from = *inputs_.binned;
+    windows_.binned.move_to(rows.begin, count, fill_binned(from, from.samples, binned_bytes(fit_)));
+    windows_.binned_counts.move_to(rows.begin, count, fill_planes(from.counts));
+    for (std::size_t t = 0; t < windows_.binned_planes.size(); ++t)
+      windows_.binned_planes[t].move_to(rows.begin, count, fill_binned(from, from.rgb_planes[t], binned_bytes(fit_)));
+  } else if (reads_map_rows()) {
+    const int begin = whole_ ? 0 : first_covered_row(fit_, rows.begin);
+    const int end = whole_ ? fit_.map_height : last_map_row(rows.end - 1);
+    windows_.map->move_to(begin, end - begin);
+    fit_.map_first_row = wrapped_row(begin, fit_.map_height);
+    fit_.map_window_rows = end - begin;
+  }
+}
+
+int LevelFit::last_map_row(int row) const {
+  const int end = map_rows_end(fit_, row);
+  return repeats() ? end : std::min(end, fit_.map_height);
+}
+
+// Lobes that are there before the fit: what they tell their neighbours, as movmf_em_texels.cl writes it.
+RowWindow::Fill LevelFit::fill_alignment_vectors(const RowWindow::Fill& fill_lobes) {
+  return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
+    fill_lobes(row, count, planes);
+    for (unsigned char* plane : planes) {
+      auto* lobes = reinterpret_cast<MultumVmfLobe*>(plane);
+      for (int i = 0; i < count * fit_.width; ++i) {
+        MultumVmfLobe& lobe = lobes[i];
+        if (gaussians_) {
+          lobe = {lobe.mean_x * lobe.amplitude, lobe.mean_y * lobe.amplitude, lobe.amplitude, 0.0f};
+          continue;
+        }
+        const float squared = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y + lobe.mean_z * lobe.mean_z;
+        const float scale = squared > 1e-24f ? lobe.amplitude / std::sqrt(squared) : 0.0f;
+        lobe = {lobe.mean_x * scale, lobe.mean_y * scale, lobe.mean_z * scale, lobe.amplitude * scale};
+      }
+    }
+  };
+}
+
+void LevelFit::run_step(int step, RowRange rows) {
+  if (rows.begin >= rows.end) return;
+  if (step == em_steps_) {
+    refine(rows);
+    return;
+  }
+  const int pass = step / level_.step_count;
+  MultumMovmfFit fit = fit_;
+  if (pass > 0) {
+    fit.order = MULTUM_ORDER_AGAIN;
+    fit.iteration_count = level_.refit_iterations;
+  }
+  windows_.wants_features = has_features() && step >= em_steps_ - level_.step_count;
+  em_step_.run(level_.method, fit, texels_of_step(step % level_.step_count, rows), windows_, progress_);
+}
+
+std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {
+  std::vector<int> texels = step_texels(level_, step, rows.begin, rows.end, windows_.lobes.first_row());
+  if (inputs_.range != nullptr)
+    std::erase_if(texels, [&](int texel) {
+      const int x = texel % fit_.width;
+      return x < inputs_.range->x0 || x >= inputs_.range->x1;
+    });
+  return texels;
+}
+
+// By the steps of the fit, so that no launch holds more texels than one of EM.
+void LevelFit::refine(RowRange rows) {
+  for (int step = 0; step < level_.step_count; ++step)
+    em_step_.refine(level_.method, fit_, texels_of_step(step, rows), windows_, progress_);
+}
+
+std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
+                                     const LevelInputs& inputs, const BandPlan& plan) {
+  const int height = level.fit.height, more = total_steps(level, settings) - 1;
+  const bool whole = is_whole(level, settings, plan), repeats = level.fit.periodic_y != 0 && level.fit.parent_width > 0;
+  const int band = whole ? height : plan.band_rows, handed = handed_rows(device, level, settings, inputs, band);
+  std::vector<LevelRows> ranges;
+  for (int begin = whole ? 0 : repeats ? -2 * more : -more; begin < height; begin += band)
+    for (int row = std::max(begin, 0); row < std::min(begin + band, height); row += handed)
+      ranges.push_back({row, std::min({row + handed, begin + band, height})});
+  return ranges;
+}
+
+int fit_steps(const LevelSchedule& level, const MovmfSettings& settings) { return total_steps(level, settings); }
+
+std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,
+                              const BandPlan& plan) {
+  const MultumMovmfFit& fit = level.fit;
+  const WindowRows rows = window_rows(level, settings, plan);
+  const auto product = [](int a, int b) { return static_cast<std::uint64_t>(a) * static_cast<std::uint64_t>(b); };
+  const auto lobes = static_cast<std::uint64_t>(settings.lobe_count);
+  const auto rgb_planes = static_cast<std::uint64_t>(rgb_plane_count);
+  const std::uint64_t lobe_bytes = lobes * sizeof(MultumVmfLobe),
+                      feature_bytes = rgb_planes * lobes * 3 * sizeof(float);
+  std::uint64_t texel_bytes = (is_refined(level, settings) ? 3 : 2) * lobe_bytes + feature_bytes;
+  if (level.method == FitMethod::kBinned) texel_bytes += binned_bytes(fit) * (1 + rgb_planes) + sizeof(int);
+  std::uint64_t bytes = product(fit.width, rows.level) * texel_bytes;
+  bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
+  if (level.method != FitMethod::kBinned)
+    bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + rgb_planes);
+  // A quarter of a band's texels is the largest step, of a scan line's wavefront one texel each two rows.
+  const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
+  const std::uint64_t step_texels = level.order == FitOrder::kScanline
+                                        ? static_cast<std::uint64_t>(fit.height / 2 + 1)
+                                        : product((fit.width + 1) / 2, (step_rows + 1) / 2);
+  bytes += em_step_bytes(level, settings, rgb_plane_count > 0, step_texels);
+  // Rows that are handed over: as they are fitted, and as they are stored.
+  return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
+}
+
+}  // namespace multum

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes pyramids of images from file to file: `multum mip` (colours) and `multum lod` (heights, positions). Williams
+// 1983, sections 3 and 5.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "host/bakes/pyramid/box_pyramid.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
+#include "host/formats/image/colour_map.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+struct MipJob {
+  PyramidKind kind = PyramidKind::kColour;
+  std::string input;
+  std::string output;
+  std::string report;                              // JSON; empty: none
+  ColourEncoding colours = ColourEncoding::kAuto;  // of kColour; others are data
+  WrapMode wrap_s = WrapMode::kPeriodic;
+  WrapMode wrap_t = WrapMode::kPeriodic;
+  StorageEncoding encoding = StorageEncoding::kHalf;
+  float scale = 1.0f;  // what numbers of the file are multiplied by
+  BakedWriteOptions writing;
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the image; changes no byte
+  std::string scratch_folder;                             // empty: the output's
+  int threads = 1;
+  bool force = false;
+};
+
+struct MipReport {
+  bool unchanged = false;  // the output was there already: nothing else here says anything
+  int width = 0, height = 0, level_count = 0;
+  std::string format, device, content_hash;
+  std::int64_t clamped_count = 0;                 // texels without a colour, read as 0
+  std::map<std::string, std::uint64_t> launches;  // by kernel
+  std::uint64_t limited_count = 0;                // values beyond what half floats hold
+  double read_seconds = 0.0, average_seconds = 0.0, write_seconds = 0.0;
+
+  std::string to_json() const;
+};
+
+/// Throws Error, Cancelled; leaves no partial file. Progress: reading, averaging, writing.
+MipReport bake_mip(const MipJob& job, Device& device, Progress* progress);
+
+/// Runs a pyramid over numbers from anywhere: `fill_band` puts rows of `map`'s planes into the pyramid's nodes, bands
+/// from the top; `take` gets the rows of levels. Progress: a unit a texel of the map.
+void run_box_bands(BoxPyramid& pyramid, const BoxMap& map, const std::function<void(const MultumBoxBand&)>& fill_band,
+                   const std::function<void(const BoxRows&)>& take, Progress* progress);
+
+/// Interleaves the planes' rows as a file has them.
+PyramidLevel interleaved(const BoxRows& rows, int channels);
+
+/// Runs run_box_bands() and writes rounded rows to `writer`. Returns how many values were beyond what is stored.
+std::uint64_t write_box_pyramid(BoxPyramid& pyramid, const BoxMap& map, PyramidWriter& writer, StorageEncoding encoding,
+                                const std::function<void(const MultumBoxBand&)>& fill_band, Progress* progress);
+
+/// Makes all levels of an image in memory: `planes` has map.plane_count of width * height floats, one after another.
+/// For tests, and for maps that are made and not read.
+Pyramid box_pyramid(Device& device, const BoxMap& map, const float* planes, std::uint64_t memory_bytes);
+
+/// True when `path` is such a file already: the same settings, the same source.
+bool is_pyramid_in_place(const std::string& path, const BakedProvenance& provenance);
+
+}  // namespace multum

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Windows that slide down over rows kept elsewhere: device buffers with planes of some rows each. Rows wrap: of a map
+// that repeats, a window may begin above its first row or end below its last.
+//
+//   rows kept   0 1 2 3 4 5 6 7 8 9 ...
+//   window          [2 3 4 5 6]           plane 0: 2 3 4 5 6, plane 1: 2 3 4 5 6, ...
+//   moved to            [4 5 6 7 8]       4 5 6 move up in each plane, 7 8 are read
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/bakes/pyramid/row_store.h"
+#include "host/formats/image/plane_store.h"
+#include "host/formats/opencl/device.h"
+
+namespace multum {
+
+/// `row` of a level or map of `size` rows, for any row that is at most a few sizes outside.
+inline int wrapped_row(int row, int size) { return ((row % size) + size) % size; }
+
+/// Calls body(first, count, at) for the one or more pieces of rows [first_row, first_row + row_count) that do not wrap:
+/// rows [first, first + count) of `size` lie `at` rows behind first_row.
+void for_each_piece(int first_row, int row_count, int size,
+                    const std::function<void(int first, int count, int at)>& body);
+
+/// `plane_count` planes of rows of `row_bytes` bytes each in one device buffer, a fixed number of rows a plane.
+class RowWindow {
+ public:
+  RowWindow() = default;
+  RowWindow(Device& device, int plane_count, std::size_t row_bytes, int capacity_rows, const std::string& what);
+
+  int first_row() const { return first_row_; }
+  int row_count() const { return row_count_; }
+  int capacity_rows() const { return capacity_rows_; }
+  DeviceBuffer& buffer() { return buffer_; }
+  const DeviceBuffer& buffer() const { return buffer_; }
+
+  /// Rows that were in the window stay in it; `fill(row, count, planes)`, called for some at a time, writes others:
+  /// `planes[p]` is where row `row` of plane p goes. Without `fill` they hold anything.
+  using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
+  void move_to(int first_row, int row_count, const Fill& fill);
+  /// As kept elsewhere: rows [first_row, + count), each row with its planes one after another.
+  void copy_rows(int first_row, int count, void* rows) const;
+
+ private:
+  BufferRange rows_of_plane(int plane, int first, int count) const;
+  template <typename Body>
+  void for_each_copy(int begin, int end, const Body& body) const;
+  void fill_rows(int begin, int end, const Fill& fill);
+
+  Device* device_ = nullptr;
+  int plane_count_ = 0;
+  std::size_t row_bytes_ = 0;
+  int capacity_rows_ = 0, first_row_ = 0, row_count_ = 0;
+  DeviceBuffer buffer_;
+};
+
+/// Fills windows with rows that `read` gives, of `store_rows` rows of `row_bytes`, which wrap, [plane][column] each.
+using ReadRows = std::function<void(int first_row, int row_count, void* rows)>;
+RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read);
+/// Fills windows from rows of `store`, which wrap, [plane][column] each. The store must outlive it.
+RowWindow::Fill fill_planes(const RowStore& store);
+
+/// Rows of three planes of a map, each in a buffer of its own, with MULTUM_GROUP finite values behind the last.
+class MapWindow {
+ public:
+  MapWindow(Device& device, const PlaneStore& store, int capacity_rows, const std::string& what);
+
+  int first_row() const { return planes_[0].first_row(); }
+  int row_count() const { return planes_[0].row_count(); }
+  int capacity_rows() const { return planes_[0].capacity_rows(); }
+  const DeviceBuffer& operator[](std::size_t plane) const { return planes_[plane].buffer(); }
+  const PlaneStore& store() const { return *store_; }
+  void move_to(int first_row, int row_count);
+
+ private:
+  const PlaneStore* store_;
+  std::vector<RowWindow> planes_;
+};
+
+/// The same rows of a map's normals and of its features.
+struct MapWindows {
+  MapWindow normals;
+  std::vector<MapWindow> rgb_planes;
+
+  MapWindows(Device& device, const PlaneStore& normals, const std::vector<const PlaneStore*>& rgb_planes,
+             int capacity_rows);
+  void move_to(int first_row, int row_count);
+};
+
+/// All rows, copied once for all levels, on a device with memory of its own that has room for them beside the windows
+/// of levels; else none, and windows of some rows do.
+std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
+                                        const std::vector<const PlaneStore*>& rgb_planes);
+
+}  // namespace multum

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// One map's candidates: the ways to bake it that a scene allows, what each is estimated to be off, and the choice.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/bakes/scene/lobe_errors.h"
+#include "host/bakes/scene/map_needs.h"
+#include "host/bakes/scene/map_survey.h"
+#include "host/bakes/scene/scene_plan.h"
+#include "host/bakes/target/setting_candidates.h"
+
+namespace multum {
+
+class MapPlanner {
+ public:
+  /// Surveys the map; `map`: of scene.maps, read as `source`. `scene` must outlive it. Throws Error(kInput) where the
+  /// map has not a weight for each material.
+  MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
+             const PlanSettings& settings);
+
+  /// The cheapest candidate within the limit; rows of the table are left out, and the job's settings. Once. With
+  /// a target error that no candidate is estimated to reach, the nearest; throws Error(kVerification) where that is far
+  /// from it.
+  MapPlan plan();
+
+  const MapNeeds& needs() const { return needs_; }
+  const MapSurvey& survey() const { return survey_; }
+  LobeErrors& errors() { return *errors_; }
+  /// What part of the lobes is sharper than 16 bits keep; unset where nothing that is seen asks.
+  std::optional<double> share_unrepresentable(int lobe_count);
+
+ private:
+  void check_weights() const;
+  BakeShape shape(Representation representation, int lobes) const;
+  StorageEncoding lobe_encoding(int lobes);
+  template <typename Error>
+  PartErrors part_errors(const Error& error, ColourModel colours) const;
+  PartErrors lobes_error(int lobes, ColourModel colours);
+  void add_default();
+  void add_constant();
+  void add_lobes(int lobes);
+  std::vector<SettingCandidate> candidates_of(Representation representation) const;
+  void add_candidates();
+  void add_averages(const SettingCandidate& one);
+  void add_gaussians();
+  void choose_nearest();
+  void choose();
+
+  const SceneDescription& scene_;
+  const SceneMap& map_;
+  std::shared_ptr<BakeSource> source_;
+  MapPlan plan_;
+  MapNeeds needs_;
+  MapSurvey survey_;
+  std::optional<LobeErrors> errors_;
+  bool has_colours_ = false;
+};
+
+}  // namespace multum

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes a plan for people, a table for each map and object, and for programs.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/bakes/scene/scene_plan.h"
+
+namespace multum {
+
+/// Lines of at most `width` characters, 60 at least.
+std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int width);
+
+/// Where a scene's files are: those of a map in `folder`, by its name.
+struct SceneFiles {
+  std::string folder;
+  std::string baked(const MapPlan& map) const { return folder + "/" + map.name + ".ndf.exr"; }
+  std::string colours(const MapPlan& map) const { return folder + "/" + map.name + ".colours.exr"; }
+  std::string plan() const { return folder + "/plan.json"; }
+  std::string report() const { return folder + "/report.json"; }
+};
+
+/// Decisions with their numbers, and how multum-view draws each object: `multum-view scene plan.json` reads it.
+/// Files are named against the folder of results.
+nlohmann::json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files);
+
+/// "1.2 s", "34 ms"; "5.3 MiB", "812 B"; "1.2 %", "14 %" of 0.14.
+std::string time_text(double ms);
+std::string bytes_text(double bytes);
+std::string percent_text(double share);
+std::string percent_number(double share);  // the same without its sign
+
+}  // namespace multum

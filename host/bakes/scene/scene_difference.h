@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures the difference between a scene's bake and the default bake: both are made of small mosaics of the map
+// (host/bakes/target/map_mosaic.h) and compared at all texels of the levels that are seen, at midpoints, and half-way
+// between levels, under the scene's lights, seen up to its tilt. The mosaics are independent samples of the map: their
+// spread is the confidence.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/bakes/scene/scene_plan.h"
+#include "host/formats/opencl/device.h"
+
+namespace multum {
+
+/// Relative L1, sum |scene's - default's| / sum default's, of diffuse light or of highlights, whichever is worse.
+struct SceneDifference {
+  double error = 0.0;       // each level weighs the same
+  double confidence = 0.0;  // half width of the 95 % interval; 0: the whole map was compared
+  int worst_level = 0;
+  double worst_error = 0.0, worst_confidence = 0.0;
+  std::string part;  // "lambert", "blinn-phong:100", "roughness"
+
+  double at_most() const { return worst_error + worst_confidence; }
+};
+
+/// One of a map that is no larger than a mosaic.
+std::vector<BakeSource> difference_mosaics(const BakeSource& source);
+
+/// `map.mosaics` must be there. Throws Cancelled.
+SceneDifference measure_difference(const SceneDescription& scene, const MapPlan& map, Device& device,
+                                   Progress* progress);
+
+}  // namespace multum

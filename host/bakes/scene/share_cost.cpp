@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bakes/scene/share_cost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "host/bakes/movmf/mip_schedule.h"
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+// Processor time in nanoseconds a finest texel, by eye: the sums are those of a map of 16384 x 16384 texels
+// (CHANGELOG), how they divide among levels, lobes and stages is from maps of 1024 and 2048 (tools/share_constants.py
+// prints them beside what is predicted). 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, other programs beside. What
+// shares take beside a bake is from docs/SHARES.md, measured on an AMD EPYC without AVX-512.
+constexpr double kReadCpu = 60.0;          // and decode, hash, detect the encoding
+constexpr double kStoreRows = 8.0;         // the map's rows into share 0's file
+constexpr double kFitLevelOneCpu = 40.0;   // level 1
+constexpr double kFitLobeOneCpu = 22.0;    // and more a lobe
+constexpr double kFitFineCpu = 15.0;       // each of levels 2 to 5
+constexpr double kFitLobeFineCpu = 7.5;    // and more a lobe
+constexpr double kFitCoarseCpu = 100.0;    // all coarser levels together
+constexpr double kColourFactorCpu = 0.6;   // more of the fit, a triple of features
+constexpr double kBandRows = 12.0;         // rows of the map and of lobes, from and to a share, of what a band covers
+constexpr double kMergeMap = 6.0;          // the map's hash, its rows in share 0's file
+constexpr double kMergeRows = 12.0;        // rows of lobes of all shares
+constexpr double kWriteTextureCpu = 30.0;  // a texture and texel that is stored
+constexpr double kMeasureLambertCpu = 10.0;
+constexpr double kMeasureExponentCpu = 30.0;
+// In seconds: a process, its programs and buffers; the search for a start; what is measured of every level, however
+// small.
+constexpr double kFixedCpu = 0.1;
+constexpr double kFixedStart = 0.85;
+constexpr double kFixedWrite = 0.25;
+constexpr double kFixedMeasure = 0.15;  // Lambert, and each exponent
+
+constexpr int kFinestBinned = 6;
+constexpr double kShareCountMax = 1000.0;  // as many tasks as an array of Slurm's has by default
+constexpr double kProcessors = 1.6;        // that a bake of averages keeps busy, of 2
+
+int rgb_planes(const BakeShape& s) { return (s.has_colours ? 1 : 0) + (s.weight_count + 2) / 3; }
+
+double texels_of(const BakeShape& s) { return static_cast<double>(s.width) * s.height; }
+
+// Of a level, in nanoseconds a finest texel.
+double level_ns(const BakeShape& s, int level) {
+  const auto lobes = static_cast<double>(s.lobe_count);
+  const double ns = level == 1               ? kFitLevelOneCpu + kFitLobeOneCpu * lobes
+                    : level < kFinestBinned  ? kFitFineCpu + kFitLobeFineCpu * lobes
+                    : level == kFinestBinned ? kFitCoarseCpu
+                                             : 0.0;
+  return ns * (1.0 + kColourFactorCpu * rgb_planes(s));
+}
+
+double read_ns(const BakeShape& s) {
+  return kReadCpu * (1.0 + (s.has_colours ? 1.0 : 0.0) + (s.weight_count > 0 ? 1.0 : 0.0));
+}
+
+double fixed_measure(const BakeShape& s) {
+  return kFixedMeasure * (s.exponent_count > 0 ? 1 + s.exponent_count : 0) * (s.has_colours ? 2.0 : 1.0);
+}
+
+double write_ns(const BakeShape& s) {
+  double stored = 0.0;
+  for (int l = s.first_level; l < s.first_level + 12; ++l) stored += std::ldexp(1.0, -2 * l);
+  return stored * texture_count(s) * kWriteTextureCpu +
+         (kMeasureLambertCpu + kMeasureExponentCpu * s.exponent_count) * (s.has_colours ? 2.0 : 1.0);
+}
+
+}  // namespace
+
+double ShareCost::total_seconds() const {
+  return std::accumulate(band_seconds.begin(), band_seconds.end(), coarse_seconds + merge_seconds);
+}
+
+double ShareCost::band_seconds_max() const {
+  return band_seconds.empty() ? 0.0 : *std::max_element(band_seconds.begin(), band_seconds.end());
+}
+
+double bake_processor_seconds(const BakeShape& s) {
+  const bool is_fitted = holds_lobes(s.representation) && s.lobe_count > 1;
+  if (!is_fitted) return kProcessors * bake_cost(s).ms / 1e3;
+  double ns = read_ns(s) + write_ns(s);
+  for (int level = std::max(1, s.first_level); level <= kFinestBinned; ++level) ns += level_ns(s, level);
+  return kFixedCpu + kFixedStart + kFixedWrite + fixed_measure(s) + 1e-9 * ns * texels_of(s);
+}
+
+ShareCost share_cost(const BakeShape& s, const MovmfSettings& settings, int count) {
+  const MipSchedule schedule = make_mip_schedule(s.width, s.height, settings);
+  ShareCost cost;
+  cost.coarse_from = plan_shard(schedule, settings, {0, count}).coarse_from;
+  double coarse_ns = read_ns(s) + kStoreRows * (1.0 + rgb_planes(s));
+  for (int level = cost.coarse_from; level <= std::max(cost.coarse_from, kFinestBinned); ++level)
+    coarse_ns += level_ns(s, level);
+  cost.coarse_seconds = kFixedCpu + kFixedStart + 1e-9 * coarse_ns * texels_of(s);
+  for (int index = 1; index <= count; ++index) {
+    const ShardPlan plan = plan_shard(schedule, settings, {index, count});
+    const LevelRows read = map_rows(plan, schedule, settings);
+    double ns = kBandRows * (1.0 + rgb_planes(s)) * (read.end - read.begin) / s.height;
+    for (const LevelSchedule& level : schedule.levels)
+      if (const auto fitted = plan.fitted.find(level.level); fitted != plan.fitted.end())
+        ns += level_ns(s, level.level) * (fitted->second.end - fitted->second.begin) / level.fit.height;
+    cost.band_seconds.push_back(kFixedCpu + 1e-9 * ns * texels_of(s));
+  }
+  cost.merge_seconds = kFixedCpu + kFixedWrite + fixed_measure(s) +
+                       1e-9 * ((kMergeMap + kMergeRows) * (1.0 + rgb_planes(s)) + write_ns(s)) * texels_of(s);
+  return cost;
+}
+
+int share_count_of(const BakeShape& shape, const MovmfSettings& settings, double share_seconds) {
+  const bool is_divided = holds_lobes(shape.representation) && shape.lobe_count > 1 && !settings.refine;
+  const double whole = bake_processor_seconds(shape);
+  if (!is_divided || share_seconds <= 0.0 || whole <= share_seconds) return 0;
+  for (int count = static_cast<int>(std::clamp(std::ceil(whole / share_seconds), 2.0, kShareCountMax)); count >= 2;
+       --count) {
+    try {
+      share_cost(shape, settings, count);
+      return count;
+    } catch (const Error&) {  // too many for this map
+    }
+  }
+  return 0;
+}
+
+}  // namespace multum

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/delivery/export/export_job.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/delivery/export/engine_support.h"
+#include "host/delivery/export/export_key.h"
+#include "host/delivery/export/export_source.h"
+#include "host/delivery/export/fit_journal.h"
+#include "host/formats/asset/baked_file.h"
+#include "host/formats/opencl/device_counts.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/files/work_folder.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/messages/option_words.h"
+#include "host/foundation/base/path_text.h"
+#include "host/foundation/base/stopwatch.h"
+
+namespace multum {
+namespace {
+
+MaterialFolderSettings output_of(const ExportJob& job) {
+  const ExportPlace name = export_place(job.output);
+  if (name.format && job.format && *name.format != *job.format)
+    throw Error(ErrorCode::kUsage, job.output + ": --format names another kind of file than the output's name does");
+  MaterialFolderSettings settings;
+  settings.folder = name.folder;
+  settings.name_prefix = name.stem.empty() ? "" : name.stem + "_";
+  settings.format = name.format.value_or(job.format.value_or(MaterialFormat::kPng));
+  settings.texels =
+      job.texels.value_or(settings.format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8);
+  if (!can_store(settings.format, settings.texels))
+    throw Error(ErrorCode::kUsage,
+                "--texels: PNG files are of 8 bits a channel, EXR files of half floats, and DDS files hold no UASTC; "
+                "expected a KTX2 or DDS file for any other (--format ktx2, --format dds), KTX2 for uastc");
+  if (job.zstd_level > 0 && settings.format != MaterialFormat::kKtx2)
+    throw Error(ErrorCode::kUsage, "--zstd: only KTX2 files can be compressed so (--format ktx2)");
+  settings.zstd_level = job.zstd_level;
+  settings.has_anisotropy = job.lobe.is_anisotropic;
+  settings.has_roughness_alone = job.has_roughness_alone;
+  settings.has_smoothness = job.has_smoothness;
+  settings.green_is_down = job.green_is_down;
+  return settings;
+}
+
+void check_export_job(const ExportJob& job) {
+  validate(job.lobe);
+  check_paths_differ(input_files(job), {job.report});
+  if (!job.report.empty()) check_writable(job.report);
+  std::error_code error;
+  if (!job.scratch_folder.empty() && !std::filesystem::is_directory(job.scratch_folder, error))
+    throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
+}
+
+// For what passes between this program and the encoder of UASTC, in `folder`; null: no UASTC is asked for. Refuses
+// where there is no encoder, before anything is read.
+std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::string& folder,
+                                              MaterialFolderSettings& output) {
+  if (output.texels != MaterialTexels::kUastc) return nullptr;
+  std::unique_ptr<WorkFolder> made = WorkFolder::make(job.scratch_folder.empty() ? folder : job.scratch_folder);
+  output.uastc = {"--texels", made->path(), job.encoder, job.uastc_effort, job.threads};
+  check_uastc_encoder(output.uastc);
+  return made;
+}
+
+// Shows stored rows to the measurement.
+class MeterSink : public MaterialSink {
+ public:
+  explicit MeterSink(ExportMeter& meter) : meter_(meter) {}
+  void add_level(int level, int first_row, MaterialRows rows) override { meter_.add_rows(level, first_row, rows); }
+
+ private:
+  ExportMeter& meter_;
+};
+
+// Null where the job is not to be resumed, or another process exports to the same place.
+std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
+  const ExportPlace place = export_place(job.output);
+  const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);
+  if (job.resume) {
+    nlohmann::json key = fit_key(job, [&](const std::string& file) { return source.hashes->hash(file); });
+    if (!source.map.report.tiles.empty()) key["tiles"] = source.map.report.tiles;
+    return FitJournal::open(name, json_text(key));
+  }
+  WorkFolder::drop(partial_folder_of(name));
+  return nullptr;
+}
+
+void make_files(const ExportJob& job, const ExportSource& source, const MaterialFolderSettings& output,
+                FitJournal* journal, Device& device, ExportReport& report, Progress* progress) {
+  Stopwatch stopwatch;
+  std::optional<ExportMeter> meter;
+  ExportAccuracySettings accuracy = job.accuracy;
+  accuracy.texels = output.texels;
+  if (job.measure) meter.emplace(report.width, report.height, accuracy, source.lobes.get());
+  std::optional<MeterSink> stored;
+  if (meter) stored.emplace(*meter);
+  const std::unique_ptr<MaterialWriter> writer =
+      make_material_folder(output, report.width, report.height, device, stored ? &*stored : nullptr);
+  OneLobeInputs inputs = source.inputs(job);
+  inputs.journal = journal;
+  report.plan = fit_one_lobe(device, inputs, job.lobe, *writer, progress).plan;
+  if (journal != nullptr) report.rows_resumed = journal->rows_resumed();
+  report.seconds.emplace_back("fit", stopwatch.lap());
+  if (output.texels == MaterialTexels::kUastc) {
+    progress_stage(progress, "encode");
+    writer->encode(progress);
+    report.seconds.emplace_back("encode", stopwatch.lap());
+  }
+  if (meter) {
+    report.accuracy = meter->run(inputs, job.lobe, progress);
+    report.seconds.emplace_back("measure", stopwatch.lap());
+  }
+  progress_stage(progress, "write");
+  writer->commit();
+  report.seconds.emplace_back("write", stopwatch.lap());
+}
+
+std::vector<std::string> texts_of(const std::vector<std::string>& paths) {
+  std::vector<std::string> texts;
+  for (const std::string& path : paths) texts.push_back(text_of_path(path));
+  return texts;
+}
+
+}  // namespace
+
+ExportPlace export_place(const std::string& output) {
+  const std::filesystem::path path(output);
+  const std::string extension = path.extension().string();
+  std::error_code error;
+  for (const char* other : {".png", ".exr", ".glb", ".gltf"})
+    if (extension == other)
+      throw Error(ErrorCode::kUsage,
+                  output +
+                      ": is a name of one file, expected a folder, NAME.ktx2 or NAME.dds: a material is several "
+                      "textures; --format says of which kind");
+  if ((extension != ".ktx2" && extension != ".dds") || std::filesystem::is_directory(path, error))
+    return {output, "", std::nullopt};
+  const std::string folder = path.parent_path().string();
+  return {folder.empty() ? "." : folder, path.stem().string(),
+          extension == ".dds" ? MaterialFormat::kDds : MaterialFormat::kKtx2};
+}
+
+std::string ExportReport::to_json(const ExportJob& job) const {
+  nlohmann::ordered_json json = {{"width", width},
+                                 {"height", height},
+                                 {"levels", level_count},
+                                 {"format", input.format},
+                                 {"encoding", input.encoding},
+                                 {"warnings", with_advice(input.warnings)},
+                                 {"side_warnings", side_warnings},
+                                 {"base_roughness", nullptr},
+                                 {"anisotropy", job.lobe.is_anisotropic},
+                                 {"fast", job.lobe.is_fast},
+                                 {"surface", map_surface_name(job.surface)},
+                                 {"green", job.green_is_down ? "down" : "up"},
+                                 {"rows_resumed", rows_resumed},
+                                 {"device", device},
+                                 {"files", texts_of(files)},
+                                 {"not_loaded_by", engines_failing},
+                                 {"launches", launches}};
+  if (job.roughness.empty()) json["base_roughness"] = job.lobe.base_roughness;
+  if (roughness) json["roughness"] = roughness->to_text();
+  for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
+  if (job.measure) json["accuracy"] = nlohmann::ordered_json::parse(accuracy.to_json());
+  return json_text(json, 2) + "\n";
+}
+
+ExportReport export_file(const ExportJob& job, Device& device, Progress* progress) {
+  check_export_job(job);
+  MaterialFolderSettings output = output_of(job);
+  const std::string place = existing_part(output.folder);
+  check_writable(place + "/" + (output.name_prefix.empty() ? "export" : output.name_prefix));
+  const std::unique_ptr<WorkFolder> uastc_folder = make_uastc_folder(job, place, output);
+  Stopwatch stopwatch;
+  ExportReport report;
+  progress_stage(progress, "read");
+  const ExportSource source = read_export_source(job, place, progress);
+  report.input = source.map.report;
+  if (source.material) report.roughness = source.material->roughness;
+  report.width = source.map.normals.width();
+  report.height = source.map.normals.height();
+  report.level_count = mip_level_count(report.width, report.height);
+  report.textures = texture_list(output);
+  report.files = material_files(output, report.width, report.height);
+  report.engines_failing = engines_that_fail(output.format, output.texels);
+  report.engine_line = engine_line(output.format, output.texels, "--texels uastc");
+  report.side_warnings = side_warnings(output, report.width, report.height);
+  for (const std::string& warning : report.side_warnings) log_warning(job.input, warning);
+  check_paths_differ(input_files(job), report.files);
+  make_folder(output.folder);
+  report.seconds.emplace_back("read", stopwatch.lap());
+
+  progress_start(progress, static_cast<std::uint64_t>(report.width) * static_cast<std::uint64_t>(report.height));
+  const DeviceCounts counts(device);
+  report.device = device.info().name;
+  const std::unique_ptr<FitJournal> journal = open_journal(job, source);
+  try {
+    make_files(job, source, output, journal.get(), device, report, progress);
+  } catch (const Cancelled&) {
+    if (journal != nullptr) journal->leave();
+    throw;
+  }
+  report.launches = counts.launches();
+  if (!job.report.empty()) write_text_file(job.report, report.to_json(job));
+  progress_finish(progress);
+  return report;
+}
+
+}  // namespace multum

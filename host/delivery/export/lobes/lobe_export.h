@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes the lobes of a baked file as a texture for GPUs, from file to file (docs/FORMAT.md, "Lobes for GPUs").
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/formats/asset/textures/lobe_texture.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+struct LobeExportJob {
+  std::string input;   // *.ndf.exr of vMF lobes
+  std::string output;  // NAME.ktx2
+  std::string report;  // JSON; empty: none
+  LobeTexels texels = LobeTexels::kBlocks;
+  int zstd_level = 0;  // 1..kZstdLevelMax; 0: not supercompressed
+  int threads = 1;
+};
+
+struct LobeExportReport {
+  LobeTextureHeader header;
+  std::uint64_t gpu_bytes = 0;      // of the texture
+  std::uint64_t default_bytes = 0;  // of all levels of the map as BC5 and a roughness as BC4
+  std::string device;
+  std::vector<std::pair<std::string, double>> seconds;  // by stage
+
+  double bytes_ratio() const { return static_cast<double>(gpu_bytes) / static_cast<double>(default_bytes); }
+  std::string to_json() const;
+};
+
+/// Throws Error, Cancelled; leaves no partial file. Holds the file's lobes in memory, 16 bytes a lobe and texel.
+/// Progress: a unit a texel of a lobe.
+LobeExportReport export_lobes(const LobeExportJob& job, Device& device, Progress* progress);
+
+}  // namespace multum

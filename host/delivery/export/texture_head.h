@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The head of a file of a texture: all before the levels' bytes, and where they go.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "host/delivery/export/texel_format.h"
+
+namespace multum {
+
+struct TextureHead {
+  std::vector<std::uint8_t> bytes;
+  std::vector<std::uint64_t> level_offsets;  // level 0 first
+};
+
+/// Little-endian numbers, one behind the other.
+class ByteList {
+ public:
+  void add(std::uint64_t value, int byte_count) {
+    for (int i = 0; i < byte_count; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  }
+  void add_text(std::string_view text) {
+    bytes.insert(bytes.end(), text.begin(), text.end());
+    bytes.push_back(0);
+  }
+  void pad_to(std::size_t multiple) {
+    while (bytes.size() % multiple != 0) bytes.push_back(0);
+  }
+  std::vector<std::uint8_t> bytes;
+};
+
+}  // namespace multum

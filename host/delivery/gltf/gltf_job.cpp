@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/delivery/gltf/gltf_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/delivery/export/engine_support.h"
+#include "host/delivery/gltf/gltf_rewrite.h"
+#include "host/delivery/gltf/source_fit.h"
+#include "host/delivery/gltf/source_lobes.h"
+#include "host/formats/mesh/gltf_document.h"
+#include "host/formats/opencl/device_counts.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/input_hashes.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/files/work_folder.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/messages/option_words.h"
+#include "host/foundation/base/path_text.h"
+#include "host/foundation/base/stopwatch.h"
+
+namespace multum {
+namespace {
+
+constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: of pixelWidth and pixelHeight
+
+// Files that the model is made of, the first the one that was named.
+std::vector<std::string> input_files(const GltfAsset& asset) {
+  std::vector<std::string> files = {asset.path};
+  for (const char* name : {"buffers", "images"})
+    for (const GltfJson& object : asset.array(name)) {
+      const std::string uri = object.value("uri", "");
+      if (uri.empty() || uri.starts_with("data:")) continue;
+      files.push_back(uri_path(asset.path, uri));
+    }
+  std::sort(files.begin() + 1, files.end());
+  files.erase(std::unique(files.begin() + 1, files.end()), files.end());
+  return files;
+}
+
+void check_gltf_job(const GltfJob& job) {
+  if (!job.output.ends_with(".glb")) throw Error(ErrorCode::kUsage, job.output + ": expected a name that ends in .glb");
+  check_paths_differ({job.input}, {job.output, job.report});
+  check_writable(job.output);
+  if (!job.report.empty()) check_writable(job.report);
+}
+
+class GltfConversion {
+ public:
+  GltfConversion(const GltfJob& job, Device& device, Progress* progress)
+      : job_(job), device_(device), counts_(device), progress_(progress) {}
+
+  GltfReport run() {
+    check_gltf_job(job_);
+    progress_stage(progress_, "read");
+    InputHashes hashes;
+    hashes.note(job_.input);
+    const GltfAsset asset = read_gltf_asset(job_.input);
+    const std::vector<std::string> inputs = input_files(asset);
+    check_paths_differ(inputs, {job_.output, job_.report});
+    for (const std::string& file : inputs) {
+      std::error_code error;
+      report_.bytes_before += std::filesystem::file_size(file, error);
+      if (error) asset.refuse(fmt::format("names {}, which cannot be read: {}", file, error.message()));
+    }
+    GltfPlan plan = plan_gltf(asset, job_.is_anisotropic);
+
+    folder_ = WorkFolder::take(partial_folder_of(job_.output));
+    if (folder_ == nullptr) throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
+    folder_->clear();
+    if (job_.format == GltfTextureFormat::kUastc && !plan.sources.empty()) check_uastc_encoder(uastc());
+    std::vector<PreparedSource> prepared;
+    for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
+    lap("read");
+    const std::vector<SourceTextures> textures = make_textures(asset, prepared);
+    report_materials(prepared, plan);
+
+    progress_stage(progress_, "write");
+    RewrittenGltf rewritten = rewrite_gltf(asset, plan, textures);
+    for (const std::string& uri : rewritten.left_outside)
+      warn(fmt::format("image {} is of no kind that glTF has: it stays a file beside the model", uri));
+    warn_of_format(plan);
+    hashes.check_unchanged(job_.input);
+    report_.bytes_after = write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);
+    lap("write");
+    report_.device = device_.info().name;
+    report_.launches = counts_.launches();
+    if (!job_.report.empty()) write_text_file(job_.report, report_.to_json(job_));
+    progress_finish(progress_);
+    return std::move(report_);
+  }
+
+ private:
+  void warn(const std::string& what) {
+    report_.warnings.push_back(what);
+    log_warning(job_.input, what);
+  }
+  void lap(const char* stage) { report_.seconds.emplace_back(stage, stopwatch_.lap()); }
+
+  UastcSettings uastc() const { return {"--format", folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
+  SourceFitSettings fit_settings() const {
+    return {.folder = folder_->path(),
+            .is_fast = job_.is_fast,
+            .surface = job_.surface,
+            .z_range = job_.z_range,
+            .two_channel = job_.two_channel,
+            .side_multiple = job_.format == GltfTextureFormat::kUastc ? kBasisSideMultiple : 1,
+            .memory_bytes = job_.memory_bytes,
+            .threads = job_.threads};
+  }
+
+  void warn_of_format(const GltfPlan& plan) {
+    if (std::none_of(plan.materials.begin(), plan.materials.end(), [](const auto& one) { return one.kept.empty(); }))
+      return;
+    if (job_.format == GltfTextureFormat::kRgba8)
+      warn(
+          "its new textures are KTX2 files that are not compressed: outside of KHR_texture_basisu, by whose name "
+          "they are loaded; " +
+          engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
+    if (job_.format == GltfTextureFormat::kPng)
+      warn(
+          "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
+          "them");
+  }
+
+  // A source that is not fitted after all leaves its materials as they are.
+  void report_materials(const std::vector<PreparedSource>& prepared, GltfPlan& plan) {
+    std::vector<int> numbers(plan.sources.size(), -1);
+    int count = 0;
+    for (std::size_t s = 0; s < prepared.size(); ++s)
+      if (prepared[s].kept.empty()) numbers[s] = count++;
+    for (MaterialPlan& material : plan.materials) {
+      if (material.kept.empty()) {
+        const PreparedSource& source = prepared[material.source];
+        material.kept = source.kept;
+        material.is_bad = source.is_bad;
+        material.notes.insert(material.notes.end(), source.notes.begin(), source.notes.end());
+      }
+      const bool is_kept = !material.kept.empty();
+      report_.materials.push_back({material.name, material.kept, is_kept ? std::vector<std::string>{} : material.notes,
+                                   is_kept ? -1 : numbers[material.source]});
+    }
+    warn_of_bad(plan);
+  }
+
+  // One bad map does not keep the others from being fitted; where there are no others, nothing would be.
+  void warn_of_bad(const GltfPlan& plan) {
+    for (const MaterialPlan& material : plan.materials) {
+      if (!material.is_bad) continue;
+      if (report_.fitted_count() == 0) refuse_file(job_.input, fmt::format("'{}': {}", material.name, material.kept));
+      warn(fmt::format("material '{}' stays as it was: {}", material.name, material.kept));
+    }
+  }
+
+  // An image that cannot be used, or that is no normal map, is a reason to keep the materials that have it.
+  std::optional<FittedSource> fit(const GltfAsset& asset, PreparedSource& source) {
+    try {
+      return fit_source(device_, asset, source, report_.textures.size(), fit_settings(), progress_);
+    } catch (const Error& error) {
+      source.kept = why_kept(asset, error);
+      source.is_bad = true;
+      return std::nullopt;
+    }
+  }
+
+  std::vector<SourceTextures> make_textures(const GltfAsset& asset, std::vector<PreparedSource>& prepared) {
+    std::uint64_t units = 0;
+    for (const PreparedSource& source : prepared)
+      if (source.kept.empty())
+        units += ((source.source.is_anisotropic ? 4u : 3u) + (job_.has_lobes ? 1u : 0u)) * source.texel_count();
+    progress_start(progress_, units);
+    std::vector<SourceTextures> made;
+    double fit_seconds = 0.0, encode_seconds = 0.0, lobe_seconds = 0.0;
+    for (PreparedSource& source : prepared) {
+      made.emplace_back();
+      if (!source.kept.empty()) continue;
+      const std::optional<FittedSource> fitted = fit(asset, source);
+      if (!fitted) continue;
+      fit_seconds += stopwatch_.lap();
+      progress_stage(progress_, "encode");
+      report_.textures.push_back({source.width, source.height, fitted->normal->level_count(), {}});
+      made.back().normal = encode(fitted->normal, source, "normal");
+      made.back().surface = encode(fitted->surface, source, "metallic_roughness");
+      if (source.source.is_anisotropic) made.back().anisotropy = encode(fitted->anisotropy, source, "anisotropy");
+      encode_seconds += stopwatch_.lap();
+      if (!job_.has_lobes) continue;
+      progress_stage(progress_, "lobes");
+      made.back().lobes =
+          encode_source_lobes(device_, asset, source, report_.textures.size() - 1, fit_settings(), progress_);
+      report_.textures.back().bytes["lobes"] = made.back().lobes->byte_count;
+      progress_advance(progress_, source.texel_count());
+      lobe_seconds += stopwatch_.lap();
+    }
+    report_.seconds.emplace_back("fit", fit_seconds);
+    report_.seconds.emplace_back("encode", encode_seconds);
+    if (job_.has_lobes) report_.seconds.emplace_back("lobes", lobe_seconds);
+    return made;
+  }
+
+  std::optional<EncodedTexture> encode(const std::unique_ptr<LevelFile>& levels, const PreparedSource& source,
+                                       const char* name) {
+    std::optional<EncodedTexture> made;
+    if (levels != nullptr) {
+      made = encode_texture(*levels, job_.format, uastc(), progress_);
+      report_.textures.back().bytes[name] = made->byte_count;
+      std::error_code ignored;
+      std::filesystem::remove(levels->path(), ignored);  // as large as the texture is in memory
+    }
+    progress_advance(progress_, source.texel_count());
+    return made;
+  }
+
+  const GltfJob& job_;
+  Device& device_;
+  const DeviceCounts counts_;
+  Progress* const progress_;
+  Stopwatch stopwatch_;
+  std::unique_ptr<WorkFolder> folder_;
+  GltfReport report_;
+};
+
+}  // namespace
+
+const char* format_name(GltfTextureFormat format) {
+  switch (format) {
+    case GltfTextureFormat::kUastc: return "uastc";
+    case GltfTextureFormat::kRgba8: return "rgba8";
+    case GltfTextureFormat::kPng: return "png";
+  }
+  return "?";
+}
+
+int GltfReport::fitted_count() const {
+  return static_cast<int>(
+      std::count_if(materials.begin(), materials.end(), [](const Material& one) { return one.kept.empty(); }));
+}
+
+std::string GltfReport::to_json(const GltfJob& job) const {
+  nlohmann::ordered_json json = {{"input", text_of_path(job.input)},
+                                 {"output", text_of_path(job.output)},
+                                 {"format", format_name(job.format)},
+                                 {"anisotropy", job.is_anisotropic},
+                                 {"lobes", job.has_lobes},
+                                 {"fast", job.is_fast},
+                                 {"surface", map_surface_name(job.surface)},
+                                 {"bytes_before", bytes_before},
+                                 {"bytes_after", bytes_after},
+                                 {"materials", nlohmann::ordered_json::array()},
+                                 {"textures", nlohmann::ordered_json::array()},
+                                 {"warnings", with_advice(warnings)},
+                                 {"device", device},
+                                 {"launches", launches}};
+  for (const Material& material : materials) {
+    nlohmann::ordered_json one = {{"name", material.name}, {"fitted", material.kept.empty()}};
+    if (!material.kept.empty()) one["kept"] = material.kept;
+    if (!material.notes.empty()) one["notes"] = material.notes;
+    if (material.textures >= 0) one["textures"] = material.textures;
+    json["materials"].push_back(std::move(one));
+  }
+  for (const Textures& one : textures)
+    json["textures"].push_back(
+        {{"width", one.width}, {"height", one.height}, {"levels", one.level_count}, {"bytes", one.bytes}});
+  for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
+  return json_text(json, 2) + "\n";
+}
+
+GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress) {
+  try {
+    return GltfConversion(job, device, progress).run();
+  } catch (const nlohmann::json::exception& error) {
+    refuse_file(job.input, std::string("is damaged: its JSON is not as glTF has it: ") + error.what());
+  }
+}
+
+}  // namespace multum

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// A model from file to file: glTF or GLB with normal maps, to a GLB whose normal and metallic-roughness textures have
+// fitted mips (docs/GLTF.md).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/delivery/gltf/texture_encoding.h"
+#include "host/formats/image/normals/normal_map.h"
+#include "host/formats/image/surface_points.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+struct GltfJob {
+  std::string input;   // *.glb or *.gltf
+  std::string output;  // *.glb
+  std::string report;  // JSON; empty: none
+  GltfTextureFormat format = GltfTextureFormat::kUastc;
+  bool is_anisotropic = false;
+  bool has_lobes = false;  // beside the fitted textures, in MULTUM_lobes
+  bool is_fast = false;
+  MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
+  std::optional<ZRange> z_range;             // of all normal maps; unset: from statistics
+  bool two_channel = false;                  // rebuild z of all normal maps
+  int uastc_effort = 1;
+  std::string encoder;                                    // UastcSettings::encoder
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and maps; changes no byte
+  int threads = 1;
+};
+
+struct GltfReport {
+  struct Material {
+    std::string name;
+    std::string kept;  // why it is as it was; empty: it has new textures
+    std::vector<std::string> notes;
+    int textures = -1;  // in `textures`
+  };
+  /// Of materials that have the same.
+  struct Textures {
+    int width = 0, height = 0, level_count = 0;
+    std::map<std::string, std::uint64_t> bytes;  // "normal", "metallic_roughness", "anisotropy", "lobes"
+  };
+  std::vector<Material> materials;
+  std::vector<Textures> textures;
+  std::vector<std::string> warnings;
+  std::uint64_t bytes_before = 0, bytes_after = 0;  // of the file, with what it names beside it
+  std::string device;
+  std::map<std::string, std::uint64_t> launches;        // by kernel
+  std::vector<std::pair<std::string, double>> seconds;  // by stage
+
+  int fitted_count() const;
+  std::string to_json(const GltfJob& job) const;
+};
+
+/// "uastc", "rgba8", "png".
+const char* format_name(GltfTextureFormat format);
+
+/// Throws Error, Cancelled; leaves no partial file. Progress: a unit a texel that is fitted, and one a texel encoded.
+GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress);
+
+}  // namespace multum

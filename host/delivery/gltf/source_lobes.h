@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bakes the lobes of a LobeSource's normal map, and encodes them as a texture for GPUs (docs/FORMAT.md, "Lobes for
+// GPUs"), which a file carries in the extension MULTUM_lobes (docs/GLTF.md).
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "host/delivery/gltf/source_fit.h"
+#include "host/delivery/gltf/texture_encoding.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+/// Of the map's own size, whatever the fitted textures have. Files are named by `number`. Cancels by `progress`, and
+/// counts nothing. Throws Error(kInput) naming the image, kEnvironment, Cancelled.
+EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
+                                   std::size_t number, const SourceFitSettings& settings, Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/delivery/look/look_page.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/delivery/export/export_job.h"
+#include "host/delivery/export/lobes/lobe_export.h"
+#include "host/delivery/look/look_files.h"
+#include "host/formats/asset/baked_file.h"
+#include "host/formats/brdf/ggx_lobe.h"
+#include "host/formats/image/normals/reading_settings.h"
+#include "host/foundation/base/base64.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/byte_file.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/files/output_paths.h"
+#include "host/foundation/base/files/work_folder.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/path_text.h"
+#include "host/foundation/html/html_page.h"
+#include "host/foundation/html/page_script.h"
+
+namespace multum {
+namespace {
+
+std::string base64_of_file(const std::string& path) { return encode_base64(bytes_of_file(path)); }
+
+// Refuses what the page cannot show of a map.
+void check_map(const LookMap& map, const BakedHeader& header, bool same_source) {
+  if (header.has_roughness)
+    refuse_file(map.input, "found roughness in its lobes, expected none: the page has one base roughness");
+  if (header.width > kLookSideMax || header.height > kLookSideMax)
+    refuse_file(map.input, fmt::format("found a map of {} x {}, expected sides of at most {}: the page holds it whole",
+                                       header.width, header.height, kLookSideMax));
+  if (map.source.empty() && header.first_level > 0)
+    refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the map by --source",
+                                       header.first_level));
+  if (map.source.empty() || header.provenance.source_hash.empty() ||
+      hash_file(map.source) == header.provenance.file_hash())
+    return;
+  const std::string found =
+      fmt::format("is not the file that {} was baked from ({})", map.input, header.provenance.source_name);
+  if (same_source) throw Error(ErrorCode::kInput, fmt::format("{}: {}, or has changed since", map.source, found));
+  log_warning(map.source, found + ": the page may compare two maps");
+}
+
+std::vector<BakedHeader> checked_headers(const LookJob& job) {
+  std::vector<BakedHeader> headers;
+  std::int64_t texels = 0;
+  for (const LookMap& map : job.maps) {
+    headers.push_back(read_baked_header(map.input));
+    check_map(map, headers.back(), job.same_source);
+    texels += std::int64_t{headers.back().width} * headers.back().height;
+  }
+  if (texels > kLookTexelsMax)
+    throw Error(ErrorCode::kInput,
+                fmt::format("found maps of {} texels together, expected at most {}, as four of {} x {} have: the page "
+                            "holds all",
+                            texels, kLookTexelsMax, kLookSideMax, kLookSideMax));
+  return headers;
+}
+
+// Texts in the order of runtime_gl/shaders/common/reflection.glsl.
+nlohmann::ordered_json shader_texts() {
+  const auto joined = [](std::initializer_list<const char*> names) {
+    std::string text;
+    for (const char* name : names) text += look_shader_files().at(name);
+    return text;
+  };
+  const std::string common = joined({"common/movmf_shading.glsl", "common/texture_filter.glsl",
+                                     "common/reflection.glsl", "brdf/cook_torrance.glsl", "brdf/ggx.glsl"});
+  return {{"oneNormal", common},
+          {"lobes", common + joined({"brdf/ggx_lobe.glsl", "surface/lobes.glsl", "surface/movmf.glsl"})},
+          {"lights", joined({"light/lights.glsl"})}};
+}
+
+std::string table_base64() {
+  std::string bytes;
+  for (const std::uint16_t half : ggx_lobe_table()) {
+    bytes.push_back(static_cast<char>(half & 0xff));
+    bytes.push_back(static_cast<char>(half >> 8));
+  }
+  return encode_base64(bytes);
+}
+
+void put_in_place(std::string& page, std::string_view mark, const std::string& text) {
+  const std::size_t at = page.find(mark);
+  MULTUM_CHECK(at != std::string::npos);
+  page.replace(at, mark.size(), text);
+}
+
+std::string look_page(const nlohmann::ordered_json& data) {
+  const auto file = [](const char* name) { return std::string(look_page_files().at(name)); };
+  std::string script;
+  for (const char* name : {"error_text.js", "next_frame.js", "matrices.js", "glb.js", "three/bc5.js"})
+    script += plain_script(look_module_files().at(name));
+  for (const char* name :
+       {"look_glb.js", "look_gltf.js", "look_textures.js", "look_gl.js", "look_error.js", "look_drops.js", "look.js"})
+    script += file(name);
+  const std::string worker = plain_script(look_module_files().at("error_text.js")) + file("look_exr.js");
+  check_script(script);
+  check_script(worker);
+  std::string page = file("look.html");
+  put_in_place(page, "/*LOOK-STYLE*/", file("look.css"));
+  put_in_place(page, "/*LOOK-WORKER*/", worker);
+  put_in_place(page, "/*LOOK-SCRIPT*/", script);
+  put_in_place(page, R"(<script type="application/json" id="look-data">{}</script>)",
+               R"(<script type="application/json" id="look-data">)" + script_json(data) + "</script>");
+  return page;
+}
+
+// Lobes and the one-lobe export, by way of files that begin with `stem`.
+nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, const LookJob& job,
+                                const std::string& stem, Device& device, Progress* progress) {
+  LobeExportJob lobes{map.input, stem + "_lobes.ktx2", ""};
+  lobes.threads = job.threads;
+  export_lobes(lobes, device, nullptr);
+  ExportJob material;
+  material.input = map.source.empty() ? map.input : map.source;
+  material.output = stem + ".ktx2";
+  material.reading = parse_reading_settings(header.provenance.settings);
+  material.reading.wrap_s = header.wrap_s;
+  material.reading.wrap_t = header.wrap_t;
+  material.lobe.base_roughness = static_cast<float>(job.base_roughness);
+  material.texels = MaterialTexels::kRg8;
+  material.has_roughness_alone = true;
+  material.measure = false;
+  material.threads = job.threads;
+  const ExportReport report = export_file(material, device, progress);
+  if (report.width != header.width || report.height != header.height)
+    refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {}, of which {} was baked", report.width,
+                                        report.height, header.width, header.height, map.input));
+  return {{"title", text_of_path(std::filesystem::path(map.input).filename().string())},
+          {"about",
+           fmt::format("{}, GGX of roughness {:.2g}", text_of_path(header.provenance.source_name), job.base_roughness)},
+          {"lobes", base64_of_file(lobes.output)},
+          {"normals", base64_of_file(stem + "_normal.ktx2")},
+          {"roughness", base64_of_file(stem + "_roughness.ktx2")}};
+}
+
+}  // namespace
+
+void write_look_page(const LookJob& job, Device& device, Progress* progress) {
+  MULTUM_CHECK(!job.maps.empty());
+  std::vector<std::string> inputs;
+  for (const LookMap& map : job.maps)
+    for (const std::string& file : {map.input, map.source})
+      if (!file.empty()) inputs.push_back(file);
+  check_paths_differ(inputs, {job.output});
+  check_writable(job.output);
+  const std::vector<BakedHeader> headers = checked_headers(job);
+  const std::unique_ptr<WorkFolder> folder = WorkFolder::take(partial_folder_of(job.output));
+  if (!folder) throw Error(ErrorCode::kEnvironment, job.output + ": is being written by another process");
+  folder->clear();
+  nlohmann::ordered_json data = {{"baseRoughness", job.base_roughness},
+                                 {"diffuse", 0.1},
+                                 {"specular", 1.0},
+                                 {"f0", 0.04},
+                                 {"shaders", shader_texts()},
+                                 {"ggxTable", table_base64()}};
+  for (std::size_t i = 0; i < job.maps.size(); ++i)
+    data["maps"].push_back(
+        map_data(job.maps[i], headers[i], job, fmt::format("{}/map{}", folder->path(), i), device, progress));
+  write_text_file(job.output, look_page(data));
+}
+
+}  // namespace multum

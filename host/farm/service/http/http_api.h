@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Answers the requests of the web interface: docs/openapi.json describes every request and answer, and the tests hold
+// both together.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/files/file_hashes.h"
+#include "host/farm/service/files/path_roots.h"
+#include "host/farm/service/http/http_server.h"
+#include "host/farm/service/http/job_pictures.h"
+#include "host/farm/service/workers/dispatcher.h"
+
+namespace multum {
+
+class HttpApi {
+ public:
+  /// `driver_command`: as DriverProbe takes it.
+  HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
+          const JobRoots& roots, std::string token, std::vector<std::string> driver_command);
+  ~HttpApi();
+  HttpApi(const HttpApi&) = delete;
+  HttpApi& operator=(const HttpApi&) = delete;
+
+  /// Checks a request before its body is read: returns a refusal to clients that may not ask, and for what is not
+  /// there.
+  std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
+  static bool is_upload(const std::string& method, const std::string& path);
+  /// "GET /v1/jobs/{}", of all that programs ask; the page is for people.
+  static std::vector<std::string> routes();
+  boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
+  /// Runs `work` on a thread that may wait for disks; rethrows what it throws.
+  boost::asio::awaitable<void> beside(std::function<void()> work);
+  /// For /metrics.
+  void set_server(const HttpServer* server);
+  bool has_token() const;
+  void set_token(std::string token);
+  JobPictures& pictures();
+
+  struct State;  // of its handlers
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace multum

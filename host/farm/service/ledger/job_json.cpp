@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/farm/service/ledger/job_json.h"
+
+#include <fmt/format.h>
+
+#include <ctime>
+
+#include "host/foundation/base/path_text.h"
+
+namespace multum {
+namespace {
+
+nlohmann::json time_or_null(const std::optional<TimeMs>& time) {
+  return time ? nlohmann::json(time_text(*time)) : nlohmann::json(nullptr);
+}
+
+template <typename Value>
+nlohmann::json or_null(const std::optional<Value>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+}
+
+}  // namespace
+
+std::string time_text(TimeMs time) {
+  const std::time_t seconds = static_cast<std::time_t>(time / 1000);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", parts.tm_year + 1900, parts.tm_mon + 1,
+                     parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, time % 1000);
+}
+
+nlohmann::json job_json(const Job& job) {
+  return {{"id", job.id},
+          {"type", job.type},
+          {"state", job_state_name(job.state)},
+          {"queue", job.queue},
+          {"priority", job.priority},
+          {"label", job.label},
+          {"parameters", nlohmann::json::parse(job.parameters)},
+          {"output", text_of_path(job.output)},
+          {"needs", job.needs},
+          {"attempt", job.attempt},
+          {"attempt_max", job.attempt_max},
+          {"memory_bytes", job.memory_bytes},
+          {"device", job.device},
+          {"created", time_text(job.created)},
+          {"not_before", time_or_null(job.not_before)},
+          {"deadline", time_or_null(job.deadline)},
+          {"started", time_or_null(job.started)},
+          {"finished", time_or_null(job.finished)},
+          {"exit_code", or_null(job.exit_code)},
+          {"message", job.message},
+          {"reused_from", or_null(job.reused_from)}};
+}
+
+std::string job_text(const Job& job) { return job_json(job).dump(); }
+
+nlohmann::json part_json(const SlurmPart& part) {
+  return {{"part", part.share},
+          {"attempt", part.attempt},
+          {"round", part.round},
+          {"batch", part.batch},
+          {"item", part.item},
+          {"state", slurm_part_state_name(part.state)},
+          {"slurm_job", or_null(part.slurm_job)},
+          {"slurm_state", ""},
+          {"node", part.node},
+          {"exit_code", or_null(part.exit_code)},
+          {"message", part.message},
+          {"progress", nullptr}};
+}
+
+nlohmann::json attempt_json(const JobAttempt& attempt) {
+  return {{"number", attempt.number},
+          {"outcome", attempt_outcome_name(attempt.outcome)},
+          {"started", time_text(attempt.started)},
+          {"ended", time_or_null(attempt.ended)},
+          {"exit_code", or_null(attempt.exit_code)},
+          {"message", attempt.message}};
+}
+
+}  // namespace multum

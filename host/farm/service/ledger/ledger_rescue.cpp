@@ -1,0 +1,416 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/farm/service/ledger/ledger_rescue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/files/data_lock.h"
+#include "host/farm/service/ledger/job_queue.h"
+#include "host/farm/service/ledger/ledger_start.h"
+#include "host/farm/service/workers/dispatcher.h"
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+using Ids = std::set<std::int64_t>;
+
+// A table whose rows are found by a number. `is_whole`: what damage would not leave of a row's columns.
+struct RescuedTable {
+  const char* name;
+  const char* number;
+  std::vector<const char*> columns;
+  const char* is_whole;
+};
+
+const RescuedTable kJobs = {
+    "jobs",
+    "id",
+    {"id",           "type",
+     "parameters",   "queue",
+     "label",        "priority",
+     "attempt_max",  "deadline",
+     "memory_bytes", "device",
+     "output",       "key",
+     "inputs",       "state",
+     "attempt",      "attempts_counted",
+     "owner",        "needs_left",
+     "created",      "not_before",
+     "started",      "finished",
+     "exit_code",    "message",
+     "reused_from",  "result_identity",
+     "stop_asked"},
+    "CASE WHEN typeof(parameters) = 'text' AND json_valid(parameters) THEN json_type(parameters) = 'object' ELSE 0 END "
+    "AND typeof(type) = 'text' AND "
+    "typeof(queue) = 'text' AND typeof(label) = 'text' AND typeof(output) = 'text' AND typeof(key) = 'text' AND "
+    "typeof(priority) = 'integer' AND attempt_max BETWEEN 1 AND 100 AND typeof(memory_bytes) = 'integer' AND state "
+    "BETWEEN 0 AND 6 AND attempt BETWEEN 0 AND 1000000000 AND typeof(attempts_counted) = 'integer' AND "
+    "typeof(needs_left) = 'integer' AND typeof(created) = 'integer' AND typeof(deadline) IN ('integer', 'null') AND "
+    "typeof(not_before) IN ('integer', 'null') AND typeof(started) IN ('integer', 'null') AND typeof(finished) IN "
+    "('integer', 'null') AND (state < 4) = (finished IS NULL)"};
+const RescuedTable kAttempts = {
+    "attempts",
+    "job",
+    {"job", "number", "owner", "outcome", "started", "ended", "exit_code", "message"},
+    "number BETWEEN 1 AND 1000000000 AND outcome BETWEEN 0 AND 6 AND typeof(owner) = 'text' AND typeof(started) = "
+    "'integer' AND typeof(ended) IN ('integer', 'null') AND typeof(message) = 'text'"};
+const RescuedTable kNeeds = {"needs", "job", {"job", "needs"}, "typeof(needs) = 'integer' AND needs < job"};
+// With a list of tables that is lent, a table's place may be another's, where two small numbers are found as well: its
+// index must have them too.
+const RescuedTable kNeedsByIndex = {
+    "needs",
+    "job",
+    {"job", "needs"},
+    "needs < job AND EXISTS (SELECT 1 FROM needs AS other INDEXED BY needs_of WHERE other.needs = needs.needs AND "
+    "other.job = needs.job)"};
+const RescuedTable kLeftOvers = {
+    "left_overs", "job", {"job", "output", "identity"}, "typeof(output) = 'text' AND typeof(identity) = 'text'"};
+
+bool is_text(const std::string& text) {
+  try {
+    (void)nlohmann::json(text).dump();  // what the web interface does with it
+    return true;
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
+// Runs `read`; false: what it reads is damaged.
+template <typename Read>
+bool reads(Read read) {
+  try {
+    read();
+    return true;
+  } catch (const SqliteError& error) {
+    if (!error.is_of_content()) throw;
+    return false;
+  }
+}
+
+class Rescue {
+ public:
+  Rescue(SqliteDatabase& old, SqliteDatabase& ledger, std::int64_t highest)
+      : old_(old), ledger_(ledger), highest_(highest) {}
+
+  std::vector<RescueReport::Table> run(bool is_list_lent) {
+    SqliteTransaction transaction(ledger_);
+    reads([&] {
+      SqliteStatement last(old_, "SELECT seq FROM sqlite_sequence WHERE name = 'jobs'");
+      if (last.step() && last.integer(0) < kHighest) highest_ = std::max(highest_, last.integer(0));
+    });
+    const Ids jobs = copy(kJobs, numbers_of(kJobs));
+    copy(kAttempts, jobs);
+    copy(is_list_lent ? kNeedsByIndex : kNeeds, jobs);
+    if (has_table("left_overs")) copy(kLeftOvers, numbers_of(kLeftOvers));
+    if (has_table("uploads")) copy_uploads();
+    make_consistent();
+    transaction.commit();
+    return std::move(tables_);
+  }
+
+  std::int64_t highest() const { return highest_; }
+  /// Was nothing seen that is damaged?
+  bool is_whole() const { return is_whole_; }
+
+ private:
+  static constexpr std::int64_t kHighest = std::int64_t{1} << 52;
+  static constexpr std::int64_t kProbesMax = 2000000;  // numbers between two readable parts: seconds
+
+  bool has_table(const char* name) {  // of version 4 on
+    bool is_there = false;
+    reads([&] {
+      SqliteStatement query(old_, "SELECT 1 FROM sqlite_master WHERE name = ?");
+      is_there = query.bind(1, name).step();
+    });
+    return is_there;
+  }
+
+  // Of all rows that may be there: from the first and from the last up to what is damaged, and all between.
+  Ids numbers_of(const RescuedTable& table) {
+    Ids numbers;
+    const auto scan = [&](const char* order) {
+      std::int64_t reached = 0;
+      const bool is_whole = reads([&] {
+        SqliteStatement rows(
+            old_, fmt::format("SELECT {0} FROM {1} WHERE {0} > 0 ORDER BY {0} {2}", table.number, table.name, order));
+        while (rows.step()) {
+          reached = rows.integer(0);
+          if (reached < kHighest) numbers.insert(reached);
+        }
+      });
+      return std::pair(is_whole, reached);
+    };
+    const auto [is_whole, first_reached] = scan("ASC");
+    if (is_whole) return numbers;
+    is_whole_ = false;
+    const std::int64_t last_reached = scan("DESC").second;
+    const std::int64_t end = last_reached > 0 ? last_reached : highest_ + 1;
+    for (std::int64_t id = first_reached + 1; id < std::min(end, first_reached + kProbesMax); ++id) numbers.insert(id);
+    return numbers;
+  }
+
+  // Rows of these numbers; returns those that were saved.
+  Ids copy(const RescuedTable& table, const Ids& numbers) {
+    RescueReport::Table& report = tables_.emplace_back();
+    report.name = table.name;
+    std::string names, marks;
+    for (const char* column : table.columns) {
+      names += (names.empty() ? "" : ", ") + std::string(column);
+      marks += marks.empty() ? "?" : ", ?";
+    }
+    Ids saved;
+    const bool is_known = reads([&] {
+      SqliteStatement rows(
+          old_, fmt::format("SELECT {}, ({}) FROM {} WHERE {} = ?", names, table.is_whole, table.name, table.number));
+      SqliteStatement insert(ledger_,
+                             fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})", table.name, names, marks));
+      for (const std::int64_t number : numbers) {
+        const bool is_read = reads([&] {
+          rows.reset();
+          rows.bind(1, number);
+          while (rows.step()) {
+            const bool is_saved = copy_row(table, rows, insert);
+            ++(is_saved ? report.saved : report.damaged);
+            if (is_saved) saved.insert(number);
+          }
+        });
+        if (!is_read) ++report.damaged;
+      }
+    });
+    is_whole_ = is_whole_ && is_known && report.damaged == 0;
+    return saved;
+  }
+
+  // False: it is damaged, or holds what the ledger does not take.
+  static bool copy_row(const RescuedTable& table, const SqliteStatement& row, SqliteStatement& insert) {
+    if (row.integer(static_cast<int>(table.columns.size())) != 1) return false;
+    bool is_inserted = false;
+    const bool is_taken = reads([&] {
+      insert.reset();
+      for (int c = 0; c < static_cast<int>(table.columns.size()); ++c) {
+        // A message may quote a name that is no UTF-8, as earlier versions noted it.
+        const bool is_message = table.columns[static_cast<std::size_t>(c)] == std::string_view("message");
+        if (row.is_text(c) && !is_message && !is_text(row.text(c))) return;
+        if (row.is_text(c)) insert.bind(c + 1, row.text(c));
+        else insert.bind(c + 1, row, c);
+      }
+      is_inserted = insert.run() > 0;
+    });
+    return is_taken && is_inserted;
+  }
+
+  void copy_uploads() {
+    RescueReport::Table& report = tables_.emplace_back();
+    report.name = "uploads";
+    for (const char* order : {"ASC", "DESC"}) {
+      const bool is_whole = reads([&] {
+        SqliteStatement rows(old_, fmt::format("SELECT path FROM uploads ORDER BY path {}", order));
+        SqliteStatement insert(ledger_, "INSERT OR IGNORE INTO uploads (path) VALUES (?)");
+        while (rows.step()) {
+          const std::string path = rows.text(0);
+          if (!rows.is_text(0) || !is_text(path)) ++report.damaged;
+          else report.saved += insert.bind(1, path).run();
+        }
+      });
+      if (is_whole) return;
+      is_whole_ = false;
+    }
+    ++report.damaged;
+  }
+
+  // What a ledger that was never damaged holds to.
+  void make_consistent() {
+    ledger_.execute(
+        "UPDATE jobs SET attempt = MAX(attempt, IFNULL((SELECT MAX(number) FROM attempts WHERE job = id), 0))");
+    SqliteStatement lost_needs(
+        ledger_,
+        "UPDATE jobs SET state = 5, finished = ?, message = 'what it needs was lost with a damaged ledger' WHERE state "
+        "= 0 AND needs_left > (SELECT COUNT(*) FROM needs LEFT JOIN jobs AS other ON other.id = needs.needs WHERE "
+        "needs.job = jobs.id AND other.state IS NOT 4)");
+    lost_needs.bind(1, wall_clock_ms()).run();
+    SqliteStatement last(ledger_, "SELECT IFNULL(MAX(id), 0) FROM jobs");
+    last.step();
+    highest_ = std::max(highest_, last.integer(0));
+    last.reset();
+    // What it does not know of below was lost, not purged.
+    ledger_.execute(fmt::format("INSERT OR REPLACE INTO meta (name, value) VALUES ('first_number', {})", highest_ + 1));
+  }
+
+  SqliteDatabase& old_;
+  SqliteDatabase& ledger_;
+  std::int64_t highest_;  // that a job may have
+  std::vector<RescueReport::Table> tables_;
+  bool is_whole_ = true;
+};
+
+void remove_database(const std::string& path) {
+  std::error_code ignored;
+  for (const char* part : {"", "-wal", "-shm", "-journal"}) fs::remove(path + part, ignored);
+}
+
+void copy_database(const std::string& from, const std::string& to) {
+  remove_database(to);
+  for (const char* part : {"", "-wal"}) {
+    std::error_code error;
+    if (*part != '\0' && !fs::exists(from + part, error)) continue;
+    fs::copy_file(from + part, to + part, error);
+    if (error)
+      throw Error(ErrorCode::kEnvironment,
+                  fmt::format("{}{}: cannot be copied to {}{}: {}", from, part, to, part, error.message()));
+  }
+}
+
+// Removes what a rescue makes on its way, however it ends.
+struct Scaffold {
+  std::string copy, fresh;
+  ~Scaffold() {
+    remove_database(copy);
+    remove_database(fresh);
+  }
+};
+
+bool has_tables(const std::string& path) {
+  return reads([&] {
+    SqliteDatabase database(path);
+    for (const RescuedTable* table : {&kJobs, &kAttempts, &kNeeds})
+      SqliteStatement(database, fmt::format("SELECT {} FROM {}", table->number, table->name));
+  });
+}
+
+constexpr std::size_t kPageBytes = 4096;
+using Page = std::array<char, kPageBytes>;
+
+std::uint32_t big_endian(const Page& page, std::size_t at, std::size_t bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < bytes; ++i) value = value << 8 | static_cast<unsigned char>(page[at + i]);
+  return value;
+}
+
+void set_big_endian(Page& page, std::size_t at, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) page[at + i] = static_cast<char>(value >> (24 - 8 * i));
+}
+
+// The list of tables of a new ledger: page 1, and those below it when it has them (sqlite.org/fileformat2.html):
+//   28 pages of the file | 32 first free page | 36 count of these | 100 kind: 5 has pages below it | 103 count of cells
+//   | 108 last page below | 112 where each cell begins: with the number of a page below
+void lend_table_list(const std::string& from, const std::string& to) {
+  std::ifstream in(from, std::ios::binary);
+  std::fstream out(to, std::ios::binary | std::ios::in | std::ios::out);
+  const auto page_number = [](std::uint32_t number) { return static_cast<std::streamoff>((number - 1) * kPageBytes); };
+  const auto read = [&](std::uint32_t number) {
+    Page page{};
+    in.seekg(page_number(number)).read(page.data(), kPageBytes);
+    return page;
+  };
+  Page first = read(1);
+  std::vector<std::uint32_t> below;
+  if (first[100] == 5) {
+    for (std::uint32_t i = 0; i < big_endian(first, 103, 2); ++i)
+      below.push_back(big_endian(first, big_endian(first, 112 + 2 * i, 2), 4));
+    below.push_back(big_endian(first, 108, 4));
+  }
+  for (const std::uint32_t number : below) out.seekp(page_number(number)).write(read(number).data(), kPageBytes);
+  set_big_endian(first, 28, static_cast<std::uint32_t>(fs::file_size(to) / kPageBytes));
+  set_big_endian(first, 32, 0);
+  set_big_endian(first, 36, 0);
+  out.seekp(0).write(first.data(), kPageBytes);
+  if (!in || !out.flush()) throw Error(ErrorCode::kEnvironment, to + ": cannot be written");
+}
+
+std::string free_name(const std::string& path) {
+  for (int number = 1;; ++number)
+    if (std::string name = fmt::format("{}.damaged-{}", path, number); !fs::exists(name)) return name;
+}
+
+}  // namespace
+
+namespace {
+
+struct Rescued {
+  std::vector<RescueReport::Table> tables;
+  bool is_whole = false;
+  std::int64_t jobs() const { return tables.empty() ? 0 : tables.front().saved; }
+};
+
+// From `copy` into a new ledger, `settings.path`.
+Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, const std::string& data,
+                    bool is_list_lent) {
+  remove_database(settings.path);
+  { const JobQueue made(settings); }
+  Rescued rescued;
+  if (is_list_lent) lend_table_list(settings.path, copy);
+  JobQueue ledger(settings);
+  reads([&] {
+    SqliteDatabase old(copy);
+    old.execute("PRAGMA cell_size_check = ON");
+    Rescue rescue(old, ledger.database(), DataFolder(data, 0).highest_number());
+    rescued.tables = rescue.run(is_list_lent);
+    rescued.is_whole = rescue.is_whole() && !is_list_lent;
+    ledger.number_above(rescue.highest());
+  });
+  return rescued;
+}
+
+// The old one gets another name, the new one its.
+std::string take_place(const std::string& path, const std::string& fresh) {
+  const std::string kept = free_name(path);
+  std::error_code error;
+  if (fs::exists(fresh + "-wal", error))  // what is in it would be lost
+    throw Error(ErrorCode::kEnvironment, fresh + ": cannot be finished; is the disk full?");
+  fs::rename(path, kept, error);
+  if (error)
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be kept as {}: {}", path, kept, error.message()));
+  if (fs::exists(path + "-wal", error)) fs::rename(path + "-wal", kept + "-wal", error);
+  if (!error) fs::rename(fresh, path, error);
+  if (!error) return kept;
+  const std::string why = error.message();
+  if (fs::exists(kept + "-wal", error)) fs::rename(kept + "-wal", path + "-wal", error);
+  fs::rename(kept, path, error);
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: the rescued ledger cannot take its place: {}", path, why));
+}
+
+}  // namespace
+
+RescueReport rescue_ledger(const std::string& data) {
+  const std::string path = data + "/jobs.sqlite";
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
+  const std::unique_ptr<DataLock> lock = DataLock::take(data);
+  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is at work there; end it first");
+  if (fs::file_size(path, error) == 0 && !fs::exists(path + "-wal", error))
+    throw Error(ErrorCode::kInput, path +
+                                       ": is empty, so that there is nothing to rescue; move it away, and start once "
+                                       "with 'multum serve --new-ledger'");
+  // On a copy: to look at a database is to write to it.
+  const Scaffold scaffold{path + ".copy", path + ".rescued"};
+  LedgerSettings settings;
+  settings.path = scaffold.fresh;
+  settings.instance = read_instance(data);
+  Rescued rescued;
+  copy_database(path, scaffold.copy);
+  if (has_tables(scaffold.copy)) rescued = rescue_copy(settings, scaffold.copy, data, false);
+  if (rescued.jobs() == 0 && !rescued.is_whole) {
+    copy_database(path, scaffold.copy);
+    rescued = rescue_copy(settings, scaffold.copy, data, true);
+  }
+  if (rescued.jobs() == 0 && !rescued.is_whole)
+    throw Error(ErrorCode::kInput,
+                path +
+                    ": no job can be read of it, and all is left as it was; put a backup in its place, or move it "
+                    "away and start once with 'multum serve --new-ledger'");
+  RescueReport report;
+  report.tables = std::move(rescued.tables);
+  report.kept = take_place(path, scaffold.fresh);
+  return report;
+}
+
+}  // namespace multum

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/farm/service/ledger/queue_thread.h"
+
+#include <chrono>
+#include <future>
+#include <new>
+#include <thread>
+
+#include "host/farm/service/files/no_space.h"
+#include "host/farm/service/service_log.h"
+
+namespace multum {
+namespace {
+
+// Tasks that share a commit. More would make the first of them wait long for the last.
+constexpr std::size_t kBatchMax = 256;
+
+// There is no memory for now: whoever waits for what was done is told when there is some again.
+template <typename Work>
+void until_it_can(const Work& work) {
+  for (;;) {
+    try {
+      return work();
+    } catch (const std::bad_alloc&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  }
+}
+
+bool says_no_space(const std::exception_ptr& error) {
+  try {
+    if (error) std::rethrow_exception(error);
+  } catch (const NoSpaceError&) {
+    return true;
+  } catch (...) {
+  }
+  return false;
+}
+
+}  // namespace
+
+QueueThread::QueueThread(const LedgerSettings& settings, Post post)
+    : queue_(settings), post_(std::move(post)), thread_([this] { loop(); }) {}
+
+QueueThread::~QueueThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void QueueThread::add(Task task) {
+  {
+    const std::lock_guard lock(mutex_);
+    tasks_.push_back(std::move(task));
+  }
+  wake_.notify_one();
+}
+
+void QueueThread::run(Work work, Done done) { add({std::move(work), std::move(done), nullptr, false}); }
+
+void QueueThread::run_now(const Work& work) {
+  std::promise<std::exception_ptr> ended;
+  // Not by `post`: the caller's thread is this one, which waits. And not before the commit, which may fail.
+  add({work, [&](const std::exception_ptr& error) { ended.set_value(error); }, nullptr, true});
+  if (const std::exception_ptr error = ended.get_future().get()) std::rethrow_exception(error);
+}
+
+std::size_t QueueThread::pending() const {
+  const std::lock_guard lock(mutex_);
+  return tasks_.size();
+}
+
+void QueueThread::loop() {
+  for (;;) {
+    std::vector<Task> batch;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, [&] { return is_ending_ || !tasks_.empty(); });
+      if (tasks_.empty()) return;
+      if (tasks_.size() <= kBatchMax) {
+        batch.swap(tasks_);
+      } else {
+        until_it_can([&] { batch.reserve(kBatchMax); });
+        const auto end = tasks_.begin() + kBatchMax;
+        batch.assign(std::make_move_iterator(tasks_.begin()), std::make_move_iterator(end));
+        tasks_.erase(tasks_.begin(), end);
+      }
+    }
+    if (!run_batch(batch) && batch.size() > 1) {
+      // On a full disk one that writes takes all down with it: each by itself, those that only look come through.
+      for (Task& task : batch) {
+        task.error = nullptr;
+        std::vector<Task> alone;
+        until_it_can([&] { alone.reserve(1); });
+        alone.push_back(std::move(task));
+        run_batch(alone);
+        task = std::move(alone.front());
+      }
+    }
+    // Each by itself: what else that thread has to do comes in between.
+    for (Task& task : batch) {
+      if (!task.done) continue;
+      if (task.is_waited_for) task.done(task.error);
+      else until_it_can([&] { post_([done = task.done, error = task.error] { done(error); }); });
+    }
+  }
+}
+
+// At a batch's begin and before its commit: what is written to a file that nobody will find again must not be promised.
+void QueueThread::look_for_loss() {
+  if (is_lost_) return;
+  const std::string what = queue_.database().displaced();
+  if (what.empty()) return;
+  const std::string why = "the ledger is lost: " + what +
+                          "; nothing is accepted or noted until it is put back and the service started again";
+  queue_.database().look_only(why);
+  is_lost_ = true;
+  service_log(LogSeverity::kError, 0, "ALARM: " + why);
+}
+
+bool QueueThread::run_batch(std::vector<Task>& batch) {
+  try {
+    look_for_loss();
+    SqliteTransaction transaction(queue_.database());
+    for (Task& task : batch) {
+      try {
+        SqliteSavepoint part(queue_.database());
+        task.work(queue_);
+        part.release();
+      } catch (...) {
+        task.error = std::current_exception();
+        queue_.resync();
+      }
+    }
+    if (is_lost_) return true;  // what only looked was done
+    look_for_loss();
+    queue_.check_kept();
+    transaction.commit();
+    return true;
+  } catch (...) {  // a full disk, as a rule: nothing of the batch is done
+    bool is_no_space = says_no_space(std::current_exception());
+    for (Task& task : batch) {
+      is_no_space = is_no_space || says_no_space(task.error);
+      if (!task.error) task.error = std::current_exception();
+    }
+    if (is_no_space) queue_.database().empty_log();  // the next batch may find room in it
+    try {
+      queue_.resync();
+    } catch (...) {  // the next batch says it again
+    }
+    return false;
+  }
+}
+
+}  // namespace multum

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/farm/service/workers/job_types.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <utility>
+
+#include "host/bakes/scene/scene_file.h"
+#include "host/farm/service/files/staging.h"
+#include "host/fields/inference/job/animation_job_reading.h"
+#include "host/fields/inferred/field_files.h"
+#include "host/formats/asset/representation.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/files/udim_set.h"
+#include "host/foundation/base/nearest_name.h"
+#include "host/foundation/base/path_text.h"
+#include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/export_parameters.h"
+#include "host/foundation/parameters/infer_parameters.h"
+#include "host/foundation/parameters/pack_parameters.h"
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::json;
+using Kind = ParameterKind;
+
+constexpr std::int64_t kMiB = 1 << 20;
+constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";  // what is_plain_text() takes
+
+// A BRDF of a family: no file's name, which would be looked for beyond the folders that jobs may read.
+constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|cook-torrance|ggx):[0-9.,eE+-]{1,60})$";
+
+const ParameterTable& fault_injection_parameters() {
+  static const ParameterTable table(
+      "drill", {{.name = "seconds",
+                 .kind = Kind::kNumber,
+                 .help = "duration",
+                 .low = 0,
+                 .high = 86400,
+                 .unit = "s",
+                 .surfaces = kInService},
+                {.name = "then",
+                 .kind = Kind::kChoice,
+                 .help = "end of the job: success, an error worth trying again, one that is not, a crash, or none: "
+                         "without a heartbeat, or without progress",
+                 .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
+                 .surfaces = kInService},
+                {.name = "text", .kind = Kind::kText, .help = "text to write to the output", .surfaces = kInService}});
+  return table;
+}
+
+JobType bake_type() {
+  return {.name = "bake",
+          .summary = "bake a normal map or height field into a mipmap of normal distributions",
+          .command = "bake",
+          .input = "input",
+          .output_extension = ".ndf.exr",
+          .memory_bytes = 1024 * kMiB,
+          .table = &bake_parameters()};
+}
+
+JobType scene_type() {
+  return {.name = "scene",
+          .summary = "bake the maps of a scene, each as the scene needs it",
+          .command = "bake",
+          .input = "scene",
+          .output_is_folder = true,
+          .input_names_files = true,
+          .memory_bytes = 1024 * kMiB,
+          .table = &scene_parameters()};
+}
+
+JobType infer_type() {
+  return {.name = "infer",
+          .summary = "infer textures from ray-traced pictures",
+          .command = "infer",
+          .input = "job",
+          .output_is_folder = true,
+          .input_names_files = true,
+          .fixed_options = {"--absolute-geometry"},
+          .memory_bytes = 2048 * kMiB,
+          .table = &infer_parameters()};
+}
+
+JobType pack_type() {
+  return {.name = "pack",
+          .summary = "compress inferred textures to one file",
+          .command = "pack",
+          .input = "manifest",
+          .input_names_files = true,
+          .output_extension = ".mpt",
+          .fixed_options = {"--absolute-geometry"},
+          .memory_bytes = 2048 * kMiB,
+          .table = &pack_parameters()};
+}
+
+JobType export_type() {
+  return {.name = "export",
+          .summary = "fit a normal map's mips as a material that engines load",
+          .command = "export",
+          .input = "input",
+          .output_is_folder = true,
+          .refused_extensions = {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"},
+          .memory_bytes = 1024 * kMiB,
+          .table = &export_parameters()};
+}
+
+JobType fault_injection_type() {
+  return {.name = "drill",
+          .summary = "do nothing, or fail as asked: for trying out queues, limits and alarms",
+          .needs_output = false,
+          .table = &fault_injection_parameters()};
+}
+
+// What a job takes is less than what a command line does: no control characters, no files but those of its inputs.
+std::string expected_of_job(const Parameter& parameter) {
+  return parameter.kind == Kind::kText ? "a text of up to 1000 characters without control characters"
+                                       : expected_text(parameter);
+}
+
+std::optional<ParameterValue> value_of(const Json& json, Kind kind) {
+  if (json.is_boolean()) return json.get<bool>();
+  if (json.is_string()) return json.get<std::string>();
+  if (json.is_number_integer() && kind != Kind::kNumber) {
+    if (json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t{INT64_MAX}) return std::nullopt;
+    return json.get<std::int64_t>();
+  }
+  if (json.is_number() && kind == Kind::kNumber) return json.get<double>();
+  return std::nullopt;
+}
+
+[[noreturn]] void refuse_both(const std::string& name, const std::string& other) {
+  throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is given beside {}: expected one of them", name, other));
+}
+
+bool is_accepted(const Parameter& parameter, const Json& json) {
+  const std::optional<ParameterValue> value = value_of(json, parameter.kind);
+  if (!value || !is_legal(parameter, *value)) return false;
+  const auto* const text = std::get_if<std::string>(&*value);
+  switch (parameter.kind) {
+    case Kind::kText: return is_plain_text(*text);
+    case Kind::kBrdf: return text->size() < 100 && std::regex_match(*text, std::regex(kBrdfPattern));
+    case Kind::kFile: return !text->empty() && text->size() < 4096 && text->find('\0') == std::string::npos;
+    default: return true;
+  }
+}
+
+// As a command line has it: a file by its bytes.
+std::string argument_text(const Parameter& parameter, const Json& value) {
+  if (!value.is_string()) return value.dump();
+  const std::string text = value.get<std::string>();
+  return parameter.kind == Kind::kFile ? path_of_text(text) : text;
+}
+
+// A choice's former names are taken beside those of today, which alone are its `enum`.
+Json choice_schema(const Parameter& parameter) {
+  if (parameter.former_choices.empty()) return {{"type", "string"}, {"enum", parameter.choices}};
+  Json former = Json::array();
+  for (const auto& [name, current] : parameter.former_choices) former.push_back(name);
+  return {{"type", "string"}, {"anyOf", {{{"enum", parameter.choices}}, {{"deprecated", true}, {"enum", former}}}}};
+}
+
+Json value_schema(const Parameter& parameter) {
+  switch (parameter.kind) {
+    case Kind::kFlag: return {{"type", "boolean"}};
+    case Kind::kInteger:
+    case Kind::kBytes:
+      return {{"type", "integer"},
+              {"minimum", static_cast<std::int64_t>(parameter.low)},
+              {"maximum", static_cast<std::int64_t>(parameter.high)}};
+    case Kind::kNumber: {
+      Json schema = {{"type", "number"}};
+      if (parameter.has_low()) schema[parameter.low_excluded ? "exclusiveMinimum" : "minimum"] = parameter.low;
+      if (parameter.has_high()) schema["maximum"] = parameter.high;
+      if (parameter.zero_excluded) schema["not"] = {{"const", 0}};
+      return schema;
+    }
+    case Kind::kChoice: return choice_schema(parameter);
+    case Kind::kText: return {{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}};
+    case Kind::kBrdf: return {{"type", "string"}, {"pattern", kBrdfPattern}};
+    case Kind::kFile: return {{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}};
+  }
+  return {};
+}
+
+}  // namespace
+
+bool is_plain_text(const std::string& text) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+  // C1, U+0080 to U+009F: in UTF-8 two bytes, the first always C2. A terminal takes U+009B for ESC [.
+  const auto is_c1 = [](char first, char second) {
+    return first == '\xc2' && static_cast<unsigned char>(second) >= 0x80 && static_cast<unsigned char>(second) < 0xa0;
+  };
+  const auto begins_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };  // UTF-8
+  return std::count_if(text.begin(), text.end(), begins_character) <= 1000 &&
+         std::none_of(text.begin(), text.end(), is_control) &&
+         std::adjacent_find(text.begin(), text.end(), is_c1) == text.end();
+}
+
+std::string shortened(const Json& value) {
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+const Parameter* JobType::find(const std::string& parameter) const {
+  const Parameter* const found = table->find(parameter);
+  return found != nullptr && found->is_on(kInService) ? found : nullptr;
+}
+
+const std::vector<JobType>& job_types() {
+  static const std::vector<JobType> types = {bake_type(), scene_type(),  infer_type(),
+                                             pack_type(), export_type(), fault_injection_type()};
+  return types;
+}
+
+const JobType& find_job_type(const std::string& name) {
+  std::vector<std::string> names;
+  for (const JobType& type : job_types()) {
+    if (type.name == name) return type;
+    names.push_back(type.name);
+  }
+  throw Error(ErrorCode::kUsage, fmt::format("type is \"{}\", expected one of {}", name, fmt::join(names, ", ")));
+}
+
+void check_parameters(const JobType& type, const Json& parameters) {
+  if (!parameters.is_object()) throw Error(ErrorCode::kUsage, "parameters is not an object");
+  for (const auto& [name, value] : parameters.items()) {
+    const Parameter* parameter = type.find(name);
+    if (parameter == nullptr) {
+      const std::string nearest = nearest_name(name, type.table->names(kInService));
+      throw Error(ErrorCode::kUsage, fmt::format("unknown parameter '{}' of {}{}", name.substr(0, 60), type.name,
+                                                 nearest.empty() ? "" : " (did you mean '" + nearest + "'?)"));
+    }
+    if (!is_accepted(*parameter, value))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("parameters.{} is {}, expected {}", name, shortened(value), expected_of_job(*parameter)));
+    for (const std::string& other : parameter->all_names())
+      if (other != name && parameters.contains(other)) refuse_both(name, other);
+    for (const std::string& excluded : parameter->excludes)
+      for (const std::string& other : type.table->at(excluded).all_names())
+        if (parameters.contains(other)) refuse_both(name, other);
+  }
+  if (!type.input.empty() && !parameters.contains(type.input))
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
+}
+
+Json with_current_names(const JobType& type, const Json& parameters) {
+  Json renamed = Json::object();
+  for (const auto& [name, value] : parameters.items()) {
+    const Parameter& row = type.table->at(name);
+    renamed[row.name] = value;
+    if (row.kind == Kind::kChoice)
+      renamed[row.name] = std::get<std::string>(current_value(row, value.get<std::string>()));
+  }
+  return renamed;
+}
+
+void check_is_one_map(const JobType& type, const Json& parameters) {
+  if (type.name != "bake" && type.name != "export") return;
+  const std::string file = parameters.at(type.input).get<std::string>();
+  // Images of strangers are decoded by a child without rights, baked files by the worker itself.
+  if (type.name == "export" && file.ends_with(".ndf.exr"))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("parameters.{} is {}, expected a map, not a baked file", type.input, file));
+  if (file.ends_with(".toml"))
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("parameters.{} is {}, expected a map; a scene is baked by a job of type scene", type.input, file));
+  if (has_udim(file))
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, not a set", type.input, file));
+}
+
+Json parameters_schema(const JobType& type) {
+  Json properties = Json::object(), former = Json::object();
+  std::set<std::pair<std::string, std::string>> both;  // names that exclude one another
+  for (const Parameter& parameter : type.table->rows()) {
+    if (!parameter.is_on(kInService)) continue;
+    Json one = value_schema(parameter);
+    for (const std::string& name : parameter.former_names) former["^" + name + "$"] = one;
+    one["description"] = parameter.help;
+    if (!parameter.default_text.empty())
+      one["description"] = parameter.help + " (default: " + parameter.default_text + ")";
+    properties[parameter.name] = one;
+    for (const std::string& excluded : parameter.excludes)
+      for (const std::string& name : parameter.all_names())
+        for (const std::string& other : type.table->at(excluded).all_names()) both.insert(std::minmax(name, other));
+  }
+  Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!former.empty()) schema["patternProperties"] = former;
+  if (!type.input.empty()) schema["required"] = {type.input};
+  for (const auto& [name, other] : both) schema["not"]["anyOf"].push_back({{"required", {name, other}}});
+  return schema;
+}
+
+std::vector<std::string> job_arguments(const JobType& type, const Json& parameters, const std::string& output) {
+  std::vector<std::string> arguments = {type.command.empty() ? type.name : type.command};
+  for (const auto& [name, value] : parameters.items()) {
+    if (name == type.input) continue;
+    const std::string option = type.table->at(name).option();
+    // "--a=b": a value that begins with a dash is no option.
+    if (value.is_boolean()) {
+      if (value.get<bool>()) arguments.push_back(option);
+    } else {
+      arguments.push_back(option + "=" + argument_text(type.table->at(name), value));
+    }
+  }
+  arguments.insert(arguments.end(), type.fixed_options.begin(), type.fixed_options.end());
+  if (!output.empty()) arguments.push_back("--output=" + output);
+  if (!type.input.empty()) {
+    arguments.push_back("--");  // nor is a file's name
+    arguments.push_back(path_of_text(parameters.at(type.input).get<std::string>()));
+  }
+  return arguments;
+}
+
+std::vector<std::string> input_files(const JobType& type, const Json& parameters) {
+  std::vector<std::string> files;
+  for (const Parameter& parameter : type.table->rows())
+    if (parameter.kind == Kind::kFile && parameters.contains(parameter.name))
+      files.push_back(path_of_text(parameters.at(parameter.name).get<std::string>()));
+  if (type.input_names_files) {
+    const std::vector<std::string> named = type.command == "infer"  ? animation_job_files(files.front())
+                                           : type.command == "pack" ? inferred_field_files(files.front())
+                                                                    : scene_files(files.front());
+    files.insert(files.end(), named.begin(), named.end());
+  }
+  return files;
+}
+
+std::string input_identity(const JobType& type, const Json& parameters) {
+  if (type.input.empty()) return "";
+  Json identities = Json::array();
+  try {
+    for (const std::string& file : input_files(type, parameters))
+      identities.push_back({text_of_path(file), file_identity(file)});
+  } catch (const Error& unreadable) {
+    identities.push_back(unreadable.what());
+  }
+  return hash_text(identities.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string idempotency_key(const JobType& type, const Json& parameters, const std::vector<std::string>& file_hashes) {
+  Json without_names = parameters;
+  for (const Parameter& parameter : type.table->rows())
+    if (parameter.kind == Kind::kFile && without_names.contains(parameter.name)) without_names[parameter.name] = true;
+  // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which
+  // matters there.
+  if (type.input_names_files) without_names[type.input] = parameters.at(type.input);
+  return hash_text(
+      Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}
+          .dump());
+}
+
+}  // namespace multum

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes the coefficients of a chunk's textures on an OpenCL device (kernels/image_transform.cl): one launch a step for
+// as many textures as fit a batch.
+#pragma once
+
+#include <mutex>
+
+#include "host/fields/codec/image_transforms.h"
+#include "host/formats/opencl/device.h"
+
+namespace multum {
+
+class DeviceImageTransforms : public ImageTransforms {
+ public:
+  static constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
+
+  /// The device must outlive it. `batch_bytes`: of a buffer, at most, but for a single texture; no coefficient depends
+  /// on it.
+  explicit DeviceImageTransforms(Device& device, std::size_t batch_bytes = kBatchBytes);
+
+  /// Threads wait for one another. Throws Error(kEnvironment).
+  std::vector<PlaneCoefficients> coefficients(const CoefficientLayout& layout,
+                                              const std::vector<std::vector<float>>& textures,
+                                              const PlaneAxes& axes) override;
+
+ private:
+  struct Batch;
+  void add_batch(const CoefficientLayout& layout, const Batch& batch, std::vector<PlaneCoefficients>& all);
+  void make_planes(const CoefficientLayout& layout, const Batch& batch);
+  void transform_blocks(const CoefficientLayout& layout, int image_count);
+  void transform_levels(const CoefficientLayout& layout, int image_count);
+  void reserve(DeviceBuffer& buffer, std::size_t values);
+
+  Device& device_;
+  const std::size_t batch_bytes_;
+  std::mutex mutex_;
+  Kernel colour_planes_, dct_rows_, dct_columns_, wavelet_lift_;
+  DeviceBuffer textures_, axes_, planes_, other_, cosines_;  // `other_`: what a step writes of planes
+};
+
+}  // namespace multum

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// A job as TOML that a person may edit: every key is written, with its meaning where it comes first, and numbers with
+// the fewest digits that read back as the same number.
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/fields/inference/job/animation_job.h"
+#include "host/foundation/base/path_text.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A TOML basic string: quotes, backslashes and control characters are escaped.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+      result += c;
+    } else if (static_cast<unsigned char>(c) < 32 || c == 127) {
+      result += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string list(const std::vector<std::string>& texts) {
+  std::vector<std::string> items;
+  for (const std::string& text : texts) items.push_back(quoted(text));
+  return fmt::format("[{}]", fmt::join(items, ", "));
+}
+
+// TOML is UTF-8.
+std::string relative_path(const std::string& path, const std::string& folder) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  const fs::path base = fs::absolute(folder.empty() ? "." : folder).lexically_normal();
+  return text_of_path(whole.lexically_proximate(base).string());
+}
+
+std::string matrix_text(const glm::dmat4& m) {
+  std::string text = "[";
+  for (int row = 0; row < 4; ++row)
+    text += fmt::format("{}[{}, {}, {}, {}]", row == 0 ? "" : ", ", m[0][row], m[1][row], m[2][row], m[3][row]);
+  return text + "]";
+}
+
+std::string settings_text(const AnimationJob& job, const std::string& folder) {
+  return fmt::format(
+      "# A job of multum's texture inference; docs/ANIMATION.md describes every key. Paths are against this file.\n\n"
+      "geometry = {}  # scene file: OBJ, glTF, GLB\n"
+      "uv_set = {}  # of texture coordinates; 0 is TEXCOORD_0\n"
+      "width = {}  # of the pictures, pixels\n"
+      "height = {}\n"
+      "cryptomatte = {}  # prefix of its channels\n"
+      "depth = {}  # channel: distance along -z of camera space at the pixel's centre; empty: none\n"
+      "depth_tolerance = {}  # relative; cameras whose depths are off by more are refused\n"
+      "supersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\n"
+      "radiance_max = {}  # brighter values are clipped to it and counted\n"
+      "coverage_min = {}  # pixels that an object covers less are left out\n",
+      quoted(relative_path(job.geometry_file, folder)), job.uv_set, job.width, job.height, quoted(job.cryptomatte),
+      quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
+}
+
+// Only what differs from `defaults`; `with_comments` writes everything.
+std::string texture_text(const AnimationTexture& t, const AnimationTexture& defaults, bool with_comments) {
+  std::string text;
+  const auto line = [&](const char* key, const auto& value, bool is_default, const char* comment) {
+    if (is_default && !with_comments) return;
+    text += fmt::format("{} = {}{}{}\n", key, value, with_comments ? "  # " : "", with_comments ? comment : "");
+  };
+  line("wrap", quoted(t.wrap), t.wrap == defaults.wrap, "\"clamp\" or \"periodic\"");
+  line("stretch_max", t.stretch_max, t.stretch_max == defaults.stretch_max, "pixels that one texel may become at most");
+  line("resolution_scale", t.resolution_scale, t.resolution_scale == defaults.resolution_scale,
+       "of each side, up to 8, after the stretch has been held");
+  line("power_of_two", t.power_of_two, t.power_of_two == defaults.power_of_two, "rounds each side up");
+  line("side_max", t.side_max, t.side_max == defaults.side_max, "texels, 1 to 16384");
+  line("anisotropy", t.anisotropy, t.anisotropy == defaults.anisotropy, "1 to 16, of the sampler");
+  line("pyramid_weight", t.pyramid_weight, t.pyramid_weight == defaults.pyramid_weight,
+       "of pyramidal regularisation; 0: none");
+  line("range_weight", t.range_weight, t.range_weight == defaults.range_weight, "of range regularisation; 0: none");
+  return text;
+}
+
+std::string parameters_text(const AnimationJob& job) {
+  std::string text = "\n# The dimensions of the parameter space.\n";
+  for (const AnimationParameter& parameter : job.parameters)
+    text += fmt::format(
+        "[[parameter]]\nname = {}\ncount = {}  # samples along it\nview = {}  # moves the camera\n"
+        "block = {}  # neighbouring samples that share texture coordinates, where it moves anything; 0: all\n\n",
+        quoted(parameter.name), parameter.count, parameter.is_view, parameter.block);
+  return text;
+}
+
+std::string layers_text(const AnimationJob& job) {
+  std::string text = "# Parts of the radiance that are inferred each by itself; a layer's passes are added.\n";
+  for (const AnimationLayer& layer : job.layers)
+    text += fmt::format(
+        "[[layer]]\nname = {}\npasses = {}  # of channels PASS.R PASS.G PASS.B; \"\": R G B\n"
+        "depends_on = {}  # over other parameters one texture serves all samples\n\n",
+        quoted(layer.name), list(layer.passes), list(layer.depends_on));
+  return text;
+}
+
+std::string objects_text(const AnimationJob& job) {
+  std::string text = "# What gets textures. No layers: all of them. [object.texture] changes [texture].\n";
+  for (const AnimationObject& object : job.objects) {
+    text += fmt::format("[[object]]\nname = {}\nmesh = {}\ncryptomatte = {}\nindex = {}\nlayers = {}\n",
+                        quoted(object.name), quoted(object.mesh), quoted(object.cryptomatte), object.index,
+                        list(object.layers));
+    const std::string texture = texture_text(object.texture, {}, false);
+    if (!texture.empty()) text += "[object.texture]\n" + texture;
+    text += "\n";
+  }
+  return text;
+}
+
+std::string cameras_text(const AnimationJob& job) {
+  std::string text = "# Rows are for column vectors. Cameras look along -z; clip space is OpenGL's.\n";
+  for (const AnimationCamera& camera : job.cameras)
+    text += fmt::format("[[camera]]\nname = {}\nworld_to_camera = {}\nprojection = {}\n\n", quoted(camera.name),
+                        matrix_text(camera.world_to_camera), matrix_text(camera.projection));
+  return text;
+}
+
+std::string sample_text(const AnimationJob& job, const AnimationSample& sample, const std::string& folder) {
+  std::string text = fmt::format("[[sample]]\nat = [{}]\nname = {}\nradiance = {}\n", fmt::join(sample.at, ", "),
+                                 quoted(sample.name), quoted(relative_path(sample.radiance, folder)));
+  if (!sample.geometry.empty()) text += fmt::format("geometry = {}\n", quoted(relative_path(sample.geometry, folder)));
+  if (!sample.object_index.empty())
+    text += fmt::format("object_index = {}\n", quoted(relative_path(sample.object_index, folder)));
+  text += fmt::format("camera = {}\n", quoted(job.cameras[static_cast<std::size_t>(sample.camera)].name));
+  if (!sample.object_to_world.empty()) text += "[sample.object_to_world]\n";
+  for (const auto& [mesh, matrix] : sample.object_to_world)
+    text += fmt::format("{} = {}\n", quoted(mesh), matrix_text(matrix));
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string animation_job_text(const AnimationJob& job, const std::string& folder) {
+  std::string text = settings_text(job, folder);
+  text += "\n# How objects are textured, unless they say otherwise.\n[texture]\n" + texture_text({}, {}, true);
+  text += parameters_text(job) + layers_text(job) + objects_text(job) + cameras_text(job);
+  text += "# One for each point of the grid of parameters; at: the index along each.\n";
+  for (const AnimationSample& sample : job.samples) text += sample_text(job, sample, folder);
+  return text;
+}
+
+}  // namespace multum

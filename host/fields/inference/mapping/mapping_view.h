@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Describes one picture of an object for the steps of texture mapping (Hakura et al. 2000, section 3.4).
+#pragma once
+
+#include <glm/mat4x4.hpp>
+
+#include "host/fields/inference/mapping/item_buffer.h"
+
+namespace multum {
+
+/// One picture in which the object is seen.
+struct MappingView {
+  glm::dmat4 object_to_camera;
+  glm::dmat4 projection;
+  const ItemBuffer* items;
+  int object;  // its number in the item buffer
+};
+
+}  // namespace multum

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texture coordinates for inference (Hakura et al. 2000, section 3.4): a global affine map of an object's own texture
+// coordinates, for a block of parameter samples, that spends no texels on what is never seen and samples what is seen
+// finely enough: branch cut, least-squares isometric map (eq. 7), stretch limit, rectangle of least area, resolution.
+#pragma once
+
+#include <vector>
+
+#include "host/fields/inference/job/animation_job.h"
+#include "host/fields/inference/mapping/mapping_view.h"
+#include "host/fields/inferred/texture_mapping.h"
+#include "host/formats/mesh/object_mesh.h"
+
+namespace multum {
+
+/// Width and height 0 when the object is visible in no view. `texture` gives wrap, stretch_max, resolution_scale,
+/// power_of_two and side_max.
+TextureMapping optimise_texture_mapping(const ObjectMesh& mesh, const std::vector<MappingView>& views,
+                                        const AnimationTexture& texture);
+
+}  // namespace multum

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filter matrices of an animation, one for each pose and object: measured by multum-view, a process of its own, and
+// kept as files. A matrix that is there already for the same geometry, pose, mapping and sampler is taken as it is.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/fields/inference/pipeline/parameterized_scene.h"
+#include "host/fields/inferred/filter_matrix.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of the job][block]; width 0: not seen
+
+struct ProbeSettings {
+  std::string viewer;            // the program
+  std::string context = "auto";  // its GL
+  std::string folder;            // of the matrices
+  int threads = 0;
+  bool has_mips = true;     // false: bilinear, level 0 alone
+  int supersampling = 0;    // 0: the job's
+  double anisotropy = 0.0;  // of all objects; 0: as the job says of each
+};
+
+class AnimationProbe {
+ public:
+  AnimationProbe(const ParameterizedScene& field, ObjectMappings mappings, ProbeSettings settings);
+
+  /// Measures what is not there yet. Throws Error(kEnvironment) when the program cannot be started or crashes, with
+  /// what it said.
+  void run(Progress* progress);
+  /// The matrix of one pose; `object` is one of the job's.
+  FilterMatrix matrix(int pose, std::size_t object) const;
+  /// What says which matrix it is.
+  std::string key(int pose, std::size_t object) const;
+
+  const std::string& geometry_hash() const { return geometry_hash_; }  // SHA-256
+  const TextureMapping& mapping(std::size_t object, int block) const {
+    return mappings_[object][static_cast<std::size_t>(block)];
+  }
+  bool is_seen(std::size_t object, int block) const { return mapping(object, block).width > 0; }
+  /// Units of progress that run() counts.
+  std::uint64_t unit_count() const;
+
+  int measured = 0;  // matrices, by run()
+
+ private:
+  std::uint64_t unit_count(int pose) const;
+  std::string path(int pose, std::size_t object) const;
+  const TextureMapping& mapping_at(int pose, std::size_t object) const;
+  int supersampling() const;
+  double anisotropy(std::size_t object) const;
+  bool is_there(int pose, std::size_t object) const;
+  void measure(int pose, const std::vector<std::size_t>& objects, Progress* progress) const;
+
+  const ParameterizedScene& field_;
+  ObjectMappings mappings_;
+  ProbeSettings settings_;
+  std::string geometry_hash_;
+};
+
+}  // namespace multum

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs `multum infer`: from a job to textures (Hakura et al. 2000, section 3). For every object: texture coordinates,
+// filter matrices, and for every layer one texture for each point of the parameters that the layer depends on, inferred
+// from all samples of that point together (eq. 4). An object without a layer gets none.
+//
+// Points are solved in an order in which each is a neighbour of the one before, whose texture is the start. Textures
+// are written as soon as they are solved; one that is there already, made from the same inputs with the same settings,
+// is taken as it is: a run that was stopped goes on where it was.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host/fields/inference/pipeline/animation_probe.h"
+#include "host/fields/inference/pipeline/parameterized_scene.h"
+#include "host/fields/inference/solver/texture_inference.h"
+#include "host/fields/inferred/inferred_texture.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+struct AnimationInferSettings {
+  std::string output;            // folder
+  std::string device;            // selector of Device::open()
+  std::string viewer;            // multum-view
+  std::string context = "auto";  // its GL
+  int threads = 1;
+  bool has_absolute_geometry = false;  // the scene file's path is noted whole, not relative to the output
+  bool force = false;                  // textures that are there already are inferred again
+  std::set<std::string> damaged;       // of textures that are there, those that are not to be taken: paths
+  int hold_out = 0;                    // 2 or more: every such sample along the views is left out of layers that do not
+                                       // depend on them; 0: none
+  bool with_baseline = true;           // measure forward mapping beside
+  double gradient_tolerance = 1e-3;
+  int iteration_max = 400;
+};
+
+/// One texture, and how well it fits each sample that it serves.
+struct TextureResult {
+  std::size_t object = 0;
+  std::size_t layer = 0;
+  std::size_t point = 0;               // of those that the grid has for the layer
+  int block = 0;                       // of the grid: it says which of the object's mappings the texture has
+  std::vector<int> samples;            // of the job
+  std::vector<double> squared_errors;  // of each sample: mean over wholly covered pixels, 8-bit sRGB units
+  std::vector<double> pixel_counts;
+  std::vector<double> forward_squared_errors;  // the same of forward mapping (forward_mapping.h); empty: not asked for
+  std::vector<bool> is_held_out;               // not solved for
+  std::string file;                            // relative to the output folder; empty: the layer is black
+  bool was_there = false;
+  bool converged = true;
+  int iterations = 0;
+  std::vector<InferenceStep> history;
+};
+
+struct StageSeconds {
+  double mapping = 0.0, probing = 0.0, segmentation = 0.0, systems = 0.0, solving = 0.0, baseline = 0.0,
+         rendering = 0.0;
+};
+
+/// What was found while the pictures of one point of a layer were taken apart: of all objects together.
+struct PointReport {
+  std::size_t layer = 0, point = 0;
+  SegmentationReport segmentation;
+};
+
+/// Rows of the filter matrix of an object in a pose.
+struct MatrixRows {
+  int pose = 0;
+  std::size_t object = 0;
+  std::uint64_t rows = 0, rejected = 0;
+};
+
+struct AnimationInferResult {
+  InferredManifest manifest;
+  std::vector<TextureResult> textures;
+  std::vector<std::string> blocks;  // names of the grid's blocks
+  ObjectMappings mappings;          // of each object in each block
+  SegmentationReport segmentation;  // of all pictures together
+  StageSeconds seconds;
+  std::string renderer, device;
+  std::uint64_t rows = 0, rows_rejected = 0;
+  int matrices_measured = 0, systems_normal = 0, systems_matrix = 0;
+  int nan_depths = 0;
+  // What the sums above are of: shares of the work may have some of them in common.
+  std::vector<PointReport> points;
+  std::vector<MatrixRows> matrices;
+};
+
+struct InferencePiece;  // host/fields/inference/pipeline/inference_pieces.h
+
+/// The file of a texture, relative to the output folder.
+std::string texture_file(const AnimationJob& job, std::size_t object, std::size_t layer, const ParameterPoint& point);
+
+/// Held out are pictures of every `hold_out`-th view, where the layer has the same texture in others.
+bool is_held_out(const AnimationJob& job, int hold_out, const AnimationLayer& layer, int sample);
+
+/// The textures of some pieces; no manifest. Throws as infer_animation() does.
+AnimationInferResult infer_pieces(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                                  const ObjectMappings& mappings, const std::vector<InferencePiece>& pieces,
+                                  Progress* progress);
+
+/// Sums up the textures of all pieces, and writes their manifest.
+void finish_inference(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                      const ObjectMappings& mappings, AnimationInferResult& result);
+
+/// Throws Error, Cancelled. What is finished stays.
+AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,
+                                     Progress* progress);
+
+}  // namespace multum

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compares choices at one sample, as in figure 6 of Hakura et al. 2000: each object's layers inferred from that one
+// picture with bilinear, trilinear and anisotropic filtering, with and without pyramidal regularisation, against
+// forward mapping.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/fields/inference/pipeline/inference_pipeline.h"
+
+namespace multum {
+
+struct ComparisonRow {
+  std::string name;                    // "trilinear, regularisation 0.1"
+  std::vector<double> squared_errors;  // of each of the job's objects, all its layers added, wholly covered pixels,
+                                       // 8-bit sRGB units; negative: not seen
+};
+
+struct InferenceComparison {
+  std::string sample;
+  int supersampling = 1;             // of the rows that have any
+  std::vector<double> pixel_counts;  // of each of the job's objects
+  std::vector<ComparisonRow> rows;
+};
+
+/// With one sample a pixel, as hardware draws without antialiasing, and with the job's supersampling, where anisotropic
+/// filtering is left out: its footprints take many draws to measure. Measures the matrices that it needs in
+/// OUTPUT/comparison.
+InferenceComparison compare_inference(const ParameterizedScene& field, int sample, const ObjectMappings& mappings,
+                                      const AnimationInferSettings& settings, Progress* progress);
+
+}  // namespace multum

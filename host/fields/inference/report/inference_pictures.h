@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of the report of `multum infer`, as in figure 6 of Hakura et al. 2000: each object ray-traced, drawn
+// with its inferred textures, and the error of the two times 20; the whole frame the same; and the textures themselves.
+// Departure: the figure's errors are inverted, white for none; here black is none, as the error is a colour.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/fields/inference/report/inference_report.h"
+#include "host/formats/image/files/png_writer.h"
+
+namespace multum {
+
+struct ReportPicture {
+  std::string file;  // relative to the output folder
+  int width = 0, height = 0;
+};
+
+struct PictureRow {
+  ReportPicture ray_traced, rendered, error;
+  double squared_error = 0.0;  // of what is shown
+};
+
+struct ReportPictures {
+  bool has_frame = false;
+  PictureRow frame;
+  std::vector<PictureRow> objects;  // of each of the job's objects; width 0: it covers no pixel wholly
+  struct Texture {
+    std::size_t object, layer;
+    ReportPicture picture;  // of level 0
+  };
+  std::vector<Texture> textures;  // of the sample that is shown
+};
+
+constexpr double kErrorScale = 20.0;  // as in the paper's figure 6
+
+/// Writes OUTPUT/report/*.png for the report's sample; without frames, those of textures alone.
+ReportPictures write_report_pictures(const ParameterizedScene& field, const InferenceReport& report);
+
+struct PixelBox {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Around the pixels that are covered wholly, with a margin, inside the picture; width 0: there are none.
+PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
+
+/// Linear values of 0..1, three a pixel, as sRGB.
+Png8Image srgb_image(const std::vector<float>& rgb, int width, int height);
+/// |a - b| * kErrorScale, up to 255.
+Png8Image error_image(const Png8Image& a, const Png8Image& b);
+/// The box, with alpha: transparent where coverage is below kWholeCoverage.
+Png8Image cut_out(const Png8Image& image, const std::vector<float>& coverage, const PixelBox& box);
+
+}  // namespace multum

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// States the problem that texture inference solves (host/fields/inference/solver/texture_inference.h): views of a
+// texture, and settings.
+#pragma once
+
+#include <vector>
+
+#include "host/fields/inferred/filter_matrix.h"
+
+namespace multum {
+
+enum class InferenceForm {
+  kAuto,    // by the number of entries, as measured (texture_system.cpp)
+  kMatrix,  // products with A and its transpose, eq. (2)
+  kNormal,  // products with A^T A, eq. (3)
+};
+
+struct InferenceSettings {
+  double pyramid_weight = 0.1;       // epsilon_f, >= 0
+  double range_weight = 0.0;         // epsilon_b, >= 0
+  double gradient_tolerance = 1e-3;  // ends when the projected gradient is below this share of that at x = 0
+  double step_tolerance = 0.03;      // a Newton step ends when its gradient is below this share of its first, [0, 1)
+  int iteration_max = 400;           // of conjugate gradient, all Newton steps together
+  int newton_max = 12;               // steps
+  bool precondition = true;          // by the diagonal
+  InferenceForm form = InferenceForm::kAuto;
+};
+
+/// One picture's share of a system. The matrix must outlive the system's construction.
+struct InferenceView {
+  const FilterMatrix* matrix;
+  std::vector<float> row_weights;  // one a row of the matrix, >= 0; 0: the row is left out
+};
+
+}  // namespace multum

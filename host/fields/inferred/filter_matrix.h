@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture, one row a
+// pixel that the object covers, one column a texel of the mip pyramid. The GL runtime measures it and writes it to a
+// file; the solver reads that, and knows no GL. docs/FORMAT.md describes the file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/formats/asset/mip_layout.h"
+#include "host/foundation/base/wrap_mode.h"
+
+namespace multum {
+
+/// Circumstances of the measurement: a solution holds for this renderer and sampler alone.
+struct FilterMatrixProvenance {
+  std::string software;  // "multum-view 0.1.0"
+  std::string renderer;  // "osmesa: llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6"
+  std::string view;      // the camera's name, and of what moves
+  std::string object;
+  std::string mesh_hash;    // SHA-256 of positions, coordinates and indices as drawn
+  std::string view_matrix;  // SHA-256 of the matrices of every object as drawn
+  std::string key;          // of who asked for it: equal keys, equal matrices
+};
+
+struct FilterMatrix {
+  int width = 0, height = 0;  // of the picture, pixels
+  int supersampling = 1;      // sub-pixels along each side of a pixel, whose rows were averaged
+  int texture_width = 1, texture_height = 1;
+  WrapMode wrap_s = WrapMode::kClamp, wrap_t = WrapMode::kClamp;
+  float anisotropy = 1.0f;
+  bool has_mips = true;  // false: bilinear, level 0 alone
+  FilterMatrixProvenance provenance;
+  /// Covered pixels that are left out: weights of a sub-pixel did not sum to 1 within 1e-4, or not give what the GL
+  /// drew.
+  std::uint64_t rows_rejected = 0;
+
+  // One entry a covered pixel, by rising pixel number. A row's columns rise.
+  std::vector<std::uint32_t> pixels;     // y * width + x, row 0 at the top
+  std::vector<float> coverage;           // share of the pixel's sub-pixels, (0, 1]
+  std::vector<std::uint32_t> row_begin;  // [rows + 1], into the next two
+  std::vector<std::uint32_t> columns;    // texel number as MipLayout has it
+  std::vector<float> weights;            // each row sums to 1
+
+  std::size_t row_count() const { return pixels.size(); }
+  MipLayout layout() const { return MipLayout(texture_width, texture_height); }
+};
+
+/// Appears whole, by rename. Throws Error(kEnvironment).
+void write_filter_matrix(const FilterMatrix& matrix, const std::string& path);
+
+/// Throws Error(kInput) naming the file and what is wrong: another format or version, cut short, damaged, columns
+/// beyond the texture, weights that are not finite.
+FilterMatrix read_filter_matrix(const std::string& path);
+
+/// The key alone; empty when there is no such file, or no filter matrix in it.
+std::string filter_matrix_key(const std::string& path);
+
+/// Matrix Market coordinate format (Boisvert et al. 1996), real general, indices from 1; provenance as comments.
+void write_matrix_market(const FilterMatrix& matrix, const std::string& path);
+
+}  // namespace multum

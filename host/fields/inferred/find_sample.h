@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the point of the grid of parameters that a user names: by its indices, "3,5", or by the sample's name.
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string>
+#include <vector>
+
+#include "host/foundation/base/error.h"
+
+namespace multum {
+
+/// The number in `samples`, at least one, of that whose member `at`, or whose member `name`, is `text`. Throws
+/// Error(kUsage) saying what there is.
+template <typename Sample>
+std::size_t find_sample(const std::vector<Sample>& samples, const std::vector<std::string>& parameters,
+                        const std::string& text) {
+  const auto indices = [](const Sample& sample) { return fmt::format("{}", fmt::join(sample.at, ",")); };
+  for (std::size_t s = 0; s < samples.size(); ++s)
+    if (samples[s].name == text || indices(samples[s]) == text) return s;
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("sample '{}': expected the indices {} from {} to {}, or a sample's name, as {}", text,
+                  fmt::join(parameters, ","), indices(samples.front()), indices(samples.back()), samples.front().name));
+}
+
+}  // namespace multum

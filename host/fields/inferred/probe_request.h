@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Describes a request of the host to the GL runtime, to measure filter matrices of objects in one view: a JSON file
+// that `multum-view probe` reads (docs/FORMAT.md).
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+
+#include "host/fields/inferred/texture_mapping.h"
+
+namespace multum {
+
+struct ProbeTask {
+  std::string object;  // of the geometry file
+  TextureMapping mapping;
+  float anisotropy = 1.0f;
+  bool has_mips = true;
+  std::string output;  // the matrix's file
+  std::string key;     // of the asker's making, kept in the matrix's provenance
+};
+
+struct ProbeRequest {
+  std::string geometry_file;
+  int uv_set = 0;
+  int width = 0, height = 0;  // pixels
+  int supersampling = 1;
+  std::string view;
+  glm::dmat4 world_to_clip{1.0};
+  std::map<std::string, glm::dmat4> object_to_world;  // of objects that are not where the geometry file has them
+  std::vector<ProbeTask> tasks;
+};
+
+void write_probe_request(const ProbeRequest& request, const std::string& path);
+/// Throws Error(kInput) naming the file and what is wrong.
+ProbeRequest read_probe_request(const std::string& path);
+
+}  // namespace multum

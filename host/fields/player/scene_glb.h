@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes the objects of a scene file as binary glTF: positions, one set of texture coordinates, names and places, and
+// nothing else of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/formats/mesh/object_mesh.h"
+
+namespace multum {
+
+/// A node and a mesh for each object; texture coordinates as TEXCOORD_`uv_set`.
+std::string scene_glb(const std::vector<ObjectMesh>& objects, int uv_set);
+
+}  // namespace multum

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// By the addition theorem the coefficients of band l of one direction lie on a sphere of radius sqrt((2l+1)/4pi), so
+// that those of a mean of directions lie within it, and those of level 0 on it. With a BRDF's width in they lie within
+// it too, those of l = 1 at c = 1/2 to 1 of it.
+#include "host/formats/asset/averages/sh_verify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/formats/asset/averages/sh_file.h"
+#include "host/formats/asset/verify_scan.h"
+
+namespace multum {
+
+struct ShScan::Texels {
+  std::size_t nonfinite = 0;
+  WorstTexel strong, unlike, weight;  // how far beyond what is allowed
+};
+
+namespace {
+
+bool is_finite(const ShLevel& rows, std::size_t i) {
+  for (const auto& part : rows.parts)
+    for (int c = 0; c < 4; ++c)
+      if (!std::isfinite(part[i][c])) return false;
+  return rows.colours.empty() ||
+         (std::isfinite(rows.colours[i].x) && std::isfinite(rows.colours[i].y) && std::isfinite(rows.colours[i].z));
+}
+
+// Of (2l+1)/4pi.
+double power_of_band(const ShLevel& rows, std::size_t i, int l) {
+  double sum = 0.0;
+  for (int m = -l; m <= l; ++m) {
+    const auto g = static_cast<double>(rows.value(sh_coefficient(l, m), i));
+    sum += g * g;
+  }
+  return sum * 4.0 * M_PI / (2.0 * l + 1.0);
+}
+
+void scan_texel(const BakedHeader& header, int order, const ShLevel& rows, std::size_t i, TexelPlace place,
+                ShScan::Texels& scan) {
+  if (!is_finite(rows, i)) {
+    ++scan.nonfinite;
+    return;
+  }
+  const double tolerance = sh_power_tolerance(header.encoding);
+  scan_weights(rows.weights, i, header.weight_count, 1.0, tolerance, place, scan.weight, scan.nonfinite);
+  for (place.band = 1; place.band <= order; ++place.band) {
+    const double excess = power_of_band(rows, i, place.band) - 1.0;
+    scan.strong.offer(excess - tolerance, place);
+    if (place.level > 0 || (header.has_roughness && place.band > 1)) continue;
+    const double missing_max = header.has_roughness ? 0.75 : 0.0;  // 1 - c^2
+    scan.unlike.offer(-excess - missing_max - tolerance, place);
+  }
+}
+
+}  // namespace
+
+ShScan::ShScan(const BakedHeader& header, int order)
+    : header_(header), order_(order), texels_(std::make_unique<Texels>()) {}
+ShScan::~ShScan() = default;
+
+void ShScan::add(int level, int first_row, const ShLevel& rows) {
+  std::size_t index = 0;
+  for (int y = 0; y < rows.height; ++y)
+    for (int x = 0; x < rows.width; ++x, ++index)
+      scan_texel(header_, order_, rows, index, {level, x, first_row + y}, *texels_);
+}
+
+std::vector<VerifyFinding> ShScan::findings() const {
+  std::vector<VerifyFinding> findings = {
+      finite_finding(texels_->nonfinite, "texels that are not finite"),
+      excess_finding("power", texels_->strong, "no band is stronger than that of one direction",
+                     "a band is stronger than that of one direction"),
+      excess_finding("level 0", texels_->unlike,
+                     header_.first_level > 0 ? "not stored"
+                     : header_.has_roughness ? "each texel is the facets of one normal"
+                                             : "each texel is one direction",
+                     "a texel is not one direction: a band is weaker"),
+  };
+  if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));
+  return findings;
+}
+
+std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen) {
+  ShReader reader(path, threads, TexelCheck::kReport);
+  ShScan scan(reader.header(), reader.order());
+  return verify_by_scan(path, reader, scan, fmt::format("spherical harmonics to order {}", reader.order()), seen);
+}
+
+}  // namespace multum

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/formats/asset/baked_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "host/formats/asset/averages/moment_verify.h"
+#include "host/formats/asset/averages/sh_verify.h"
+#include "host/formats/asset/baked_reader.h"
+#include "host/formats/asset/lobes/movmf_verify.h"
+#include "host/formats/asset/pyramid/pyramid_file.h"
+
+namespace multum {
+namespace {
+
+// How files of a representation are looked at by what need not know it. A row a representation.
+struct FileKind {
+  Representation representation;
+  BakedHeader (*read_header)(const std::string& path);
+  std::vector<VerifyFinding> (*verify)(const std::string& path, int threads);
+};
+
+constexpr FileKind kFileKinds[] = {
+    {Representation::kMovmf, [](const std::string& path) { return full_header(read_movmf_header(path)); },
+     [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
+    {Representation::kGmm, [](const std::string& path) { return full_header(read_movmf_header(path)); },
+     [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
+    {Representation::kMoments, read_moment_header,
+     [](const std::string& path, int threads) { return verify_moments(path, threads); }},
+    {Representation::kSh, [](const std::string& path) { return read_sh_header(path).header; },
+     [](const std::string& path, int threads) { return verify_sh(path, threads); }},
+};
+
+const FileKind& kind_of(const std::string& path) {
+  const BakedReader file(path, 1);
+  BakedHeader header;
+  file.guarded([&] { header = parse_baked_header(file.file().header(0), path); });
+  const auto found = std::find_if(std::begin(kFileKinds), std::end(kFileKinds),
+                                  [&](const FileKind& kind) { return kind.representation == header.representation; });
+  MULTUM_CHECK(found != std::end(kFileKinds));
+  return *found;
+}
+
+}  // namespace
+
+int BakedHeader::level_count() const { return mip_level_count(width, height); }
+
+int BakedHeader::format_version() const {
+  return representation_info(representation).version + (weight_count > 0 || has_roughness ? 1 : 0);
+}
+
+int mip_level_count(int width, int height) {
+  int count = 1;
+  for (int side = std::max(width, height); side > 1; side >>= 1) ++count;
+  return count;
+}
+
+std::string levels_text(int first_level, int level_count) {
+  if (first_level == 0) return fmt::format("{} levels", level_count);
+  const int coarsest = level_count - 1;
+  if (first_level == coarsest) return fmt::format("level {} of 0 to {}", coarsest, coarsest);
+  return fmt::format("levels {} to {} of 0 to {}", first_level, coarsest, coarsest);
+}
+
+std::string materials_text(const BakedHeader& header) {
+  std::vector<std::string> parts;
+  if (header.has_colours) parts.emplace_back("colours");
+  if (header.weight_count > 0) parts.push_back(fmt::format("{} weights", header.weight_count));
+  if (header.has_roughness) parts.emplace_back("roughness");
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    text += (i == 0 ? " with " : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  return text;
+}
+
+BakedHeader read_baked_header(const std::string& path) { return kind_of(path).read_header(path); }
+
+std::string baked_surface(const BakedHeader& header) {
+  const nlohmann::json settings = nlohmann::json::parse(header.provenance.settings, nullptr, false);
+  return settings.is_object() ? settings.value("surface", "texels") : "texels";
+}
+
+std::vector<VerifyFinding> verify_baked(const std::string& path, int threads) {
+  return is_pyramid_file(path) ? verify_pyramid(path, threads) : kind_of(path).verify(path, threads);
+}
+
+}  // namespace multum

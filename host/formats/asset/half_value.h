@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Largest half float, and rounding to the nearest one. For host/formats/asset alone.
+#pragma once
+
+#include <half.h>
+
+namespace multum {
+
+constexpr float kHalfMax = 65504.0f;
+
+/// The nearest half.
+inline float as_half(float value) { return static_cast<float>(half(value)); }
+
+}  // namespace multum

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// The attributes are taken from the file's bytes, not from what OpenEXR makes of them: of a type that it does not know,
+// and of bits that it ignores, every one counts.
+#include "host/formats/asset/header_hash.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/foundation/base/files/byte_file.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/files/exr_survey.h"
+
+namespace multum {
+namespace {
+
+constexpr std::size_t kDigitsOfOne = 8;  // of an attribute's own digest: they tell which, the whole one tells that
+
+struct HeaderAttribute {
+  int part;
+  std::string name, type, value;
+};
+
+// By part, then by name. Of the same name, which no writer makes, in the order of the file.
+std::vector<HeaderAttribute> header_attributes(const std::string& path) {
+  ByteFile file(path);
+  std::vector<HeaderAttribute> attributes;
+  walk_exr_headers(path, file, [&](const ExrAttribute& found) {
+    attributes.push_back({found.part, found.name, found.type, file.bytes(found.position, found.size, "an EXR header")});
+  });
+  std::stable_sort(attributes.begin(), attributes.end(), [](const HeaderAttribute& a, const HeaderAttribute& b) {
+    return a.part != b.part ? a.part < b.part : a.name < b.name;
+  });
+  return attributes;
+}
+
+// Compression changes no value: a file that was compressed anew stays whole, as for the checksum of pixels.
+bool is_covered(const HeaderAttribute& attribute) {
+  return attribute.name != "compression" && (attribute.part > 0 || attribute.name != kHeaderHashAttribute);
+}
+
+// "PART 0 NAME 0 TYPE 0 SIZE 0 VALUE", numbers as decimal text: no two attributes have the same.
+void add(const HeaderAttribute& attribute, ContentHash& hash) {
+  hash.update(fmt::format("{}{}{}{}{}{}{}{}", attribute.part, '\0', attribute.name, '\0', attribute.type, '\0',
+                          attribute.value.size(), '\0'));
+  hash.update(attribute.value);
+}
+
+std::string hash_text_of(const std::vector<HeaderAttribute>& attributes) {
+  ContentHash all;
+  std::map<std::string, ContentHash> by_name;
+  for (const HeaderAttribute& attribute : attributes) {
+    if (!is_covered(attribute)) continue;
+    add(attribute, all);
+    add(attribute, by_name[attribute.name]);
+  }
+  std::string text = all.finish();
+  for (auto& [name, hash] : by_name) text += fmt::format(" {}={}", name, hash.finish().substr(0, kDigitsOfOne));
+  return text;
+}
+
+// Those whose digests the two texts do not share.
+std::set<std::string> differing_names(const std::string& found, const std::string& stated) {
+  const auto entries = [](const std::string& text) {
+    std::istringstream words(text);
+    std::set<std::string> all;
+    for (std::string word; words >> word;)
+      if (word.find('=') != std::string::npos) all.insert(word);
+    return all;
+  };
+  const std::set<std::string> here = entries(found), there = entries(stated);
+  std::set<std::string> names;
+  for (const auto& [one, other] : {std::pair(&here, &there), std::pair(&there, &here)})
+    for (const std::string& entry : *one)
+      if (!other->contains(entry)) names.insert(entry.substr(0, entry.rfind('=')));
+  return names;
+}
+
+// A damaged name or type must not pass for a file of before: which other attribute would hold such a text?
+bool looks_like_it(const HeaderAttribute& attribute) {
+  return attribute.name == kHeaderHashAttribute || attribute.value.find(" multum:representation=") != std::string::npos;
+}
+
+}  // namespace
+
+std::string header_hash_text(const std::string& path) { return hash_text_of(header_attributes(path)); }
+
+VerifyFinding header_finding(const std::string& path) {
+  const std::vector<HeaderAttribute> attributes = header_attributes(path);
+  const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
+  if (stated == attributes.end())
+    return {"header", true,
+            fmt::format("no {}, as in files of earlier programs: attributes are not checked", kHeaderHashAttribute)};
+  if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
+    return {"header", false,
+            fmt::format("its checksum is attribute '{}' of part {}, type {}, expected {} of part 0", stated->name,
+                        stated->part, stated->type, kHeaderHashAttribute)};
+  const std::string found = hash_text_of(attributes);
+  const std::string expected = stated->value.substr(0, stated->value.find_last_not_of(' ') + 1);
+  if (found == expected) return {"header", true, found.substr(0, found.find(' '))};
+  const std::set<std::string> names = differing_names(found, expected);
+  if (names.empty()) return {"header", false, fmt::format("{} itself was changed", kHeaderHashAttribute)};
+  return {"header", false,
+          fmt::format("changed: {}; expected as {} says", fmt::join(names, ", "), kHeaderHashAttribute)};
+}
+
+}  // namespace multum

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Level 0 from x and y. z rounds up, so that |(x, y, z)| >= 1: a texel of one direction has no spread, and neither have
+// filtered texels that share it, since projections add up (host/formats/asset/lobes/movmf_quantize.cpp).
+//
+// z is ill-conditioned where it is small: an error of x along the slope of a normal that is tilted by t turns it by
+// 1/cos(t) as much. FinestTest.TurnsDirectionsByLittle has the figures.
+#include "host/formats/asset/lobes/movmf_finest.h"
+
+#include <half.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "host/formats/asset/half_value.h"
+#include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/formats/asset/lobes/lobe_rounding.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/parallel.h"
+#include "host/foundation/base/vector_clones.h"
+
+namespace multum {
+namespace {
+
+// x is at most 1 in magnitude: the sum stays in range.
+int nearest_step(float x) {
+  const double steps = static_cast<double>(x) * kSnormSteps;
+  return static_cast<int>(steps + (steps < 0.0 ? -0.5 : 0.5));
+}
+
+float step_value(int step) { return static_cast<float>(step / static_cast<double>(kSnormSteps)); }
+
+// The least k with i^2 + j^2 + k^2 >= 32767^2, exactly: the root of an integer below 2^30 that is no square is further
+// than 2^-17 from every integer.
+float z_snorm(float x, float y) {
+  const int i = nearest_step(x), j = nearest_step(y);
+  const int rest = std::max(kSnormSteps * kSnormSteps - i * i - j * j, 0);
+  const double root = std::sqrt(static_cast<double>(rest));
+  const int below = static_cast<int>(root);
+  return step_value(below < root ? below + 1 : below);
+}
+
+// The least half with x^2 + y^2 + z^2 >= 1, exactly for x and y that are halfs: every term is a multiple of 2^-48, so
+// that the doubles are exact and a root that is no half differs from every half by 2^-49 at least.
+float z_half(double root) {
+  half z(static_cast<float>(root));
+  if (static_cast<double>(static_cast<float>(z)) < root) z.setBits(static_cast<unsigned short>(z.bits() + 1));
+  return static_cast<float>(z);
+}
+
+float z_float(double root) {
+  const auto z = static_cast<float>(root);
+  return static_cast<double>(z) < root ? std::nextafter(z, 2.0f) : z;
+}
+
+// Is x^2 + y^2 above 1, of whole steps, exactly?
+bool is_beyond_rim(float x, float y) {
+  const int i = nearest_step(x), j = nearest_step(y);
+  return i * i + j * j > kSnormSteps * kSnormSteps;
+}
+
+void quantize_direction(glm::vec3& n, Representation representation, StorageEncoding encoding) {
+  const glm::vec2 exact(std::clamp(n.x, -1.0f, 1.0f), std::clamp(n.y, -1.0f, 1.0f));
+  for (int c = 0; c < 2; ++c) {
+    if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(exact[c]));
+    else n[c] = encoding == StorageEncoding::kHalf ? as_half(exact[c]) : exact[c];
+  }
+  // The third of a Gaussian is x^2 + y^2, which snorm16 has up to 1: beyond the rim x and y are rounded inwards
+  // instead, as those of other levels are (gmm_quantize.cpp).
+  if (representation == Representation::kGmm && encoding == StorageEncoding::kSnorm16 && is_beyond_rim(n.x, n.y))
+    for (int c = 0; c < 2; ++c) n[c] = step_value(static_cast<int>(static_cast<double>(exact[c]) * kSnormSteps));
+  n.z = finest_third(n.x, n.y, representation, encoding);
+}
+
+// The same of many unit vectors, without a branch. Of a value that is cut to no step, wide registers make -0 where it
+// is negative: 0 as elsewhere.
+MULTUM_VECTOR_CLONES
+void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float x = step_value(nearest_step(std::clamp(normals[i].x, -1.0f, 1.0f)));
+    const float y = step_value(nearest_step(std::clamp(normals[i].y, -1.0f, 1.0f)));
+    normals[i] = {x + 0.0f, y + 0.0f, z_snorm(x, y)};
+  }
+}
+
+// Lobes of a = 1, as those of other levels.
+void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, Representation representation,
+                           StorageEncoding encoding) {
+  MovmfLevel lobe{static_cast<int>(count), 1, {{}}, {}};
+  for (std::size_t i = 0; i < count; ++i) lobe.lobes[0].emplace_back(normals[i], 1.0f);
+  if (representation == Representation::kGmm) quantize_gmm(lobe, encoding, 1);
+  else quantize_movmf(lobe, encoding, 1);
+  for (std::size_t i = 0; i < count; ++i) normals[i] = glm::vec3(lobe.lobes[0][i]);
+}
+
+void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, StorageEncoding encoding) {
+  if (rows.has_roughness)
+    quantize_lobes_of_one(rows.normals.data() + begin, end - begin, rows.representation, encoding);
+  else if (rows.representation == Representation::kMovmf && encoding == StorageEncoding::kSnorm16)
+    quantize_directions_snorm(rows.normals.data() + begin, end - begin);
+  else
+    for (std::size_t i = begin; i < end; ++i) quantize_direction(rows.normals[i], rows.representation, encoding);
+  if (encoding == StorageEncoding::kFloat) return;
+  for (std::size_t i = begin; i < end && !rows.colours.empty(); ++i)
+    for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
+  for (std::size_t i = begin * rows.weight_count(); i < end * rows.weight_count(); ++i)
+    rows.weights[i] = as_half(rows.weights[i]);
+}
+
+// Is it one single direction, as a whole lobe of one of the two kinds has it? Roughness shortens those of kMovmf, and
+// spreads those of kGmm.
+bool is_single_direction(const glm::vec3& normal, Representation representation, bool has_roughness) {
+  // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
+  constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
+  if (representation == Representation::kGmm) {
+    const float scatter = normal.z - normal.x * normal.x - normal.y * normal.y;
+    return scatter >= kLengthSquaredMin - 1.0f && (has_roughness || scatter <= kLengthSquaredMax - 1.0f) &&
+           normal.z <= kLengthSquaredMax;
+  }
+  const float length_squared = glm::dot(normal, normal);
+  return normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
+         length_squared <= kLengthSquaredMax;
+}
+
+}  // namespace
+
+float finest_z(float x, float y, StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) return z_snorm(x, y);
+  const auto wide_x = static_cast<double>(x), wide_y = static_cast<double>(y);
+  const double root = std::sqrt(std::max(0.0, 1.0 - wide_x * wide_x - wide_y * wide_y));
+  return encoding == StorageEncoding::kHalf ? z_half(root) : z_float(root);
+}
+
+float finest_square(float x, float y, StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) {
+    const int i = nearest_step(x), j = nearest_step(y);
+    return step_value(std::min((i * i + j * j) / kSnormSteps, kSnormSteps));  // exactly
+  }
+  const auto wide_x = static_cast<double>(x), wide_y = static_cast<double>(y);
+  return grid_below(wide_x * wide_x + wide_y * wide_y, encoding);
+}
+
+float finest_third(float x, float y, Representation representation, StorageEncoding encoding) {
+  return representation == Representation::kGmm ? finest_square(x, y, encoding) : finest_z(x, y, encoding);
+}
+
+void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads) {
+  const auto width = static_cast<std::size_t>(rows.width);
+  for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+    quantize_texels(rows, static_cast<std::size_t>(row_begin) * width, static_cast<std::size_t>(row_end) * width,
+                    encoding);
+  });
+}
+
+MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Representation representation,
+                      bool has_roughness) {
+  MULTUM_CHECK(first_row >= 0 && row_count >= 0 && first_row + row_count <= level.height);
+  MULTUM_CHECK(!level.lobes.empty() && level.lobes.size() <= kLobeCountMax);
+  const auto width = static_cast<std::size_t>(level.width);
+  const std::size_t first = static_cast<std::size_t>(first_row) * width;
+  const std::size_t texels = static_cast<std::size_t>(row_count) * width;
+  MovmfFinest rows{level.width, row_count, {}, {}, {}, {}, representation, has_roughness};
+  rows.normals.resize(texels);
+  rows.lobe.assign(texels, kLobeCountMax);
+  if (!level.colours.empty()) rows.colours.resize(texels);
+  const std::size_t weight_count =
+      level.weights.empty() ? 0 : level.weights[0].size() / (width * static_cast<std::size_t>(level.height));
+  rows.weights.resize(texels * weight_count);
+  for (std::size_t j = 0; j < level.lobes.size(); ++j)
+    for (std::size_t i = 0; i < texels; ++i) {
+      const glm::vec4& lobe = level.lobes[j][first + i];
+      const glm::vec3 colour = level.colours.empty() ? glm::vec3(0.0f) : level.colours[j][first + i];
+      if (lobe == glm::vec4(0.0f) && colour == glm::vec3(0.0f)) continue;
+      const glm::vec3 normal(lobe);
+      const bool whole = lobe.w == 1.0f && is_single_direction(normal, representation, has_roughness);
+      const bool alone = rows.lobe[i] == kLobeCountMax;
+      MULTUM_CHECK(whole && alone);
+      rows.normals[i] = normal;
+      rows.lobe[i] = static_cast<std::uint8_t>(j);
+      if (!rows.colours.empty()) rows.colours[i] = colour;
+      if (weight_count > 0)
+        std::copy_n(&level.weights[j][(first + i) * weight_count], weight_count, &rows.weights[i * weight_count]);
+    }
+  const bool all_given = std::find(rows.lobe.begin(), rows.lobe.end(), kLobeCountMax) == rows.lobe.end();
+  MULTUM_CHECK(all_given);
+  return rows;
+}
+
+void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int threads) {
+  const auto width = static_cast<std::size_t>(rows.width);
+  const std::size_t first = static_cast<std::size_t>(first_row) * width;
+  const std::size_t weight_count = rows.weight_count();
+  for_each_row_band(rows.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+    const std::size_t end = static_cast<std::size_t>(row_end) * width;
+    for (std::size_t j = 0; j < level.lobes.size(); ++j)
+      for (std::size_t i = static_cast<std::size_t>(row_begin) * width; i < end; ++i) {
+        const bool given = rows.lobe[i] == j;
+        level.lobes[j][first + i] = given ? glm::vec4(rows.normals[i], 1.0f) : glm::vec4(0.0f);
+        if (!level.colours.empty()) level.colours[j][first + i] = given ? rows.colours[i] : glm::vec3(0.0f);
+        for (std::size_t k = 0; k < weight_count; ++k)
+          level.weights[j][(first + i) * weight_count + k] = given ? rows.weights[i * weight_count + k] : 0.0f;
+      }
+  });
+}
+
+MovmfLevel expand(const MovmfFinest& rows, int lobe_count) {
+  MovmfLevel level;
+  level.width = rows.width;
+  level.height = rows.height;
+  const auto count = static_cast<std::size_t>(lobe_count);
+  level.lobes.assign(count, std::vector<glm::vec4>(rows.normals.size()));
+  if (!rows.colours.empty()) level.colours.assign(count, std::vector<glm::vec3>(rows.normals.size()));
+  if (!rows.weights.empty()) level.weights.assign(count, std::vector<float>(rows.weights.size()));
+  expand_into(rows, level, 0, 1);
+  return level;
+}
+
+}  // namespace multum

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rounding of lobes to what is stored. A lobe's spread 1 - |r| decides how wide a highlight is, and |r| is near 1 for
+// glossy and flat places: rounding a r_x, a r_y, a r_z and a one by one moves |r| by up to 1/a steps of the grid and
+// blurs a roughness-0.1 highlight on a tilted flat to half its peak. So the four are rounded together:
+//   1. amplitudes are rounded first, and (snorm16) sum to exactly 1, by largest remainder;
+//   2. r is multiplied by the ROUNDED amplitude, so that rounding a costs |r| nothing;
+//   3. of the 8 ways to round the three products down or up, the one whose projection on the lobe's own direction is
+//      nearest to a |r| is taken; for a single direction (|r| = 1) only those whose projection is at least a are:
+//      rounding never adds spread where there was none, and neither does filtering afterwards, since projections of
+//      texels that share a direction add up. The length |a r| instead would let a lobe of one step turn by 60 degrees
+//      at full length; filtered with its neighbour's lobe of 0.7 that cost 4 % of the peak (QuantizeTest has it).
+// Readers clamp |r| to 1.
+#include <half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "host/formats/asset/lobes/lobe_rounding.h"
+#include "host/formats/asset/lobes/movmf_finest.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/parallel.h"
+#include "host/foundation/base/vector_clones.h"
+
+namespace multum {
+namespace {
+
+// Lobes closer to a single direction than fp32 sums can tell: 8 roundings of 2^-24.
+constexpr double kSpreadZero = 5e-7;
+
+// The two neighbours of a value on a grid, at or below and at or above it in magnitude.
+struct Bracket {
+  float inner;
+  float outer;
+};
+
+float step_value(int step) { return static_cast<float>(step * kSnormStep); }
+
+Bracket bracket_snorm(double value) {
+  const double steps = value * kSnormSteps;
+  // Lobes are at most 1 long. What is not even a number stays it.
+  if (!(std::abs(steps) < 1e6)) return {static_cast<float>(value), static_cast<float>(value)};
+  const int inner = static_cast<int>(steps);
+  const int outer = inner + static_cast<int>(steps > inner) - static_cast<int>(steps < inner);
+  return {step_value(inner), step_value(outer)};
+}
+
+Bracket bracket_half(double value) {
+  const half nearest(static_cast<float>(value));
+  const auto rounded = static_cast<double>(static_cast<float>(nearest));
+  if (rounded == value) return {static_cast<float>(nearest), static_cast<float>(nearest)};
+  half other = nearest;
+  // Halfs of one sign are ordered like their bit patterns.
+  const bool nearest_is_inner = std::abs(rounded) < std::abs(value);
+  const auto bits = nearest.bits();
+  other.setBits(static_cast<unsigned short>(nearest_is_inner ? bits + 1 : bits - 1));
+  if (nearest_is_inner) return {static_cast<float>(nearest), static_cast<float>(other)};
+  return {static_cast<float>(other), static_cast<float>(nearest)};
+}
+
+// The ways to round: bit 0 of a corner says whether x is rounded up, bit 1 y, bit 2 z.
+struct Corners {
+  Bracket x, y, z;
+  glm::vec3 at(unsigned corner) const {
+    return {(corner & 1u) != 0 ? x.outer : x.inner, (corner & 2u) != 0 ? y.outer : y.inner,
+            (corner & 4u) != 0 ? z.outer : z.inner};
+  }
+};
+
+// Their projections on a direction.
+std::array<double, 8> projections(const Corners& corners, const glm::dvec3& direction) {
+  const double x[2] = {static_cast<double>(corners.x.inner) * direction.x,
+                       static_cast<double>(corners.x.outer) * direction.x};
+  const double y[2] = {static_cast<double>(corners.y.inner) * direction.y,
+                       static_cast<double>(corners.y.outer) * direction.y};
+  const double z[2] = {static_cast<double>(corners.z.inner) * direction.z,
+                       static_cast<double>(corners.z.outer) * direction.z};
+  const double xy[4] = {x[0] + y[0], x[1] + y[0], x[0] + y[1], x[1] + y[1]};
+  return {xy[0] + z[0], xy[1] + z[0], xy[2] + z[0], xy[3] + z[0],
+          xy[0] + z[1], xy[1] + z[1], xy[2] + z[1], xy[3] + z[1]};
+}
+
+// The nearest projection; the turn is at most a step either way. Of equals the first.
+unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) {
+  unsigned best = 7;
+  double best_cost = HUGE_VAL;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const double cost = std::abs(projection[corner] - wanted);
+    best = cost < best_cost ? corner : best;
+    best_cost = std::min(cost, best_cost);
+  }
+  return best;
+}
+
+// For single directions: the least turned of those that are not shorter. Rounded outwards in x, y and z, none is.
+unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>& projection, double wanted,
+                             const glm::dvec3& target) {
+  unsigned best = 7;
+  double best_cost = HUGE_VAL;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    if (projection[corner] < wanted) continue;
+    const double cost = glm::length(glm::dvec3(corners.at(corner)) - target);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = corner;
+    }
+  }
+  return best;
+}
+
+// Steps 2 and 3 for one lobe, stored as a (r, 1), whose amplitude has been rounded to `a`.
+template <typename BracketOf>
+glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_of) {
+  if (a <= 0.0f) return glm::vec4(0.0f);
+  const glm::dvec4 lobe(stored);
+  const glm::dvec3 r = lobe.w > 0.0 ? glm::dvec3(lobe) / lobe.w : glm::dvec3(0.0);
+  const double length = glm::length(r);
+  const bool single_direction = length >= 1.0 - kSpreadZero;
+  const auto amplitude = static_cast<double>(a);
+  const glm::dvec3 target = r * (single_direction ? amplitude / length : amplitude);
+  const Corners corners{bracket_of(target.x), bracket_of(target.y), bracket_of(target.z)};
+  const double wanted = single_direction ? amplitude : amplitude * length;
+  const glm::dvec3 direction = length > 0.0 ? r / length : glm::dvec3(0.0);
+  const std::array<double, 8> projection = projections(corners, direction);
+  return glm::vec4(corners.at(single_direction ? least_turned_corner(corners, projection, wanted, target)
+                                               : nearest_corner(projection, wanted)),
+                   a);
+}
+
+// Texels side by side, so that the compiler makes vector instructions of the loops; no operation differs from
+// round_lobe()'s. At level 1 of a map with four lobes most lobes are single directions or nothing: each kind is
+// gathered and rounded for itself.
+using Block = std::array<double, kRoundingBlock>;
+
+// Lobes of one kind: mean vectors r, their lengths, rounded amplitudes, and where in the block they came from.
+struct Gathered {
+  Block x, y, z, length, amplitude;
+  std::array<std::size_t, kRoundingBlock> index;
+  std::size_t count = 0;
+
+  void add(const Gathered& from, std::size_t i) {
+    x[count] = from.x[i];
+    y[count] = from.y[i];
+    z[count] = from.z[i];
+    length[count] = from.length[i];
+    amplitude[count] = from.amplitude[i];
+    index[count++] = from.index[i];
+  }
+};
+
+// The two neighbours of `value` on the snorm16 grid, for magnitudes of at most 1.
+inline void bracket_steps(double value, double& inner, double& outer) {
+  const double steps = value * kSnormSteps;
+  const double down = static_cast<double>(static_cast<int>(steps));
+  const double up = down + (steps > down ? 1.0 : 0.0) - (steps < down ? 1.0 : 0.0);
+  inner = static_cast<double>(static_cast<float>(down * kSnormStep));
+  outer = static_cast<double>(static_cast<float>(up * kSnormStep));
+}
+
+// Steps 2 and 3: r becomes what is stored. Inlined into each of the clones that follow.
+template <bool kSingleDirection>
+[[gnu::always_inline]] inline void round_gathered(Gathered& lobes) {
+  const std::size_t count = lobes.count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double a = lobes.amplitude[i], length = lobes.length[i];
+    const double wanted = kSingleDirection ? a : a * length, scale = kSingleDirection ? a / length : a;
+    const double tx = lobes.x[i] * scale, ty = lobes.y[i] * scale, tz = lobes.z[i] * scale;
+    double x0, x1, y0, y1, z0, z1;
+    bracket_steps(tx, x0, x1);
+    bracket_steps(ty, y0, y1);
+    bracket_steps(tz, z0, z1);
+    const double divisor = length > 0.0 ? length : 1.0;
+    const double dx = lobes.x[i] / divisor, dy = lobes.y[i] / divisor, dz = lobes.z[i] / divisor;
+    const double px0 = x0 * dx, px1 = x1 * dx, py0 = y0 * dy, py1 = y1 * dy, pz0 = z0 * dz, pz1 = z1 * dz;
+    double best = 7.0, best_cost = HUGE_VAL;
+    const auto offer = [&](double corner, double projection, double cx, double cy, double cz) {
+      double cost = std::abs(projection - wanted);
+      if constexpr (kSingleDirection) {
+        const double turn = std::sqrt((cx - tx) * (cx - tx) + (cy - ty) * (cy - ty) + (cz - tz) * (cz - tz));
+        cost = projection < wanted ? HUGE_VAL : turn;
+      }
+      best = cost < best_cost ? corner : best;
+      best_cost = cost < best_cost ? cost : best_cost;
+    };
+    offer(0.0, px0 + py0 + pz0, x0, y0, z0);
+    offer(1.0, px1 + py0 + pz0, x1, y0, z0);
+    offer(2.0, px0 + py1 + pz0, x0, y1, z0);
+    offer(3.0, px1 + py1 + pz0, x1, y1, z0);
+    offer(4.0, px0 + py0 + pz1, x0, y0, z1);
+    offer(5.0, px1 + py0 + pz1, x1, y0, z1);
+    offer(6.0, px0 + py1 + pz1, x0, y1, z1);
+    offer(7.0, px1 + py1 + pz1, x1, y1, z1);
+    // The bits of `best`, from doubles.
+    const double low = best >= 4.0 ? best - 4.0 : best, lowest = low >= 2.0 ? low - 2.0 : low;
+    lobes.z[i] = best >= 4.0 ? z1 : z0;
+    lobes.y[i] = low >= 2.0 ? y1 : y0;
+    lobes.x[i] = lowest >= 1.0 ? x1 : x0;
+  }
+}
+
+MULTUM_VECTOR_CLONES
+void round_single(Gathered& lobes) { round_gathered<true>(lobes); }
+MULTUM_VECTOR_CLONES
+void round_spread(Gathered& lobes) { round_gathered<false>(lobes); }
+
+// Makes r of a r.
+MULTUM_VECTOR_CLONES
+void divide(Gathered& lobes, const Block& divisor) {
+  const std::size_t count = lobes.count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = lobes.x[i] / divisor[i], y = lobes.y[i] / divisor[i], z = lobes.z[i] / divisor[i];
+    lobes.x[i] = x;
+    lobes.y[i] = y;
+    lobes.z[i] = z;
+    lobes.length[i] = std::sqrt(x * x + y * y + z * z);
+  }
+}
+
+// Of a negative value that is cut to a whole step, wide registers make -0, and others 0: both are stored as 0.
+void scatter(const Gathered& rounded, glm::vec4* lobes) {
+  for (std::size_t i = 0; i < rounded.count; ++i)
+    lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]) + 0.0f, static_cast<float>(rounded.y[i]) + 0.0f,
+                               static_cast<float>(rounded.z[i]) + 0.0f, static_cast<float>(rounded.amplitude[i])};
+}
+
+// Steps 2 and 3 for a block of one lobe.
+void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t count) {
+  Gathered all, single, spread;
+  Block divisor;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec4& lobe = lobes[i];
+    if (!(amplitudes[i] > 0.0 && lobe.w > 0.0f)) {
+      lobes[i] = round_lobe(lobe, static_cast<float>(amplitudes[i]), bracket_snorm);
+      continue;
+    }
+    all.x[all.count] = static_cast<double>(lobe.x);
+    all.y[all.count] = static_cast<double>(lobe.y);
+    all.z[all.count] = static_cast<double>(lobe.z);
+    all.amplitude[all.count] = amplitudes[i];
+    divisor[all.count] = static_cast<double>(lobe.w);
+    all.index[all.count++] = i;
+  }
+  divide(all, divisor);
+  for (std::size_t i = 0; i < all.count; ++i) {
+    glm::vec4& lobe = lobes[all.index[i]];
+    if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
+    else if (all.length[i] < 2.0) single.add(all, i);
+    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // no number, or no mean
+  }
+  round_single(single);
+  round_spread(spread);
+  scatter(single, lobes);
+  scatter(spread, lobes);
+}
+
+void round_lobes(glm::vec4* lobes, const double* amplitudes, std::size_t count, StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) return round_block_snorm(lobes, amplitudes, count);
+  for (std::size_t i = 0; i < count; ++i)
+    lobes[i] = round_lobe(lobes[i], static_cast<float>(amplitudes[i]), bracket_half);
+}
+
+// Sharper than what is kept, but no single direction.
+bool is_sharp(const glm::vec4& lobe, double spread_min) {
+  const double spread = 1.0 - glm::length(glm::dvec3(lobe)) / static_cast<double>(lobe.w);
+  return spread > kSpreadZero && spread < spread_min;
+}
+
+}  // namespace
+
+float storage_kappa_max(StorageEncoding encoding) {
+  // Measured by the test QuantizeTest.KeepsSpreadUpToKappaMax over random lobes of amplitude 1, tilted up to 60
+  // degrees: 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile at both limits, both in proportion
+  // to kappa. A flat lobe has z alone to round: half a step there, 31 % and 24 %, is the worst.
+  switch (encoding) {
+    case StorageEncoding::kSnorm16: return 20000.0f;
+    case StorageEncoding::kHalf: return 1000.0f;
+    case StorageEncoding::kFloat: return 1.0e6f;
+  }
+  return 0.0f;
+}
+
+SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads) {
+  if (encoding == StorageEncoding::kFloat) return {};  // rounds nothing
+  return count_lobes(level, threads, is_sharp, 1.0 / static_cast<double>(storage_kappa_max(encoding)));
+}
+
+void quantize_movmf(MovmfLevel& rows, StorageEncoding encoding, int threads) {
+  round_rows(rows, encoding, threads, round_lobes);
+}
+
+void quantize_movmf(MovmfMipmap& mipmap, int threads) {
+  for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
+    MovmfLevel& level = mipmap.levels[l];
+    if (l > 0) {
+      quantize_lobes(level, mipmap, threads);
+      continue;
+    }
+    for_each_row_band(level.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {
+      MovmfFinest rows =
+          finest_of(level, row_begin, row_end - row_begin, mipmap.header.representation, mipmap.header.has_roughness);
+      quantize_movmf(rows, mipmap.header.encoding, 1);
+      expand_into(rows, level, row_begin, 1);
+    });
+  }
+}
+
+}  // namespace multum

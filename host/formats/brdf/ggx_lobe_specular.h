@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The highlight of GGX over a vMF lobe of normals as renderers draw it, in double: multum_movmf_ggx_specular() of
+// runtime_gl/shaders/brdf/ggx_lobe.glsl, step by step (tests/gl/ggx_lobe_test holds both together).
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "host/formats/brdf/ggx_lobe.h"
+
+namespace multum {
+
+/// One lobe under GGX of one roughness.
+class GgxOverLobe {
+ public:
+  /// `lobe`: (a r_x, a r_y, a r_z, a) as baked files hold it (host/formats/asset/lobes/movmf_mipmap.h). `alpha`:
+  /// roughness^2, above 0 to 1.
+  GgxOverLobe(const glm::dvec4& lobe, double alpha);
+
+  /// D V max(n . l, 0), the amplitude included. `light`, `view` and `half`, their half vector: unit, tangent space.
+  double specular(const glm::dvec3& light, const glm::dvec3& view, const glm::dvec3& half) const;
+
+ private:
+  double amplitude_, spread_, kappa_, alpha_;
+  glm::dvec3 mean_direction_;
+  GgxLobeShape shape_;
+};
+
+}  // namespace multum

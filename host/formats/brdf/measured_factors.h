@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Factors measurements: rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d), k_d and f a channel each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/formats/brdf/measured_brdf.h"
+
+namespace multum {
+
+/// Means of rho over cells of theta_h and theta_d; azimuths are averaged over: the factors do not have them.
+class BrdfCells {
+ public:
+  BrdfCells();
+  /// Radians. Ignored where an angle is beyond the horizon.
+  void add(double theta_h, double theta_d, const glm::dvec3& rho);
+  MeasuredBrdf factor(const std::string& name) const;
+
+ private:
+  std::vector<glm::dvec3> sums_;
+  std::vector<double> counts_;
+};
+
+/// theta_h and theta_d of two unit directions, the normal along z.
+void half_angles(const glm::dvec3& l, const glm::dvec3& v, double* theta_h, double* theta_d);
+
+}  // namespace multum

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Opens image files by OpenImageIO in this process: for multum-decode, which a broken file may end, and for tests.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/formats/image/files/image_file.h"
+
+namespace multum {
+
+/// Reads into any memory, or into its own.
+class LibraryImageFile : public ImageFile {
+ public:
+  virtual std::string read_into(const PixelBlock& block, std::byte* memory) = 0;
+
+  std::byte* reserve(std::size_t byte_count) override;
+  std::string read(const PixelBlock& block, std::size_t offset, const std::function<void()>&) override;
+
+ private:
+  std::vector<std::byte> memory_;
+};
+
+/// Throws as open_image_file() does. Fits set_image_opener().
+std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings);
+
+}  // namespace multum

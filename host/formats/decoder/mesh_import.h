@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Imports a scene by assimp for every reader of meshes: hears the library's complaints and checks its numbers.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <assimp/vector3.h>
+#include <glm/vec3.hpp>
+
+#include "host/formats/mesh/finite_vector.h"
+#include "host/foundation/base/error.h"
+
+struct aiScene;
+namespace Assimp {
+class Importer;
+}
+
+namespace multum {
+
+/// A file as assimp understands it.
+class MeshImport {
+ public:
+  /// `steps`: aiProcess_ flags. Throws Error(kInput) naming the file: what check_gltf_file() refuses, what assimp
+  /// cannot read, indices out of range.
+  MeshImport(const std::string& path, unsigned steps);
+  ~MeshImport();
+  MeshImport(const MeshImport&) = delete;
+  MeshImport& operator=(const MeshImport&) = delete;
+  const aiScene& scene() const { return *scene_; }
+
+ private:
+  std::unique_ptr<Assimp::Importer> importer_;  // owns the scene
+  const aiScene* scene_;
+};
+
+inline glm::vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace multum

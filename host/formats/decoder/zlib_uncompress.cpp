@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Workaround "OpenEXR 3.1 inflates by zlib": multum-decode unpacks each chunk of an EXR map once more, to know that it
+// is whole (host/foundation/base/files/exr_chunks.h), which is a hundredth of a bake's processor time. libdeflate
+// inflates at twice zlib's speed, and so makes up for it. OpenEXR 3.1, Debian 12's, calls zlib's uncompress(), for
+// which a program that links this file provides its own; nothing else in it does. Goes when Debian's OpenEXR has an
+// inflater of its own.
+#include "host/formats/decoder/zlib_uncompress.h"
+
+#include <libdeflate.h>
+#include <zlib.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace multum {
+namespace {
+
+struct FreeInflater {
+  void operator()(libdeflate_decompressor* one) const { libdeflate_free_decompressor(one); }
+};
+
+}  // namespace
+
+bool replaces_zlib_uncompress() { return true; }
+
+}  // namespace multum
+
+extern "C" int uncompress(Bytef* destination, uLongf* destination_size, const Bytef* source, uLong source_size) {
+  static thread_local std::unique_ptr<libdeflate_decompressor, multum::FreeInflater> mine(
+      libdeflate_alloc_decompressor());
+  if (mine == nullptr) return Z_MEM_ERROR;
+  std::size_t size = 0;
+  switch (libdeflate_zlib_decompress(mine.get(), source, source_size, destination, *destination_size, &size)) {
+    case LIBDEFLATE_SUCCESS: *destination_size = size; return Z_OK;
+    case LIBDEFLATE_INSUFFICIENT_SPACE: return Z_BUF_ERROR;
+    default: return Z_DATA_ERROR;
+  }
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Albedo: linear RGB, so that averages over texels are averages of light.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/formats/image/plane_store.h"
+#include "host/foundation/base/files/spill_policy.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+/// Linear RGB, planes of width * height floats.
+struct ColourMap {
+  int width = 0;
+  int height = 0;
+  std::vector<float> r, g, b;
+  std::string format;              // "png uint8, 3 channels, sRGB"
+  std::int64_t clamped_count = 0;  // texels with a negative or non-finite value, which was read as 0
+  std::vector<std::string> notes;  // RawImageInfo::notes
+};
+
+/// The map's planes, to be read by rows; the map must outlive it.
+inline PlaneStore planes_of(const ColourMap& map) {
+  return {map.width, map.height, {map.r.data(), map.g.data(), map.b.data()}};
+}
+
+/// Reads an albedo: 8- and 16-bit integers are sRGB unless the file says otherwise, floats are linear; grey becomes
+/// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
+ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
+
+/// Meaning of an image's numbers.
+enum class ColourEncoding {
+  kAuto,    // as the albedo's: integers sRGB unless the file says otherwise, floats linear
+  kSrgb,    // sRGB, whatever the file says
+  kLinear,  // linear, whatever the file says
+  kData,    // no colours: numbers that may be negative; integers are 0..1. What is not finite is refused
+};
+
+struct ColourRows {
+  PlaneStore planes;
+  int channel_count = 0;                // of the file, 1 or 3; of one all planes are the same
+  std::string format;                   // "png uint8, 3 channels, sRGB"
+  std::int64_t clamped_count = 0;       // as ColourMap's
+  float largest = 0.0f;                 // value of all
+  std::vector<std::string> notes = {};  // RawImageInfo::notes
+};
+
+/// The same numbers, kept as `place` says; of the file a few bands of rows are in memory. Throws Error(kEnvironment)
+/// when scratch files cannot be written.
+ColourRows read_albedo_rows(const std::string& path, int width, int height, const SpillPolicy& spill, int threads);
+
+/// An image of any size. Throws as read_albedo_rows() does.
+ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const SpillPolicy& spill, int threads,
+                            Progress* progress);
+
+// The sRGB transfer functions (IEC 61966-2-1), on 0..1.
+double linear_from_srgb(double encoded);
+double srgb_from_linear(double linear);
+
+}  // namespace multum

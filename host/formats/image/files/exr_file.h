@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// An open EXR file of one or several parts: its channels by name, and its string attributes.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/formats/image/files/image_file.h"
+
+namespace multum {
+
+class ExrFile {
+ public:
+  /// Throws Error(kInput) naming the file: missing, damaged, no EXR, deep, or a part whose data
+  /// window is not the display window (pixels would be in the wrong places).
+  explicit ExrFile(std::string path);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  const std::string& path() const { return path_; }
+  const std::vector<std::string>& channels() const { return channels_; }
+  bool has_channel(const std::string& name) const { return places_.count(name) > 0; }
+  /// The same, and where the file has several parts the names with the part's before them: "CryptoObject00.R" of
+  /// channel "R" of part "CryptoObject00". has_channel() and read() know these too.
+  std::vector<std::string> all_names() const;
+  /// String attributes of all parts; of one name, the first part's.
+  const std::map<std::string, std::string>& attributes() const { return attributes_; }
+
+  /// width * height floats, row 0 at the top. Throws Error(kInput): no such channel (naming those there are), a channel
+  /// of integers, damaged rows.
+  std::vector<float> read(const std::string& channel);
+  /// True when the channel's samples are 32-bit floats, so that their bits survive reading.
+  bool is_float(const std::string& channel) const;
+
+ private:
+  struct Place {
+    int part, index;
+    int type;  // OpenImageIO's base type
+  };
+  void list_part(int index, const ImagePart& part);
+
+  std::string path_;
+  std::unique_ptr<ImageFile> file_;
+  int width_ = 0, height_ = 0;
+  std::vector<std::string> channels_;
+  std::map<std::string, Place> places_;
+  std::map<std::string, std::string> attributes_;
+};
+
+}  // namespace multum

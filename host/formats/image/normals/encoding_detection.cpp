@@ -1,0 +1,552 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rules, in order. Thresholds lie between real maps on either side, whose numbers stand next to them; the test
+// SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
+//  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
+//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo is like a height: a warning says so. One
+//     value tells nothing and two are a mask: refused.
+//     So are heights whose bytes are spread over channels (packed_heights.h).
+//  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
+//     What nearly flat normals round their z to is not set aside: there both readings are the same up to rounding.
+//  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
+//  4. z in 0..1: blue itself, where only that gives unit length (`is_z_positive`).
+//  5. Refused unless it looks like normals (`refusal` below), and where blue is not z (`blue_doubt`).
+//  6. Green by the gradient agreement; up when it is undecided. What the caller says goes before it; a warning names
+//  the
+//     disagreement.
+#include "host/formats/image/normals/encoding_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "host/formats/image/files/number_type.h"
+#include "host/formats/image/normals/packed_heights.h"
+#include "host/formats/image/normals/vector_statistics.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/messages/option_words.h"
+
+namespace multum {
+namespace {
+
+struct Reading {
+  VectorEncoding encoding;
+  VectorStatistics statistics;
+  double signed_z_error = 0.0;  // of a positive z: the error of lengths with the other
+};
+
+// Where the numbers about the numbers come from: the survey, or the image again for what the survey could not foresee.
+struct Evidence {
+  const RawImage& image;
+  const ImageSurvey& survey;
+  int threads;
+
+  const RawImageInfo& info() const { return image.info(); }
+  VectorStatistics statistics(const VectorEncoding& encoding) const {
+    const std::optional<VectorStatistics> surveyed = survey.statistics(encoding);
+    return surveyed ? *surveyed : vector_statistics(image, encoding, threads);
+  }
+};
+
+// Compression leaves colours of up to a code of 8 bits. With more bits, what differs between channels as much as it
+// does between texels is no such noise: normals that are short, around mid-grey.
+bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
+
+// Whether a finite value of the first channel is further than `margin` from both ends of its range. Of most images the
+// first rows say so.
+bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, double margin) {
+  const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
+  RawRows rows;
+  for (int row = 0; row < image.info().height; ++row) {
+    image.read_rows(row, 1, rows);
+    for (std::size_t i = 0; i < rows.values.size(); i += channel_count) {
+      const auto v = static_cast<double>(rows.values[i]);
+      if (v - static_cast<double>(range.low) > margin && static_cast<double>(range.high) - v > margin) return true;
+    }
+  }
+  return false;
+}
+
+// Why a grey image is no height field, nullopt when it may be one: all its finite values are the same, or are one of
+// two, up to a fiftieth of what lies between them (8 bits of a compressed mask).
+std::optional<std::string> grey_refusal(const Evidence& evidence) {
+  const ImageSurvey::Range range = evidence.survey.range(0);
+  if (range.high < range.low) return "no value is finite";
+  if (range.high == range.low) return fmt::format("every texel is {:.4g}, which tells nothing", range.low);
+  const double margin = 0.02 * (static_cast<double>(range.high) - static_cast<double>(range.low));
+  if (has_value_between(evidence.image, range, margin)) return std::nullopt;
+  return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
+}
+
+// Vectors around +Z that all have one length, whatever it is: normals times a constant, which normalising takes away.
+bool has_one_length(const VectorStatistics& s) {
+  constexpr double kSpreadMax = 0.05;
+  return s.length_spread <= kSpreadMax && s.below_share <= 0.05 && s.mean_z >= 0.4 * s.length_mean &&
+         std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
+}
+
+// How well a reading explains the numbers: unit vectors, less well vectors of one other length; or for a rebuilt z:
+// possible ones, not all leaning to one side.
+double plausibility(const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (s.texel_count == 0.0) return -1.0;
+  if (!reading.encoding.rebuild_z) return std::max(s.unit_share_10, has_one_length(s) ? 0.5 - s.length_spread : 0.0);
+  return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
+}
+
+// The encodings that compete for a given use of blue, the one that wins a tie first.
+std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, VectorEncoding encoding,
+                                                  const NormalMapSettings& settings) {
+  encoding.is_signed = settings.is_signed.value_or(false);
+  std::vector<VectorEncoding> candidates = {encoding};
+  const bool may_be_signed = is_float_type(sample_type) || sample_type == SampleType::kOtherInteger;
+  if (settings.is_signed.has_value() || !may_be_signed) return candidates;
+  encoding.is_signed = true;
+  candidates.push_back(encoding);
+  return candidates;
+}
+
+// Unsigned or signed for a given use of blue: the more plausible one, unsigned when they tie.
+Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
+  std::optional<Reading> best;
+  for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
+    const Reading reading{candidate, evidence.statistics(candidate)};
+    if (!best || plausibility(reading) > plausibility(*best)) best = reading;
+  }
+  return *best;
+}
+
+// What is tried first: blue as it is, unless there is none.
+VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings& settings) {
+  VectorEncoding encoding;
+  encoding.flat_pair = info.sample_type == SampleType::kUint8;
+  encoding.rebuild_z = settings.two_channel.value_or(info.channel_count == 2);
+  encoding.positive_z = !encoding.rebuild_z && settings.z_range == ZRange::kPositive;
+  return encoding;
+}
+
+// The same in every texel, up to the noise of compression; but blue varies little too where vectors are short all over,
+// which floats and 16 bits may hold.
+bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
+  constexpr double kNoise = 2.5 / 255.0;
+  const double range = s.blue_max - s.blue_min;
+  const bool is_short = evidence.info().sample_type != SampleType::kUint8 && s.unit_share_20 < 0.5 && has_one_length(s);
+  return range <= (is_short ? 0.0 : kNoise);
+}
+
+// By how much the z of unit vectors may differ from a constant blue by its rounding and compression alone: with 8 bits,
+// signed ones too, up to 0.02, with half two steps below 1.
+double filler_noise(const RawImageInfo& info) {
+  if (info.base_type == number_type::kUint8 || info.base_type == number_type::kInt8) return 2 * 2.5 / 255.0;
+  return info.base_type == number_type::kHalf ? 1.0 / 512.0 : 2 * 2.5 / 65535.0;
+}
+
+// Whether a constant blue is further from the z of unit vectors than that: filler, as in two-channel maps that were
+// saved with three. 0.02 are what 11 degrees reach; there (x, y, 1) and the rebuilt vector are 0.2 degrees apart, half
+// a code of 8 bits. Flat maps have no say: they are flat either way.
+bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (s.tilted_share == 0.0) return false;
+  const double noise = filler_noise(evidence.info());
+  const auto z_of = [&](double blue) { return reading.encoding.is_signed ? blue : 2.0 * blue - 1.0; };
+  return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
+}
+
+// Old tools and some models store z in 0..1. Read as 2 * blue - 1, tilts are too large: by 0.6 degrees at 16 degrees, 8
+// at 36, 30 at 60. Measured: files so made have an error of positive lengths of 0.0012 to 0.002 in 8 bits, 0.01 to 0.02
+// after JPEG, at most a third of the other where it matters. Real maps that blurring or compression shortened reach
+// 0.020 and a ratio of 2.4, or 0.023 and 4.5; one of 636 (a picture frame) has 0.005 and 5, and is such a file.
+bool is_z_positive(const Evidence& evidence, const Reading& reading, const NormalMapSettings& settings) {
+  constexpr double kExact = 0.012, kExactRatio = 3.0, kCompressed = 0.03, kCompressedRatio = 6.0;
+  const VectorStatistics& s = reading.statistics;
+  if (settings.z_range || reading.encoding.is_signed || reading.encoding.rebuild_z) return false;
+  // Half a step of 8 bits in x, y and z makes an error of 0.0023, and codes of 254 for 1 three times that.
+  const double least = evidence.info().sample_type == SampleType::kUint8 ? 0.007 : 0.0005;
+  if (s.length_error < least) return false;
+  const double ratio = s.length_error / std::max(1e-9, s.positive_length_error);
+  return (s.positive_length_error <= kExact && ratio >= kExactRatio) ||
+         (s.positive_length_error <= kCompressed && ratio >= kCompressedRatio);
+}
+
+Reading best_reading(const Evidence& evidence, const NormalMapSettings& settings) {
+  VectorEncoding encoding = first_encoding(evidence.info(), settings);
+  const Reading first = best_signedness(evidence, encoding, settings);
+  if (settings.two_channel.value_or(false) || evidence.info().channel_count == 2) return first;
+  if (is_z_positive(evidence, first, settings)) {
+    encoding = first.encoding;
+    encoding.positive_z = true;
+    return {encoding, evidence.statistics(encoding), first.statistics.length_error};
+  }
+  if (!is_blue_constant(evidence, first.statistics)) return first;
+  if (settings.two_channel.has_value() || settings.z_range) return first;
+  if (first.statistics.unit_share_10 >= 0.8 && !is_blue_filler(evidence, first)) return first;
+  encoding.rebuild_z = true;
+  const Reading rebuilt = best_signedness(evidence, encoding, settings);
+  // Where x^2 + y^2 > 1 the vectors are (x, y, 1) of no unit length, and blue is meant.
+  return rebuilt.statistics.beyond_share <= 0.005 ? rebuilt : first;
+}
+
+std::string summary(const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (reading.encoding.rebuild_z)
+    return fmt::format(
+        "x^2 + y^2 <= 1 on {:.1f} %, mean (x, y) ({:+.2f}, {:+.2f}), mean rebuilt z {:.2f}, gradient agreement "
+        "{:+.2f}",
+        100.0 * (1.0 - s.beyond_share), s.mean_x, s.mean_y, s.rebuilt_z_mean, s.gradient_agreement);
+  return fmt::format(
+      "length within 10 % of 1 on {:.1f} %, mean vector ({:+.2f}, {:+.2f}, {:+.2f}), {:.1f} % below the horizon, "
+      "gradient agreement {:+.2f}",
+      100.0 * s.unit_share_10, s.mean_x, s.mean_y, s.mean_z, 100.0 * s.below_share, s.gradient_agreement);
+}
+
+// Why (x, y) with a rebuilt z are no normals. Flow maps are the trap: directions of length up to 1 with an empty blue,
+// but no surface's gradients and far from flat (measured: agreement 0.00, rebuilt z 0.67).
+std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
+  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
+  if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector leans to one side";
+  if (s.tilted_share > 0.05 && s.negative_share < 0.01) return "red and green are never negative";
+  if (std::abs(s.gradient_agreement) < 0.15 && s.rebuilt_z_mean < 0.85)
+    return "red and green are not the slopes of a surface";
+  return std::nullopt;
+}
+
+// Why vectors (x, y, z) are no normals; nullopt when they are.
+//   below the horizon <= 5 %            normal maps reach 1 % (gutters of an atlas), colours start at 9 %
+//   |mean xy| <= 0.5 mean z, z >= 0.4   normal maps 0.27 and 0.61, sky blue (135, 206, 235) 0.74; not asked of vectors
+//   of unit length
+//   and one of: unit within 10 % on 80 %; within 20 % on 60 % with blue or gradients agreeing; gradients agreeing
+//   strongly (maps of vectors that are not of unit length)
+std::optional<std::string> vector_refusal(const VectorStatistics& s) {
+  if (s.below_share > 0.05) {
+    const char* object_space = s.unit_share_10 >= 0.9 ? ", as in an object-space normal map" : "";
+    return fmt::format("{:.1f} % of texels point below the surface{}", 100.0 * s.below_share, object_space);
+  }
+  const double agreement = std::abs(s.gradient_agreement);
+  if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;
+  // Normals times a constant; colours of little contrast have one length too, but no gradients.
+  if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
+  if (s.length_mean < 0.4)
+    return fmt::format(
+        "vectors are {:.3g} long in the mean, expected 1, and neither of one length nor clearly the "
+        "slopes of a surface (multiply them until they are of unit length)",
+        s.length_mean);
+  if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
+  if (s.unit_share_10 >= 0.8) return std::nullopt;
+  if (s.unit_share_20 >= 0.6 && (agreement >= 0.15 || s.rebuilt_z_correlation >= 0.25)) return std::nullopt;
+  if (agreement >= 0.25) return std::nullopt;
+  return "too few vectors are of unit length, and red and green are not the slopes of a surface";
+}
+
+std::optional<std::string> refusal(const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (s.texel_count == 0.0) return "no texel holds a vector";
+  return reading.encoding.rebuild_z ? two_channel_refusal(s) : vector_refusal(s);
+}
+
+// Share of texels for which is_empty() holds.
+double empty_share(const Evidence& evidence, const Reading& reading) {
+  const bool is_zero_empty = reading.encoding.is_signed && !reading.encoding.rebuild_z;
+  const std::int64_t count =
+      evidence.survey.all_nan_count() + (is_zero_empty ? evidence.survey.all_zero_count() : std::int64_t{0});
+  return static_cast<double>(count) / (static_cast<double>(evidence.info().width) * evidence.info().height);
+}
+
+// A constant red beside an alpha: compressed maps of one good channel and a better alpha keep x there (DXT5nm).
+bool has_x_in_alpha(const Evidence& evidence) {
+  if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
+  const auto spread = [&evidence](int channel) {
+    const ImageSurvey::Range range = evidence.survey.range(channel);
+    return static_cast<double>(range.high) - static_cast<double>(range.low);
+  };
+  constexpr double kNoise = 2.5 / 255.0;
+  return spread(0) <= kNoise && spread(1) > kNoise;
+}
+
+// The reading of x and y alone, where it makes sense: the slopes of a surface, and lengths that leave room for z.
+bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
+  if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
+  VectorEncoding encoding = reading.encoding;
+  encoding.rebuild_z = true;
+  encoding.positive_z = false;
+  const VectorStatistics s = evidence.statistics(encoding);
+  return s.texel_count > 0.0 && !two_channel_refusal(s) && std::abs(s.gradient_agreement) >= 0.25;
+}
+
+// Why blue is not the z of red and green: another map is kept there (occlusion, smoothness, height), as in LabPBR
+// packs. Lengths then scatter at every scale, and the tilt explains little of blue. Measured (share of unit lengths,
+// dependence of z on the tilt, spread of lengths of 4 x 4 texels): 12 lossy maps have 0.23 to 0.75, 0.11 to 0.86, 0.02
+// to 0.11; of 109 maps made of 25 real ones with occlusion, gloss or height in blue half have a dependence below 0.26
+// and a spread above 0.11. Blue that is an occlusion computed from the same surface depends on the tilt by up to 0.8,
+// as some antialiased maps do: such maps are warned of. `turn`: degrees rms by which the two readings differ; where
+// they hardly do, nothing is said.
+enum class BlueDoubt { kNone, kWarned, kRefused };
+BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
+  const VectorStatistics& s = reading.statistics;
+  if (reading.encoding.rebuild_z || reading.encoding.positive_z || s.beyond_share > 0.005) return BlueDoubt::kNone;
+  if (has_one_length(s) || is_blue_constant(evidence, s)) return BlueDoubt::kNone;
+  const double turn = s.rebuilt_angle, spread = s.block_length_spread;
+  if (s.unit_share_10 < 0.7 && s.z_dependence < 0.26 && spread > 0.1 && turn > 1.5) return BlueDoubt::kRefused;
+  if (s.unit_share_10 < 0.85 && s.z_dependence < 0.5 && spread > 0.13 && turn > 3.0) return BlueDoubt::kRefused;
+  if (s.unit_share_10 < 0.7 && spread > 0.125 && turn > 2.0) return BlueDoubt::kWarned;
+  return BlueDoubt::kNone;
+}
+
+std::string blue_doubt_text(const VectorStatistics& s) {
+  return fmt::format(
+      "blue does not follow red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
+      "{:.0f} % "
+      "of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, smoothness "
+      "or "
+      "height",
+      100.0 * s.block_length_spread, s.length_mean, 100.0 * s.z_dependence * s.z_dependence, s.rebuilt_angle);
+}
+
+// Refuses or warns, unless the settings say what blue is.
+void check_blue(const std::string& path, const Evidence& evidence, const Reading& reading,
+                const NormalMapSettings& settings, std::vector<std::string>& warnings) {
+  if (settings.z_range) return;
+  const BlueDoubt doubt = blue_doubt(evidence, reading);
+  if (doubt == BlueDoubt::kNone) return;
+  const std::string text = blue_doubt_text(reading.statistics);
+  const std::string advised =
+      advice(". <two_channel> reads red and green alone") + advice(", <z_range signed> takes blue for z all the same");
+  const bool is_refusing = settings.bump_format == BumpFormat::kAuto || settings.refuse_doubts;
+  if (doubt == BlueDoubt::kRefused && is_refusing)
+    throw Error(ErrorCode::kInput, fmt::format("{}: {}; expected the z of unit vectors{}", path, text, advised));
+  warnings.push_back(text + advised);
+}
+
+// --bumpformat cannot help a map with its x in alpha, which is not read: the message does not offer it.
+[[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const Reading& reading,
+                                 const std::string& why) {
+  if (has_x_in_alpha(evidence))
+    throw Error(ErrorCode::kInput,
+                path +
+                    ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
+                    "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
+  throw Error(
+      ErrorCode::kInput,
+      fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
+                  "grey{}{}",
+                  path, why,
+                  is_two_channel_plausible(evidence, reading)
+                      ? advice(". If blue is not z (occlusion, smoothness, height), give <two_channel>: red and "
+                               "green are the slopes of a surface")
+                      : "",
+                  advice(". If it is one all the same, give <bumpformat normal> or <bumpformat height>")));
+}
+
+// Of the options given, those that say nothing of what the file was taken for.
+void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, const char* what,
+                     std::vector<std::string>& warnings) {
+  std::vector<std::string> names;
+  for (const auto& [is_given, name] : given)
+    if (is_given) names.emplace_back(name);
+  if (!names.empty()) warnings.push_back(fmt::format("settings without effect on {}", what) + names_as_advice(names));
+}
+
+DetectedEncoding height_field(const std::string& reason, const HeightReading& reading,
+                              const NormalMapSettings& settings) {
+  DetectedEncoding result;
+  result.is_height_field = true;
+  result.heights = reading;
+  result.reason = reason;
+  const bool is_signed = settings.is_signed.value_or(false);
+  warn_of_ignored({{settings.green.has_value(), "green"},
+                   {is_signed, "signed"},
+                   {settings.is_signed.has_value() && !is_signed, "unsigned"},
+                   {settings.two_channel.has_value(), "two_channel"},
+                   {settings.z_range.has_value(), "z_range"},
+                   {settings.normal_scale != 1.0f, "normal_scale"}},
+                  "a height field", result.warnings);
+  return result;
+}
+
+DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, const std::string& reason,
+                            const NormalMapSettings& settings) {
+  if (const std::optional<std::string> why = grey_refusal(evidence))
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
+                            "values{}",
+                            path, *why, advice(". If it is one all the same, give <bumpformat height>")));
+  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height",
+                      {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+}
+
+// The coding that was asked for.
+std::optional<HeightCoding> coding_of(BumpFormat format) {
+  switch (format) {
+    case BumpFormat::kPacked16: return HeightCoding::kPacked16;
+    case BumpFormat::kPacked24: return HeightCoding::kPacked24;
+    case BumpFormat::kTerrarium: return HeightCoding::kTerrarium;
+    case BumpFormat::kMapbox: return HeightCoding::kMapbox;
+    default: return std::nullopt;
+  }
+}
+
+DetectedEncoding packed_heights(const std::string& path, const Evidence& evidence, HeightCoding coding,
+                                const NormalMapSettings& settings) {
+  const int channel_count = coding == HeightCoding::kPacked16 ? 2 : 3;
+  if (evidence.info().base_type != number_type::kUint8 || evidence.info().channel_count < channel_count)
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {}, expected {} channels of 8 bits for {}", path,
+                                               evidence.info().format, channel_count, height_coding_name(coding)));
+  return height_field(coding_of(settings.bump_format)
+                          ? height_coding_name(coding) + ", as asked for"
+                          : height_coding_name(coding) + ": they are continuous, where the channels by themselves jump",
+                      {coding, std::nullopt}, settings);
+}
+
+// Reads what the caller said to be heights.
+DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
+  if (is_grey(evidence))
+    return height_field(
+        evidence.info().channel_count == 1 ? "as asked for" : "as asked for; the mean of equal colour channels",
+        {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+  if (const std::optional<HeightCoding> packed = find_packed_heights(evidence.image))
+    return packed_heights(path, evidence, *packed, settings);
+  throw Error(
+      ErrorCode::kInput,
+      fmt::format("{}: found colours, whose channels differ by {:.3g} of their {} rms, expected heights as asked for: "
+                  "one channel, or equal ones. Save the channel that has them as grey (oiiotool IN --ch R -o OUT){}",
+                  path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
+                  advice("; if its bytes are spread over the channels, give <bumpformat packed16>, packed24, terrarium "
+                         "or mapbox")));
+}
+
+// The threshold lies between the maps that are known and those that are not (0.15 and 0.31, see vector_statistics.cpp);
+// four standard deviations of the correlation of independent samples where they are few.
+std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
+  const double threshold = std::max(0.25, 4.0 / std::sqrt(std::max(1.0, s.gradient_sample_count)));
+  if (s.gradient_agreement >= threshold) return GreenAxis::kUp;
+  if (s.gradient_agreement <= -threshold) return GreenAxis::kDown;
+  return std::nullopt;
+}
+
+const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
+
+// Normals times a constant are normalised, which a file of something else would be too.
+void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
+  const VectorStatistics& s = reading.statistics;
+  if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
+  warnings.push_back(
+      fmt::format("its vectors are {:.3g} long instead of 1, all alike: they are read as normals times a "
+                  "constant, and made unit vectors",
+                  s.length_mean));
+}
+
+// Green that cannot be told, or that was told against the evidence: bumps and dents are then mixed up along y.
+void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
+                   std::vector<std::string>& warnings) {
+  if (!settings.green && !found) {
+    // Where nothing is tilted, green is 0 either way.
+    if (s.tilted_share > 0.0)
+      warnings.emplace_back("which way green points cannot be told from the statistics; up (OpenGL) is taken" +
+                            advice(", <green up> or <green down> says it"));
+  } else if (settings.green && found && *settings.green != *found) {
+    warnings.push_back(
+        fmt::format("green is read as {}, as asked for, but red and green are the slopes of a surface whose green "
+                    "points {} (gradient agreement {:+.2f}){}",
+                    green_name(*settings.green), green_name(*found), s.gradient_agreement,
+                    advice(fmt::format(": unless you know better, leave the setting out, or say <green {}>",
+                                       *found == GreenAxis::kUp ? "up" : "down"))));
+  }
+}
+
+std::string describe(const VectorEncoding& encoding, const char* green_note) {
+  return fmt::format("normal map, {}, {}green {}{}", encoding.is_signed ? "signed" : "unsigned",
+                     encoding.rebuild_z    ? "two channels (z rebuilt), "
+                     : encoding.positive_z ? "z from 0 to 1, "
+                                           : "",
+                     green_name(encoding.green), green_note);
+}
+
+// Warns where a set's green is not the one that the map by itself seems to have.
+void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
+  if (!own || !of_set || *own == *of_set) return;
+  warnings.push_back(fmt::format(
+      "green is read as {}, as in the first tile of its set that can tell, but this tile is the slopes of a "
+      "surface whose green points {}{}",
+      green_name(*of_set), green_name(*own), advice(": <green up> or <green down> says what holds for all tiles")));
+}
+
+}  // namespace
+
+bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey) {
+  constexpr double kChromaMax = 1.0 / 255.0, kChromaOfContrastMax = 0.25;
+  if (info.channel_count < 2) return true;
+  const double chroma = survey.chroma_rms();
+  if (chroma == 0.0) return true;
+  if (info.sample_type != SampleType::kUint8 && chroma > kChromaOfContrastMax * survey.grey_deviation()) return false;
+  return chroma <= kChromaMax;
+}
+
+std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings) {
+  const bool are_heights = settings.bump_format != BumpFormat::kAuto && settings.bump_format != BumpFormat::kNormal;
+  if (are_heights || info.channel_count == 1) return {};
+  return signedness_candidates(info.sample_type, first_encoding(info, settings), settings);
+}
+
+DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
+                                 const NormalMapSettings& settings, int threads, const GreenOfSet& green_of_set) {
+  const Evidence evidence{image, survey, threads};
+  const int channel_count = image.info().channel_count;
+  if (settings.bump_format == BumpFormat::kHeight) return asked_heights(path, evidence, settings);
+  if (const std::optional<HeightCoding> coding = coding_of(settings.bump_format))
+    return packed_heights(path, evidence, *coding, settings);
+  if (channel_count == 1 && settings.two_channel.value_or(false))
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
+                                               "two-channel map has x and y",
+                                               path, image.info().format));
+  if (channel_count == 1) {
+    if (settings.bump_format == BumpFormat::kNormal)
+      throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
+    return grey_image(path, evidence, "1 channel", settings);
+  }
+  if (settings.bump_format == BumpFormat::kAuto) {
+    if (channel_count == 3 && is_grey(evidence))
+      return grey_image(path, evidence, "red, green and blue are equal", settings);
+    if (const std::optional<HeightCoding> packed = find_packed_heights(image))
+      return packed_heights(path, evidence, *packed, settings);
+  }
+  if (settings.refuse_doubts && is_grey(evidence))
+    throw Error(ErrorCode::kInput, path + ": found a grey image, expected a normal map");
+
+  const Reading reading = best_reading(evidence, settings);
+  if (settings.bump_format == BumpFormat::kAuto) {
+    if (const std::optional<std::string> why = refusal(reading))
+      refuse_vectors(path, evidence, reading, fmt::format("{} ({})", *why, summary(reading)));
+  }
+  DetectedEncoding result;
+  check_blue(path, evidence, reading, settings, result.warnings);
+  result.vectors = reading.encoding;
+  result.vectors.empty_is_unused = empty_share(evidence, reading) > kUnusedShareNoted;
+  const std::optional<GreenAxis> own_green = green_from_gradients(reading.statistics);
+  const bool asks_set = green_of_set && !settings.green;
+  const std::optional<GreenAxis> found_green = asks_set ? green_of_set(own_green) : own_green;
+  result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
+  const char* green_note = settings.green.has_value()             ? ", as asked for"
+                           : !found_green.has_value()             ? ", undecided"
+                           : asks_set && found_green != own_green ? ", as its set has it"
+                                                                  : "";
+  result.description = describe(result.vectors, green_note);
+  result.reason = summary(reading);
+  result.vectors.tilt = settings.normal_scale;
+  if (settings.normal_scale != 1.0f) result.description += fmt::format(", scaled by {:g}", settings.normal_scale);
+  const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
+  warn_of_ignored({{is_scaled, "height_scale"}, {settings.dequantize, "dequantize"}}, "a normal map", result.warnings);
+  if (reading.encoding.rebuild_z && channel_count > 2 && !settings.two_channel)
+    result.reason += fmt::format(", blue is {:.3g} throughout, which completes no vector", reading.statistics.blue_min);
+  if (reading.signed_z_error > 0.0)
+    result.reason += fmt::format(
+        ", lengths are within {:.2g} % of 1 (rms of tilted texels) if z is blue, within {:.2g} % "
+        "if it is 2 blue - 1",
+        100.0 * reading.statistics.length_error, 100.0 * reading.signed_z_error);
+  warn_of_length(reading, result.warnings);
+  warn_of_green(settings, found_green, reading.statistics, result.warnings);
+  if (asks_set) warn_of_set(own_green, found_green, result.warnings);
+  return result;
+}
+
+}  // namespace multum

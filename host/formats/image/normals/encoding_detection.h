@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Detects the meaning of an image's numbers from their statistics: height field or normal map, signed or 0..1, two or
+// three channels, green up or down. The answer carries its reason; a file that is neither is refused with the reason.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/formats/image/normals/height_surface.h"
+#include "host/formats/image/normals/image_survey.h"
+#include "host/formats/image/normals/normal_decode.h"
+#include "host/formats/image/normals/normal_map.h"
+#include "host/formats/image/raw_image.h"
+
+namespace multum {
+
+struct DetectedEncoding {
+  bool is_height_field = false;
+  HeightReading heights;              // of a height field
+  VectorEncoding vectors;             // of a normal map
+  std::string description;            // NormalMapReport::encoding of a normal map
+  std::string reason;                 // NormalMapReport::encoding_reason
+  std::vector<std::string> warnings;  // NormalMapReport::warnings
+};
+
+/// The readings whose statistics detect_encoding() will ask for as far as can be told before the rows: what the survey
+/// of the image should take.
+std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings);
+
+/// Whether an image is grey, up to the noise of compression.
+bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey);
+
+/// Green of a set of tiles, given that of the map by itself; nullopt where it cannot be told.
+using GreenOfSet = std::function<std::optional<GreenAxis>(std::optional<GreenAxis> own)>;
+
+/// Follows the overrides in `settings`. Throws Error(kInput) with the reason when the file is neither a normal map nor
+/// a height field, unless settings.bump_format says which.
+DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
+                                 const NormalMapSettings& settings, int threads, const GreenOfSet& green_of_set = {});
+
+}  // namespace multum

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The heights of an image, and what is beyond its borders: the one place where slopes, their measurements and
+// dequantization take heights from.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/formats/image/normals/normal_map.h"
+#include "host/formats/image/raw_image.h"
+
+namespace multum {
+
+/// How the colour channels hold a height. kGrey: their mean. The others are of 8 bits a channel, V the number whose
+/// bytes they are, red the highest: kPacked16 is V / 65535 of red and green, kPacked24 V / 16777215 of all three,
+/// kTerrarium V / 256 - 32768 metres, kMapbox V / 10 - 10000 metres.
+enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
+
+/// "16-bit heights packed in red and green", "Terrarium elevation in metres"; empty for kGrey.
+std::string height_coding_name(HeightCoding coding);
+
+struct HeightReading {
+  HeightCoding coding = HeightCoding::kGrey;
+  std::optional<float> no_data;  // a value, as RawImage converts it, that says that there is no height
+};
+
+/// A value difference of 1, in the file's own numbers: 255 for 8 bits, 1 for floats and metres.
+double value_unit(const RawImageInfo& info, const HeightReading& reading);
+
+/// Rows of heights. NaN: there is none.
+struct HeightRows {
+  int column_begin = 0;  // below 0: with columns beyond the border
+  int row_begin = 0;
+  int row_width = 0;
+  std::vector<float> values;
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row - row_begin) * static_cast<std::size_t>(row_width) +
+           static_cast<std::size_t>(column - column_begin);
+  }
+  float at(int column, int row) const { return values[index(column, row)]; }
+  int row_count() const {
+    return row_width > 0 ? static_cast<int>(values.size() / static_cast<std::size_t>(row_width)) : 0;
+  }
+  const float* row(int number) const { return &values[index(column_begin, number)]; }
+};
+
+/// What lies beyond one side: nothing, the image's opposite side, heights of 0, or a strip of another image.
+struct HeightSide {
+  enum class Beyond { kEnd, kWrapped, kBlack, kStrip };
+  Beyond beyond = Beyond::kEnd;
+  // kStrip: the rows or columns next to the border, as they lie in the picture; beyond its depth there is nothing.
+  std::shared_ptr<const HeightRows> strip = nullptr;
+};
+
+struct HeightSides {
+  HeightSide left, right, above, below;
+};
+
+/// As wrap modes have them: clamp and mirror end the surface. A mirror line lies between texels, so that a slope across
+/// it would turn there: a texel keeps the slope of its own side.
+HeightSides wrapped_sides(WrapMode wrap_s, WrapMode wrap_t);
+
+class HeightSurface {
+ public:
+  /// The image must outlive it. Non-finite heights, where `is_finite` does not rule them out, are repaired by
+  /// `fix_nan` (kBox3: mean of the finite 3 x 3 neighbours, else 0; kBlack: 0).
+  HeightSurface(const RawImage& image, const HeightReading& reading, bool is_finite, FixNan fix_nan,
+                HeightSides sides = {});
+
+  int width() const { return image_.info().width; }
+  int height() const { return image_.info().height; }
+  const RawImageInfo& info() const { return image_.info(); }
+  const HeightReading& reading() const { return reading_; }
+  const HeightSides& sides() const { return sides_; }
+
+  /// Rows [row_begin, row_end), which may be beyond the image, of the columns from -margin to width + margin. Any
+  /// number of threads may read at once.
+  HeightRows rows(int row_begin, int row_end, int margin) const;
+
+ private:
+  HeightRows merged_rows(int row_begin, int row_end) const;
+  HeightRows repaired_rows(int row_begin, int row_end) const;
+  bool is_no_data(const float* texel, std::size_t channel_count) const;
+  void append_row(int row, int margin, HeightRows& rows) const;
+  void append_own_row(const float* own, int row, int margin, HeightRows& rows) const;
+
+  const RawImage& image_;
+  HeightReading reading_;
+  bool is_finite_;
+  FixNan fix_nan_;
+  HeightSides sides_;
+};
+
+}  // namespace multum

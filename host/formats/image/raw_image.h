@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Holds an image's numbers as its file has them, in memory or in a scratch file, and gives rows of them as floats: a
+// half or a quarter of what the floats would take, written once while the file is read and looked at several times
+// after.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/formats/image/plane_store.h"
+#include "host/formats/image/sample_converter.h"
+#include "host/foundation/base/files/scratch_file.h"
+#include "host/foundation/base/files/spill_policy.h"
+
+namespace multum {
+
+enum class SampleType { kUint8, kUint16, kOtherInteger, kHalf, kFloat };  // kFloat: also double
+
+inline bool is_float_type(SampleType type) { return type == SampleType::kHalf || type == SampleType::kFloat; }
+
+/// Description of an image, known before its rows.
+struct RawImageInfo {
+  int width = 0;
+  int height = 0;
+  int channel_count = 0;  // colour channels, 1 to 3, and no alpha; or all of them
+  SampleType sample_type = SampleType::kFloat;
+  int base_type = 0;                       // of the stored samples, host/formats/image/files/number_type.h
+  std::size_t row_bytes = 0;               // of the stored samples
+  std::string colour_space;                // as the file says: "sRGB", "Linear", "Gamma2.2", or empty
+  bool has_alpha = false;                  // in the file; never read
+  std::vector<std::string> channel_names;  // of those that are read
+  std::string format;                      // "png uint8, 4 channels (alpha not read)"
+  std::vector<std::string> notes = {};     // ImageContainer::notes
+  double texel_metres = 0.0;               // ImageContainer's
+  std::optional<double> no_data = {};      // the same
+
+  std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
+};
+
+/// Rows in the file's sample type: row-major, channels interleaved.
+struct RawBand {
+  int first_row;
+  int row_count;
+  const std::byte* samples;
+};
+
+/// Rows as floats (host/formats/image/sample_converter.h), channels interleaved, and the memory that reading them
+/// takes: one a thread.
+struct RawRows {
+  std::vector<float> values;
+  std::vector<std::byte> samples;
+};
+
+class RawImage {
+ public:
+  /// Throws Error(kEnvironment) when a scratch file is needed and cannot be made.
+  RawImage(RawImageInfo info, const SpillPolicy& spill);
+
+  const RawImageInfo& info() const { return info_; }
+  /// Throws Error(kEnvironment) when the disk refuses.
+  void write(const RawBand& band);
+  /// Any number of threads may read at once, each into rows of its own.
+  void read_rows(int first_row, int row_count, RawRows& rows) const;
+
+ private:
+  RawImageInfo info_;
+  SampleConverter converter_;
+  std::unique_ptr<std::byte[]> samples_;  // not set to 0
+  std::optional<ScratchFile> file_;
+};
+
+}  // namespace multum

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Converts a file's samples to floats, integers scaled to 0..1: to what OpenImageIO's conversion to FLOAT gives, to the
+// bit, and if asked for a function of it.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace multum {
+
+class SampleConverter {
+ public:
+  /// `base_type`: of host/formats/image/files/number_type.h. `then` is evaluated once for each code of 8 and 16 bits.
+  explicit SampleConverter(int base_type, std::function<float(float)> then = {});
+
+  /// `values` holds `count` floats. Any number of threads may convert at once.
+  void convert(const std::byte* samples, std::size_t count, float* values) const;
+
+ private:
+  void convert_without_table(const std::byte* samples, std::size_t count, float* values) const;
+
+  int base_type_;
+  std::function<float(float)> then_;
+  std::vector<float> table_;  // of 8- and 16-bit codes; empty for other types
+};
+
+}  // namespace multum

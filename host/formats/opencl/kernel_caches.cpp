@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/formats/opencl/kernel_caches.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <utility>
+
+#include "host/formats/opencl/program_cache.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/system_failure.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Removed by the process that made it, not by a copy of it that fork() left.
+class PrivateFolder {
+ public:
+  explicit PrivateFolder(const std::string& above) : path_(above + "/multum-cache-XXXXXX"), owner_(::getpid()) {
+    if (::mkdtemp(path_.data()) == nullptr) fail_by_errno(above, "no private folder for compiled kernels can be made");
+  }
+  ~PrivateFolder() {
+    std::error_code ignored;
+    if (::getpid() == owner_) fs::remove_all(path_, ignored);
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  const pid_t owner_;
+};
+
+// Why no folder can be made in it; empty: one can. Permissions do not tell everything (root, a disk that is read-only
+// or full), so it is tried.
+std::string why_not_writable(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return errno_text(error.value());
+  std::string probe = folder + "/.multum-probe-XXXXXX";
+  if (::mkdtemp(probe.data()) == nullptr) return errno_text(errno);
+  ::rmdir(probe.c_str());
+  return "";
+}
+
+class KernelCaches {
+ public:
+  void set(const KernelCacheFolders& folders) {
+    const std::lock_guard lock(mutex_);
+    folders_ = folders;
+    is_prepared_ = false;
+    set_program_cache_folder(folders.programs);
+  }
+
+  void prepare() {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(is_prepared_, true)) return;
+    pocl_failure_.clear();
+    if (!replace(folders_.programs, "MULTUM_CACHE_DIR", "programs").empty())
+      set_program_cache_folder(folders_.programs);
+    const std::string why_no_pocl = replace(folders_.pocl, "POCL_CACHE_DIR", "pocl");
+    if (private_ == nullptr) pocl_failure_ = why_no_pocl;
+  }
+
+  const std::string& pocl_failure() const { return pocl_failure_; }
+
+ private:
+  // A private folder in the place of one that cannot be written. Returns what was said of it.
+  std::string replace(std::string& folder, const char* variable, const char* name) {
+    if (folder.empty()) return "";
+    const std::string why = why_not_writable(folder);
+    if (why.empty()) return "";
+    const std::string place = folder;
+    std::string said = "compiled kernels cannot be kept here: " + why;
+    try {
+      if (private_ == nullptr) private_ = std::make_unique<PrivateFolder>(fs::temp_directory_path().string());
+      folder = private_->path() + "/" + name;
+      fs::create_directory(folder);
+      ::setenv(variable, folder.c_str(), 1);
+      log_warning(place,
+                  fmt::format("{}; they are compiled anew, into a private folder that goes when this program ends. Set "
+                              "{} to a folder that can be written",
+                              said, variable));
+    } catch (const std::exception& error) {  // the driver may do without
+      said += std::string("; ") + error.what();
+      log_warning(place, said);
+    }
+    return place + ": " + said;
+  }
+
+  std::mutex mutex_;
+  KernelCacheFolders folders_;
+  bool is_prepared_ = true;  // as long as nobody names folders
+  std::string pocl_failure_;
+  std::unique_ptr<PrivateFolder> private_;
+};
+
+KernelCaches& kernel_caches() {
+  static KernelCaches caches;
+  return caches;
+}
+
+}  // namespace
+
+void set_kernel_caches(const KernelCacheFolders& folders) { kernel_caches().set(folders); }
+void prepare_kernel_caches() { kernel_caches().prepare(); }
+const std::string& pocl_cache_failure() { return kernel_caches().pocl_failure(); }
+
+}  // namespace multum

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/formats/opencl/pocl_settings.h"
+
+#include <cstdlib>
+
+#include "host/foundation/base/processes/machine.h"
+
+namespace multum {
+namespace {
+
+// Of PoCL before 4.0, and since.
+constexpr const char* kThreadVariables[] = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"};
+
+bool processor_has_avx512() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx512f") != 0;
+#else
+  return false;
+#endif
+}
+
+}  // namespace
+
+// PoCL would compile a kernel once more for each local size at its first launch, though the program has a version for
+// all sizes: seconds of a first bake. Kernels of one work-item a group gain nothing by it (PoCL 3.1, AVX-512: bakes of
+// 1024 x 1024 in the same time).
+void ask_pocl_for_one_version_of_kernels() {
+  [[maybe_unused]] static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+}
+
+void set_pocl_threads(int threads) {
+  for (const char* variable : kThreadVariables) setenv(variable, std::to_string(threads).c_str(), 1);
+}
+
+void ask_pocl_for_usual_threads() {
+  for (const char* variable : kThreadVariables)
+    if (std::getenv(variable) != nullptr) return;
+  set_pocl_threads(processor_count());
+}
+
+bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512) {
+  return !has_avx512 && platform_version.find(" PoCL ") != std::string::npos &&
+         platform_version.find(" LLVM 18.") != std::string::npos;
+}
+
+// Continuations (PoCL 6.0, haswell) gave bakes of the same bytes in the same time.
+void ask_pocl_for_safe_loops(const std::string& platform_version) {
+  if (pocl_loops_may_abort(platform_version, processor_has_avx512())) setenv("POCL_WORK_GROUP_METHOD", "cbs", 0);
+}
+
+}  // namespace multum

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/formats/opencl/program_cache.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/formats/opencl/cl_error.h"
+#include "host/formats/opencl/device_state.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/files/regular_file.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/processes/interrupt.h"
+#include "kernels/kernel_sources.h"
+
+namespace multum {
+namespace {
+
+std::string g_cache_folder;
+
+// Binaries end with the SHA-256 of what precedes it, so that a file cut short by a full disk is never given to a
+// driver.
+constexpr std::size_t kDigestSize = 64;
+
+std::string build_log(const DeviceState& state, cl_program program) {
+  std::size_t size = 0;
+  if (clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS) return "";
+  std::string text(size, '\0');
+  clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, size, text.data(), nullptr);
+  return text;
+}
+
+// In the state's context, or in another of its device.
+cl_program build_from_source(const DeviceState& state, cl_context context, const std::string& file,
+                             std::string_view source, const std::string& options) {
+  cl_int status = CL_SUCCESS;
+  const char* text = source.data();
+  const std::size_t length = source.size();
+  cl_program program = clCreateProgramWithSource(context, 1, &text, &length, &status);
+  check_cl(status, file + ".cl: clCreateProgramWithSource");
+  status = clBuildProgram(program, 1, &state.device, options.c_str(), nullptr, nullptr);
+  if (status != CL_SUCCESS) {
+    const std::string log = build_log(state, program);
+    clReleaseProgram(program);
+    // At a signal LLVM, which PoCL compiles with, deletes the files that it is writing.
+    if (is_interrupted()) throw Cancelled();
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}.cl does not build on {} with {}: {}\n{}", file,
+                                                     state.info.name, options, cl_error_name(status), log));
+  }
+  return program;
+}
+
+// Null when there is none, or the driver does not take it: it is another's, or damaged.
+cl_program build_from_binary(const DeviceState& state, const std::string& bytes, const std::string& options) {
+  if (bytes.empty()) return nullptr;
+  const std::size_t length = bytes.size();
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  cl_int binary_status = CL_SUCCESS, status = CL_SUCCESS;
+  cl_program program =
+      clCreateProgramWithBinary(state.context, 1, &state.device, &length, &data, &binary_status, &status);
+  if (status != CL_SUCCESS || binary_status != CL_SUCCESS) return nullptr;
+  if (clBuildProgram(program, 1, &state.device, options.c_str(), nullptr, nullptr) != CL_SUCCESS) {
+    clReleaseProgram(program);
+    return nullptr;
+  }
+  return program;
+}
+
+// Empty when the driver has none.
+std::string binary_of(cl_program program) {
+  std::size_t length = 0;
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(length), &length, nullptr) != CL_SUCCESS || length == 0)
+    return {};
+  std::string bytes(length, '\0');
+  auto* data = reinterpret_cast<unsigned char*>(bytes.data());
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(data), &data, nullptr) != CL_SUCCESS) return {};
+  return bytes;
+}
+
+// Empty when there is no usable one.
+std::string read_binary(const std::string& path) {
+  std::string bytes;
+  try {
+    RegularFileStream in(path);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  } catch (const Error& error) {  // a folder, a FIFO: save_binary() says that it cannot be written
+    log_verbose(std::string("program cache: ") + error.what());
+    return {};
+  }
+  if (bytes.size() <= kDigestSize) return {};
+  const std::string digest = bytes.substr(bytes.size() - kDigestSize);
+  bytes.resize(bytes.size() - kDigestSize);
+  if (hash_text(bytes) == digest) return bytes;
+  log_verbose("program cache: " + path + " is damaged, building anew");
+  return {};
+}
+
+// Failing to keep a binary costs the next run a build; it is no reason to fail this one.
+void save_binary(const std::string& bytes, const std::string& path) {
+  if (bytes.empty()) return;
+  try {
+    std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+    write_text_file(path, bytes + hash_text(bytes));
+  } catch (const std::exception& error) {
+    log_verbose(std::string("program cache: ") + error.what());
+  }
+}
+
+struct Source {
+  std::string text;
+  std::string path;  // of its binary
+};
+
+Source source_of(const DeviceState& state, const std::string& file, const std::string& options) {
+  const auto found = kernel_sources().find(file + ".cl");
+  MULTUM_CHECK(found != kernel_sources().end());
+  Source source{edited_source(found->second, file, state.edits), ""};
+  if (g_cache_folder.empty()) return source;
+  ContentHash key;
+  for (std::string_view part :
+       {std::string_view(source.text), std::string_view(options), std::string_view(state.info.name),
+        std::string_view(state.info.platform), std::string_view(state.info.driver)}) {
+    key.update(part);
+    key.update("\n");
+  }
+  source.path = g_cache_folder + "/" + file + "-" + key.finish().substr(0, 32) + ".clbin";
+  return source;
+}
+
+// Once a device: the first run takes seconds more than those after it, and nobody should wonder why.
+void tell_of_building(DeviceState& state) {
+  if (state.told_of_building) return;
+  state.told_of_building = true;
+  log_info("compiling kernels for " + state.info.name + ", once: they are kept in " + g_cache_folder);
+}
+
+std::string build_binary(const DeviceState& state, cl_context context, const std::string& file, const Source& source,
+                         const std::string& options) {
+  cl_program program = build_from_source(state, context, file, source.text, options);
+  const std::shared_ptr<void> program_end(program, [](void* p) { clReleaseProgram(static_cast<cl_program>(p)); });
+  const std::string bytes = binary_of(program);
+  save_binary(bytes, source.path);
+  return bytes;
+}
+
+std::shared_ptr<void> make_context(cl_device_id device) {
+  cl_int status = CL_SUCCESS;
+  cl_context context = clCreateContext(nullptr, 1, &device, nullptr, nullptr, &status);
+  check_cl(status, "clCreateContext");
+  return {context, [](void* c) { clReleaseContext(static_cast<cl_context>(c)); }};
+}
+
+}  // namespace
+
+void set_program_cache_folder(const std::string& folder) { g_cache_folder = folder; }
+
+std::string program_key(const DeviceState& state, const std::string& file, const std::string& options) {
+  std::string key = file + " " + options;
+  for (const SourceEdit& edit : state.edits)
+    if (edit.file == file) key += "\n" + edit.text + "\n" + edit.replacement;
+  return key;
+}
+
+void prepare_program(DeviceState& state, const std::string& file, const std::string& options) {
+  const std::string key = program_key(state, file, options);
+  if (g_cache_folder.empty() || state.programs.count(key) != 0 || state.builds.has(key)) return;
+  const Source source = source_of(state, file, options);
+  std::error_code ignored;
+  if (std::filesystem::exists(source.path, ignored)) return;  // who needs it reads it, and builds it if it is damaged
+  tell_of_building(state);
+  // PoCL builds one program at a time in a context, and reads its library of functions once for each, in half the time
+  // that a small program takes: a context a thread. The state outlives its builds, which read what it is a state of.
+  state.builds.add(key, [&state, file, source, options](std::shared_ptr<void>& context) {
+    if (context == nullptr) context = make_context(state.device);
+    return build_binary(state, static_cast<cl_context>(context.get()), file, source, options);
+  });
+}
+
+cl_program load_program(DeviceState& state, const std::string& file, const std::string& options) {
+  const std::optional<std::string> prepared = state.builds.take(program_key(state, file, options));
+  if (prepared)
+    if (cl_program program = build_from_binary(state, *prepared, options)) return program;
+  const Source source = source_of(state, file, options);
+  if (!prepared && !g_cache_folder.empty()) {
+    if (cl_program program = build_from_binary(state, read_binary(source.path), options)) {
+      log_verbose("program cache: " + file + " loaded");
+      return program;
+    }
+    ++state.unprepared_count;
+    log_verbose("program cache: " + file + " is built while its caller waits");
+    tell_of_building(state);
+    // What was just built is taken as a binary, too: the first run does what every later one does.
+    const std::string bytes = build_binary(state, state.context, file, source, options);
+    if (cl_program program = build_from_binary(state, bytes, options)) return program;
+  }
+  return build_from_source(state, state.context, file, source.text, options);
+}
+
+const std::string& kernel_sources_hash() {
+  static const std::string hash = [] {
+    std::string all;
+    for (const auto& [name, source] : kernel_sources()) all += source;
+    return hash_text(all);
+  }();
+  return hash;
+}
+
+}  // namespace multum

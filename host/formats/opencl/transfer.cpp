@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copies between host and device. A CPU's buffers are mapped, without a copy. For others bytes pass through pinned
+// memory, from which the device copies by itself: the host fills one buffer while the other one is on its way.
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "host/formats/opencl/cl_error.h"
+#include "host/formats/opencl/device.h"
+#include "host/formats/opencl/device_state.h"
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+// A CPU's memory is the host's.
+bool is_mapped(const DeviceState& state) { return state.shape.staging_bytes == 0; }
+
+std::size_t total_of(const std::vector<BufferRange>& ranges) {
+  std::size_t sum = 0;
+  for (const BufferRange& range : ranges) sum += range.count;
+  return sum;
+}
+
+void wait_for(EventHandle& handle) {
+  if (handle == nullptr) return;
+  const cl_event event = handle.get();
+  check_cl(clWaitForEvents(1, &event), "clWaitForEvents");
+  handle.reset();
+}
+
+void release(DeviceState& state, StagingBuffer& staging) {
+  if (staging.bytes != nullptr)
+    clEnqueueUnmapMemObject(state.queue, staging.memory, staging.bytes, 0, nullptr, nullptr);
+  if (staging.memory != nullptr) clReleaseMemObject(staging.memory);
+  staging = StagingBuffer();
+}
+
+// The next of the two, free to be written, of at least so many bytes.
+StagingBuffer& next_staging(DeviceState& state, std::size_t byte_count) {
+  StagingBuffer& staging = state.staging[state.next_staging];
+  state.next_staging = (state.next_staging + 1) % state.staging.size();
+  wait_for(staging.copied);
+  if (staging.size >= byte_count) return staging;
+  release(state, staging);
+  cl_int status = CL_SUCCESS;
+  staging.memory =
+      clCreateBuffer(state.context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, byte_count, nullptr, &status);
+  check_cl(status, "pinned memory of " + std::to_string(byte_count) + " bytes");
+  staging.bytes = static_cast<unsigned char*>(clEnqueueMapBuffer(
+      state.queue, staging.memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, byte_count, 0, nullptr, nullptr, &status));
+  check_cl(status, "clEnqueueMapBuffer of pinned memory");
+  staging.size = byte_count;
+  return staging;
+}
+
+Device::Bytes places_in(unsigned char* bytes, const std::vector<BufferRange>& ranges) {
+  Device::Bytes places;
+  for (const BufferRange& range : ranges) {
+    places.push_back(bytes);
+    bytes += range.count;
+  }
+  return places;
+}
+
+cl_mem memory_of(const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); }
+
+// Ranges of CPUs' buffers as the host sees them, until it goes; of one that is empty nothing. They are mapped together,
+// so that the host waits once for the launches before; the launches that follow wait in the queue. Whoever has written
+// ends with unmap(): where that fails, the device may not see what was written.
+class MappedRanges {
+ public:
+  explicit MappedRanges(const DeviceState& state) : queue_(state.queue) {}
+  ~MappedRanges() {
+    for (const auto& [memory, bytes] : mapped_) clEnqueueUnmapMemObject(queue_, memory, bytes, 0, nullptr, nullptr);
+    if (!mapped_.empty()) clFlush(queue_);
+  }
+  MappedRanges(const MappedRanges&) = delete;
+  MappedRanges& operator=(const MappedRanges&) = delete;
+
+  void add(cl_mem memory, std::size_t begin, std::size_t count) {
+    void* bytes = nullptr;
+    if (count > 0) {
+      cl_int status = CL_SUCCESS;
+      bytes = clEnqueueMapBuffer(queue_, memory, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, begin, count, 0, nullptr,
+                                 nullptr, &status);
+      check_cl(status, "clEnqueueMapBuffer");
+      mapped_.emplace_back(memory, bytes);
+    }
+    bytes_.push_back(static_cast<unsigned char*>(bytes));
+  }
+  /// Waits until the host may read and write them.
+  const Device::Bytes& bytes() const {
+    check_cl(clFinish(queue_), "clFinish");
+    return bytes_;
+  }
+  void unmap() {
+    while (!mapped_.empty()) {
+      const auto [memory, bytes] = mapped_.back();
+      mapped_.pop_back();
+      check_cl(clEnqueueUnmapMemObject(queue_, memory, bytes, 0, nullptr, nullptr), "clEnqueueUnmapMemObject");
+    }
+    check_cl(clFlush(queue_), "clFlush");
+  }
+
+ private:
+  cl_command_queue queue_;
+  std::vector<std::pair<cl_mem, void*>> mapped_;
+  Device::Bytes bytes_;
+};
+
+}  // namespace
+
+TransferCounts TransferCounts::operator-(const TransferCounts& other) const {
+  return {uploads - other.uploads, upload_bytes - other.upload_bytes, downloads - other.downloads,
+          download_bytes - other.download_bytes};
+}
+
+void release_staging(DeviceState& state) {
+  for (StagingBuffer& staging : state.staging) release(state, staging);
+}
+
+const TransferCounts& Device::transfers() const { return state().transfers; }
+
+void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
+  queue_write(buffer, data, byte_count);
+  finish();
+}
+
+void Device::queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
+  MULTUM_CHECK(byte_count <= buffer.byte_count_);
+  if (byte_count == 0) return;
+  check_cl(clEnqueueWriteBuffer(state().queue, memory_of(buffer.memory_), CL_FALSE, 0, byte_count, data, 0, nullptr,
+                                nullptr),
+           "clEnqueueWriteBuffer");
+  state().count_upload(byte_count);
+}
+
+void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count) {
+  MULTUM_CHECK(byte_count <= buffer.byte_count_);
+  if (byte_count == 0) return;
+  check_cl(clEnqueueReadBuffer(state().queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
+                               0, nullptr, nullptr),
+           "clEnqueueReadBuffer");
+  state().count_download(byte_count);
+}
+
+void Device::read_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body) {
+  for (const BufferRange& range : ranges) MULTUM_CHECK(range.begin + range.count <= range.buffer->byte_count_);
+  const std::size_t total = total_of(ranges);
+  if (total == 0) return;
+  if (is_mapped(state())) {
+    MappedRanges mapped(state());
+    for (const BufferRange& range : ranges) mapped.add(memory_of(range.buffer->memory_), range.begin, range.count);
+    body(mapped.bytes());
+    return mapped.unmap();
+  }
+  const Bytes places = places_in(next_staging(state(), total).bytes, ranges);
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    if (ranges[i].count == 0) continue;
+    check_cl(clEnqueueReadBuffer(state().queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
+                                 ranges[i].count, places[i], 0, nullptr, nullptr),
+             "clEnqueueReadBuffer");
+    state().count_download(ranges[i].count);
+  }
+  finish();
+  body(places);
+}
+
+void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body) {
+  if (is_mapped(state())) return read_ranges(ranges, body);
+  for (const BufferRange& range : ranges) MULTUM_CHECK(range.begin + range.count <= range.buffer->byte_count_);
+  const std::size_t total = total_of(ranges);
+  if (total == 0) return;
+  StagingBuffer& staging = next_staging(state(), total);
+  const Bytes places = places_in(staging.bytes, ranges);
+  body(places);
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    if (ranges[i].count == 0) continue;
+    cl_event copied = nullptr;
+    check_cl(clEnqueueWriteBuffer(state().queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
+                                  ranges[i].count, places[i], 0, nullptr, &copied),
+             "clEnqueueWriteBuffer");
+    staging.copied.reset(copied);
+    state().count_upload(ranges[i].count);
+  }
+  flush();  // the last copy's end is the end of all: the queue keeps its order
+}
+
+void Device::move_down(const std::vector<BufferMove>& moves) {
+  for (const auto& [from, to] : moves)
+    MULTUM_CHECK(to <= from.begin && from.begin + from.count <= from.buffer->byte_count_);
+  if (is_mapped(state())) {
+    MappedRanges mapped(state());
+    for (const auto& [from, to] : moves) mapped.add(memory_of(from.buffer->memory_), to, from.begin - to + from.count);
+    const Bytes& bytes = mapped.bytes();
+    for (std::size_t i = 0; i < moves.size(); ++i)
+      std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
+    return mapped.unmap();
+  }
+  // In pieces that do not overlap what they are copied to, one after another.
+  for (const auto& [from, to] : moves) {
+    const cl_mem memory = memory_of(from.buffer->memory_);
+    const std::size_t distance = from.begin - to;
+    for (std::size_t done = 0; distance > 0 && done < from.count; done += distance)
+      check_cl(clEnqueueCopyBuffer(state().queue, memory, memory, from.begin + done, to + done,
+                                   std::min(distance, from.count - done), 0, nullptr, nullptr),
+               "clEnqueueCopyBuffer");
+  }
+}
+
+void Device::fill_zero(DeviceBuffer& buffer) {
+  if (buffer.byte_count_ == 0) return;
+  if (is_mapped(state())) {
+    MappedRanges mapped(state());
+    mapped.add(memory_of(buffer.memory_), 0, buffer.byte_count_);
+    std::memset(mapped.bytes()[0], 0, buffer.byte_count_);
+    return mapped.unmap();
+  }
+  const unsigned char zero = 0;
+  check_cl(clEnqueueFillBuffer(state().queue, memory_of(buffer.memory_), &zero, 1, 0, buffer.byte_count_, 0, nullptr,
+                               nullptr),
+           "clEnqueueFillBuffer");
+}
+
+}  // namespace multum

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/base/files/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <vector>
+
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/content_hash.h"
+#include "host/foundation/base/files/output_file.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ".multum-tmp-PID-RANDOM-PLACE-NAME": hidden, owned by a process of a place. Earlier versions had a counter in place
+// of the random digits: what their killed runs left is removed too.
+constexpr char kPrefix[] = ".multum-tmp-";
+constexpr std::size_t kPlaceDigits = 8;
+constexpr std::time_t kForeignSeconds = 24 * 60 * 60;
+
+// Of the machine, or of the container: numbers of processes say something there alone, and many write to one folder.
+const std::string& place() {
+  static const std::string digits = [] {
+    char host[256] = {};
+    gethostname(host, sizeof(host) - 1);
+    std::error_code ignored;
+    return hash_text(host + fs::read_symlink("/proc/self/ns/pid", ignored).string()).substr(0, kPlaceDigits);
+  }();
+  return digits;
+}
+
+// Was the temporary file `found` of `name` left by a process that is gone? Of other places nobody knows: a day is
+// enough.
+bool is_leftover(const std::string& found, const std::string& name, const struct stat& state) {
+  const std::size_t number = found.find('-', sizeof(kPrefix) - 1);
+  const std::size_t rest = number == std::string::npos ? number : found.find('-', number + 1);
+  if (rest == std::string::npos) return false;
+  const std::string owner = found.substr(rest + 1);
+  if (owner == name || owner == place() + "-" + name) {
+    const long pid = std::strtol(found.c_str() + sizeof(kPrefix) - 1, nullptr, 10);
+    return pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
+  }
+  return owner.size() == kPlaceDigits + 1 + name.size() && owner.ends_with("-" + name) &&
+         std::time(nullptr) - state.st_mtim.tv_sec > kForeignSeconds;
+}
+
+// Files of this user alone: what others put under such a name is theirs. The sweep costs one directory listing a file
+// written, and never touches a living process's file.
+void sweep_leftovers(const NamedPlace& place, const std::string& path) {
+  std::vector<std::string> names;
+  try {
+    names = names_in(place.folder, path);
+  } catch (const Error&) {  // a folder that may not be listed
+  }
+  for (const std::string& found : names) {
+    struct stat state {};
+    if (is_temporary_name(found) &&
+        ::fstatat(place.folder.descriptor(), found.c_str(), &state, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISREG(state.st_mode) && state.st_uid == ::geteuid() && is_leftover(found, place.name, state))
+      ::unlinkat(place.folder.descriptor(), found.c_str(), 0);
+  }
+}
+
+// Something else than a file of this name would be lost, or written to by nobody's wish.
+void check_final_name(const NamedPlace& place, const std::string& path) {
+  const auto refuse = [&](const char* what) {
+    throw Error(ErrorCode::kUsage, path + ": " + what + ", expected the name of a file to write");
+  };
+  if (place.name.empty() || place.name == "." || place.name == "..") refuse("is a folder");
+  check_name_length(path, place.name);
+  struct stat found {};
+  if (::fstatat(place.folder.descriptor(), place.name.c_str(), &found, 0) != 0) return;
+  if (S_ISDIR(found.st_mode)) refuse("is a folder");
+  if (!S_ISREG(found.st_mode)) refuse("is a device, a pipe or a socket");
+}
+
+}  // namespace
+
+bool is_temporary_name(std::string_view name) { return name.starts_with(kPrefix); }
+
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), place_(open_place(path_)) {
+  check_final_name(place_, path_);
+  sweep_leftovers(place_, path_);
+  temporary_name_ = fmt::format("{}{}-{}-{}-{}", kPrefix, ::getpid(), random_digits(), place(), place_.name);
+  file_ = OpenFile(::openat(place_.folder.descriptor(), temporary_name_.c_str(),
+                            O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (!file_.is_open()) fail_by_errno(path_, "no file can be created in its folder");
+  open_path_ = fmt::format("/proc/{}/fd/{}", ::getpid(), file_.descriptor());
+}
+
+AtomicFile::~AtomicFile() {
+  if (!committed_ && is_named(place_.folder, temporary_name_, file_.descriptor()))
+    ::unlinkat(place_.folder.descriptor(), temporary_name_.c_str(), 0);
+}
+
+void AtomicFile::commit() {
+  MULTUM_CHECK(!committed_);
+  const int folder = place_.folder.descriptor();
+  if (::fsync(file_.descriptor()) != 0) fail_by_errno(path_, "cannot be synced to disk");
+  if (!is_named(place_.folder, temporary_name_, file_.descriptor()))
+    throw Error(ErrorCode::kEnvironment,
+                path_ +
+                    ": its temporary file was taken away or replaced while it was written; expected a folder where "
+                    "nobody else renames files");
+  if (::renameat(folder, temporary_name_.c_str(), folder, place_.name.c_str()) != 0)
+    fail_by_errno(path_, "cannot be given its final name");
+  committed_ = true;
+  // A folder that may not be listed can be opened by nobody for this.
+  const OpenFile synced(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (synced.is_open() && ::fsync(synced.descriptor()) != 0)
+    fail_by_errno(path_, "its folder cannot be synced to disk");
+}
+
+void write_text_file(const std::string& path, std::string_view text) {
+  AtomicFile file(path);
+  OutputFile out(file);
+  write_or_throw(out, text.data(), text.size());
+  out.close();
+  file.commit();
+}
+
+}  // namespace multum

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/base/files/output_paths.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <mutex>
+
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/shown_text.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;  // of files that do not exist yet: their folders may, under several names
+  return fs::equivalent(a, b, ignored) || canonical_name(a) == canonical_name(b);
+}
+
+// A name goes into lists of files, logs and terminals, where such a character would do something.
+void check_name(const fs::path& name, const std::string& path) {
+  if (holds_control(name.string()))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: its name holds a control character, expected a name without", shown_text(path)));
+}
+
+// Folders that were made, each behind those that it is in.
+struct NewFolderList {
+  std::mutex mutex;
+  int keepers = 0;
+  std::vector<fs::path> paths;
+};
+
+NewFolderList& new_folders() {
+  static NewFolderList list;
+  return list;
+}
+
+}  // namespace
+
+NewFolders::NewFolders() {
+  NewFolderList& list = new_folders();
+  const std::lock_guard lock(list.mutex);
+  ++list.keepers;
+}
+
+NewFolders::~NewFolders() {
+  NewFolderList& list = new_folders();
+  const std::lock_guard lock(list.mutex);
+  if (--list.keepers > 0) return;
+  // One that is not empty stays.
+  for (auto path = list.paths.rbegin(); path != list.paths.rend(); ++path) ::rmdir(path->c_str());
+  list.paths.clear();
+}
+
+std::string path_beside(const std::string& file, const std::string& path) {
+  return path.empty() ? "" : (fs::path(file).parent_path() / path).lexically_normal().string();
+}
+
+std::string canonical_name(const std::string& path) {
+  std::error_code ignored;
+  return fs::weakly_canonical(fs::absolute(path, ignored), ignored).string();
+}
+
+void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+  std::vector<std::string> others = inputs;
+  for (const std::string& output : outputs) {
+    if (output.empty()) continue;
+    check_name(fs::path(output).filename(), output);
+    for (const std::string& other : others)
+      if (!other.empty() && same_file(output, other))
+        throw Error(ErrorCode::kUsage, output + ": is named twice, expected different files to read and to write");
+    others.push_back(output);
+  }
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::vector<fs::path> made;  // the innermost first
+  for (fs::path missing = fs::absolute(path, error); !missing.empty() && !fs::exists(missing, error);
+       missing = missing.parent_path()) {
+    check_name(missing.filename(), path);
+    made.push_back(missing);
+  }
+  error.clear();
+  std::filesystem::create_directories(path, error);
+  NewFolderList& list = new_folders();
+  const std::lock_guard lock(list.mutex);
+  if (list.keepers > 0) list.paths.insert(list.paths.end(), made.rbegin(), made.rend());
+  if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
+}
+
+std::string existing_part(const std::string& path) {
+  std::error_code error;
+  std::filesystem::path folder = path;
+  while (!folder.empty() && !std::filesystem::is_directory(folder, error)) folder = folder.parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+void check_writable(const std::string& path) {
+  check_name(fs::path(path).filename(), path);
+  // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
+  const AtomicFile probe(path);
+}
+
+}  // namespace multum

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/base/files/work_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kWorkPrefix[] = ".multum-work-";
+
+enum class Lock { kTaken, kOurs, kUnsupported };
+
+// Some network file systems have no locks: work goes on there, and nobody's folder is removed as a killed run's.
+Lock work_lock(const OpenFile& folder, const std::string& path) {
+  while (::flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno == EWOULDBLOCK) return Lock::kTaken;
+    if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL) return Lock::kUnsupported;
+    if (errno != EINTR) fail_by_errno(path, "cannot be locked");
+  }
+  return Lock::kOurs;
+}
+
+// Those of killed runs: nobody has them locked.
+void sweep_left_over(const fs::path& folder) {
+  std::error_code ignored;
+  std::vector<std::string> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename().string().starts_with(kWorkPrefix)) found.push_back(entry.path().string());
+  for (const std::string& path : found) WorkFolder::drop(path);
+}
+
+}  // namespace
+
+std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
+  while (true) {
+    NamedPlace place = open_place(path);
+    OpenFile folder = open_own_folder(place.folder, place.name, path);
+    if (work_lock(folder, path) == Lock::kTaken) return nullptr;
+    // The process that had it may have removed it between our opening and our locking it.
+    if (!is_named(place.folder, place.name, folder.descriptor())) continue;
+    try {
+      if (mark_own_folder(folder, path))
+        return std::unique_ptr<WorkFolder>(new WorkFolder(std::move(place), std::move(folder), path));
+    } catch (...) {
+      ::unlinkat(place.folder.descriptor(), place.name.c_str(), AT_REMOVEDIR);  // if it is empty
+      throw;
+    }
+  }
+}
+
+std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
+  const fs::path above = folder.empty() ? "." : folder;
+  sweep_left_over(above);
+  while (true)  // a sweep elsewhere may have been quicker to lock it
+    if (auto made = take((above / (kWorkPrefix + random_digits())).string())) return made;
+}
+
+void WorkFolder::drop(const std::string& path) {
+  try {
+    const NamedPlace place = open_place(path);
+    const OpenFile folder = find_own_folder(place.folder, place.name, path);
+    if (folder.is_open() && work_lock(folder, path) == Lock::kOurs &&
+        is_named(place.folder, place.name, folder.descriptor()))
+      remove_own_folder(place.folder, place.name, folder);
+  } catch (const Error&) {  // not ours to remove
+  }
+}
+
+WorkFolder::WorkFolder(NamedPlace place, OpenFile folder, std::string shown_path)
+    : place_(std::move(place)),
+      folder_(std::move(folder)),
+      path_(fmt::format("/proc/{}/fd/{}", ::getpid(), folder_.descriptor())),
+      shown_path_(std::move(shown_path)) {}
+
+WorkFolder::~WorkFolder() {
+  if (!stays_) remove_own_folder(place_.folder, place_.name, folder_);
+}
+
+void WorkFolder::clear(const std::string& kept) const {
+  if (!clear_own_folder(folder_, kept)) fail_by_errno(shown_path_, "a part of stopped work cannot be removed");
+}
+
+std::string partial_folder_of(const std::string& output) {
+  const fs::path path(output);
+  const fs::path above = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return (above / (".multum-partial-" + path.filename().string())).string();
+}
+
+}  // namespace multum

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/base/processes/viewer_process.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/processes/child_process.h"
+
+namespace multum {
+
+void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress) {
+  const ChildResult result = run_child(command);
+  progress_advance(progress, 0);
+  // Ctrl-C, and SIGTERM to a group, reach both, and the viewer may end before this process has heard of it.
+  if (result.signal == SIGINT || result.signal == SIGTERM) throw Cancelled();
+  if (result.exit_code != 0)
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{} failed: {} {} {}:\n{}", what, command.front(),
+                            result.signal != 0 ? "was ended by signal" : "ended with exit code",
+                            result.signal != 0 ? result.signal : result.exit_code, result.output));
+  log_verbose(result.output);
+}
+
+}  // namespace multum

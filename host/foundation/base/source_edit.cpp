@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/base/source_edit.h"
+
+#include "host/foundation/base/error.h"
+
+namespace multum {
+
+std::string edited_source(std::string_view source, const std::string& file, const std::vector<SourceEdit>& edits) {
+  std::string result(source);
+  for (const SourceEdit& edit : edits) {
+    if (edit.file != file) continue;
+    std::size_t at = result.find(edit.text);
+    MULTUM_CHECK(!edit.text.empty() && at != std::string::npos);
+    for (; at != std::string::npos; at = result.find(edit.text, at + edit.replacement.size()))
+      result.replace(at, edit.text.size(), edit.replacement);
+  }
+  return result;
+}
+
+}  // namespace multum

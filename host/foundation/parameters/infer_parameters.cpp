@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/parameters/infer_parameters.h"
+
+#include "host/foundation/parameters/shared_parameters.h"
+
+namespace multum {
+
+const ParameterTable& infer_parameters() {
+  using Kind = ParameterKind;
+  constexpr unsigned kJob = kOnCommandLine | kInService;
+  static const ParameterTable table(
+      "infer", {input_parameter("job", "animation.toml, as `multum animation` writes it", kInService),
+                {.name = "hold_out",
+                 .kind = Kind::kInteger,
+                 .help = "leave every Nth view out of layers that do not depend on views, and report the error there",
+                 .low = 2,
+                 .high = 1000,
+                 .surfaces = kJob},
+                {.name = "tolerance",
+                 .kind = Kind::kNumber,
+                 .help = "relative gradient at which a texture counts as solved",
+                 .low = 1e-7,
+                 .high = 1,
+                 .default_text = "0.001",
+                 .surfaces = kJob},
+                {.name = "iterations",
+                 .kind = Kind::kInteger,
+                 .help = "most iterations of conjugate gradients per texture",
+                 .low = 1,
+                 .high = 100000,
+                 .default_text = "400",
+                 .surfaces = kJob},
+                {.name = "no_frames", .help = "skip the frames that the report measures and shows", .surfaces = kJob},
+                {.name = "no_comparison",
+                 .help = "skip the comparison of samplers, regularisation and forward mapping at the report's sample",
+                 .surfaces = kJob},
+                {.name = "report_sample",
+                 .kind = Kind::kText,
+                 .help = "sample that the report shows: its index along each parameter, or its name",
+                 .default_text = "the middle one",
+                 .surfaces = kJob},
+                {.name = "context",
+                 .kind = Kind::kChoice,
+                 .help = "GL to infer for: auto, osmesa (software) or egl",
+                 .default_text = "auto",
+                 .choices = {"auto", "osmesa", "egl"},
+                 .surfaces = kJob},
+                {.name = "force", .help = "infer textures again that are there already", .surfaces = kOnCommandLine},
+                absolute_geometry_parameter(),
+                device_parameter(kJob)});
+  return table;
+}
+
+}  // namespace multum

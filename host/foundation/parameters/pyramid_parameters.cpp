@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/parameters/pyramid_parameters.h"
+
+#include <utility>
+
+#include "host/foundation/parameters/shared_parameters.h"
+
+namespace multum {
+namespace {
+
+using Kind = ParameterKind;
+using Rows = std::vector<Parameter>;
+
+Parameter data_format_parameter(const char* default_text) {
+  return {.name = "data_format",
+          .kind = Kind::kChoice,
+          .help = "storage precision",
+          .default_text = default_text,
+          .choices = {"half", "float"},
+          .short_option = "-d",
+          .surfaces = kOnCommandLine};
+}
+
+// A colour, a direction or another group of numbers in one text.
+Parameter numbers_parameter(const char* name, const char* help, const char* unit, const char* default_text) {
+  return {.name = name,
+          .kind = Kind::kText,
+          .help = help,
+          .unit = unit,
+          .default_text = default_text,
+          .surfaces = kOnCommandLine};
+}
+
+// What all three end with.
+ParameterTable table_of(const char* command, Rows rows) {
+  rows.push_back(memory_parameter("memory for buffers and the image; larger images go by way of a scratch file", 1.0,
+                                  "256M", kOnCommandLine));
+  rows.push_back(device_parameter(kOnCommandLine));
+  Parameter compression = compression_parameter(kOnCommandLine);
+  compression.hashed_as.clear();
+  rows.push_back(std::move(compression));
+  rows.push_back({.name = "report",
+                  .kind = Kind::kText,
+                  .help = "write times, counts and the content hash as JSON",
+                  .unit = "FILE",
+                  .surfaces = kOnCommandLine});
+  rows.push_back({.name = "force",
+                  .help = "write even if the output comes from the same file with the same settings",
+                  .surfaces = kOnCommandLine});
+  return {command, std::move(rows)};
+}
+
+void add_wraps(Rows& rows, const char* default_text) {
+  for (Parameter& row : wrap_parameters(false, default_text, kOnCommandLine)) {
+    row.hashed_as.clear();
+    rows.push_back(std::move(row));
+  }
+}
+
+}  // namespace
+
+const ParameterTable& mip_parameters() {
+  static const ParameterTable table = [] {
+    Rows rows = {{.name = "colours",
+                  .kind = Kind::kChoice,
+                  .help = "meaning of the numbers: auto (integers sRGB unless the file says otherwise, floats "
+                          "linear), srgb, linear, or data (no colours: may be negative)",
+                  .default_text = "auto",
+                  .choices = {"auto", "srgb", "linear", "data"},
+                  .surfaces = kOnCommandLine},
+                 data_format_parameter("half")};
+    add_wraps(rows, "periodic");
+    return table_of("mip", std::move(rows));
+  }();
+  return table;
+}
+
+const ParameterTable& lod_parameters() {
+  static const ParameterTable table = [] {
+    Rows rows = {{.name = "of",
+                  .kind = Kind::kChoice,
+                  .help = "content of the file: heights (its first channel) or positions (three channels)",
+                  .default_text = "heights",
+                  .choices = {"heights", "positions"},
+                  .surfaces = kOnCommandLine},
+                 {.name = "scale",
+                  .kind = Kind::kNumber,
+                  .help = "factor of all numbers",
+                  .low = -kUnbounded,
+                  .high = kUnbounded,
+                  .zero_excluded = true,
+                  .default_text = "1",
+                  .surfaces = kOnCommandLine},
+                 data_format_parameter("float")};
+    add_wraps(rows, "clamp");
+    return table_of("lod", std::move(rows));
+  }();
+  return table;
+}
+
+const ParameterTable& reflectance_parameters() {
+  static const ParameterTable table =
+      table_of("reflectance",
+               {{.name = "light",
+                 .kind = Kind::kText,
+                 .help = "direction towards a distant light, optionally with its irradiance, grey or red, green, blue",
+                 .unit = "X,Y,Z[,Y|,R,G,B]",
+                 .is_repeatable = true,
+                 .surfaces = kOnCommandLine},
+                {.name = "environment",
+                 .kind = Kind::kFile,
+                 .help = "latitude-longitude image of light from all directions; +Y on top, -Z in the middle",
+                 .surfaces = kOnCommandLine},
+                {.name = "environment_scale",
+                 .kind = Kind::kNumber,
+                 .help = "factor of the environment's radiance",
+                 .low = 0.0,
+                 .high = kUnbounded,
+                 .default_text = "1",
+                 .surfaces = kOnCommandLine},
+                numbers_parameter("viewer", "direction towards the distant viewer", "X,Y,Z", "0,0,1"),
+                numbers_parameter("up", "direction that is up in the map", "X,Y,Z", "0,1,0"),
+                {.name = "brdf",
+                 .kind = Kind::kBrdf,
+                 .help = "BRDF of the surface: blinn-phong:S, S from 1 to 100000",
+                 .default_text = "blinn-phong:100",
+                 .surfaces = kOnCommandLine},
+                numbers_parameter("diffuse", "diffuse reflectance, grey or red, green, blue", "Y|R,G,B", "0.5"),
+                numbers_parameter("specular", "specular factor, grey or red, green, blue", "Y|R,G,B", "0.1"),
+                {.name = "size",
+                 .kind = Kind::kInteger,
+                 .help = "side of the map",
+                 .low = 4,
+                 .high = 8192,
+                 .unit = "texels",
+                 .default_text = "512",
+                 .surfaces = kOnCommandLine},
+                {.name = "texel_samples",
+                 .kind = Kind::kInteger,
+                 .help = "normals averaged along each side of a texel",
+                 .low = 1,
+                 .high = 16,
+                 .default_text = "2",
+                 .surfaces = kOnCommandLine},
+                data_format_parameter("half")});
+  return table;
+}
+
+}  // namespace multum

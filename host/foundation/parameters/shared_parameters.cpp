@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/parameters/shared_parameters.h"
+
+namespace multum {
+
+namespace {
+
+constexpr const char kOneLobeGroup[] = "The lobe";
+
+std::vector<std::string> compressions() {
+  std::vector<std::string> names = {"none", "rle", "zips", "zip", "piz"};
+  for (const char* name : {"zip:", "zips:"})
+    for (int level = 1; level <= 9; ++level) names.push_back(name + std::to_string(level));
+  return names;
+}
+
+}  // namespace
+
+Parameter device_parameter(unsigned surfaces) {
+  return {.name = "device",
+          .kind = ParameterKind::kText,
+          .help = "OpenCL device: its number in `multum devices`, else part of its name",
+          .surfaces = surfaces};
+}
+
+Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces) {
+  return {.name = "memory",
+          .kind = ParameterKind::kBytes,
+          .help = help,
+          .low = low,
+          .high = 1e15,
+          .unit = "bytes",
+          .default_text = default_text,
+          .surfaces = surfaces};
+}
+
+Parameter lobe_anisotropy_parameter(unsigned surfaces) {
+  return {.name = "anisotropy",
+          .help =
+              "fit lobes that are longer than wide, for KHR_materials_anisotropy: only for renderers that turn "
+              "tangents to the normal map's normal",
+          .group = kOneLobeGroup,
+          .surfaces = surfaces};
+}
+
+Parameter fast_lobe_parameter(unsigned surfaces) {
+  return {.name = "fast",
+          .help = "take the closed form, which is a few percent further off, instead of the maximum likelihood",
+          .group = kOneLobeGroup,
+          .surfaces = surfaces};
+}
+
+Parameter two_channel_parameter(unsigned surfaces) {
+  return {.name = "two_channel",
+          .help = "read x and y alone, and rebuild z",
+          .default_text = "detected",
+          .hashed_as = "two_channel",
+          .excludes = {"z_range"},
+          .surfaces = surfaces};
+}
+
+Parameter z_range_parameter(unsigned surfaces) {
+  return {.name = "z_range",
+          .kind = ParameterKind::kChoice,
+          .help =
+              "what blue of 0 to 1 stores: signed, z from -1 to 1 as x and y; positive, z from 0 to 1, as some old "
+              "tools write it",
+          .default_text = "detected",
+          .choices = {"signed", "positive"},
+          .hashed_as = "z_range",
+          .excludes = {"two_channel"},
+          .surfaces = surfaces};
+}
+
+Parameter surface_parameter(const std::string& more, unsigned surfaces) {
+  return {.name = "surface",
+          .kind = ParameterKind::kChoice,
+          .help =
+              "what lies between texels: texels, each is a facet of one normal, or interpolated, the surface that "
+              "renderers show from near, which is smoother" +
+              more,
+          .default_text = "texels",
+          .choices = {"texels", "interpolated"},
+          .group = kOneLobeGroup,
+          .surfaces = surfaces};
+}
+
+Parameter uastc_effort_parameter(unsigned surfaces) {
+  return {.name = "uastc_effort",
+          .kind = ParameterKind::kInteger,
+          .help = "effort of the encoder of UASTC: higher is slower, and its error is lower",
+          .low = 0,
+          .high = 3,
+          .default_text = "1",
+          .group = kStorageGroup,
+          .surfaces = surfaces};
+}
+
+Parameter encoder_parameter(unsigned surfaces) {
+  return {.name = "encoder",
+          .kind = ParameterKind::kText,
+          .help = "folder of ktx2-encoder, which encodes UASTC, or of the node_modules with it",
+          .unit = "FOLDER",
+          .default_text = "where Node.js looks for packages",
+          .group = kStorageGroup,
+          .surfaces = surfaces};
+}
+
+Parameter compression_parameter(unsigned surfaces) {
+  return {.name = "compression",
+          .kind = ParameterKind::kChoice,
+          .help = "lossless compression of the file; zip:1 is the fastest zip, zip:9 the smallest",
+          .unit = "none|rle|piz|zip[:1-9]|zips[:1-9]",
+          .default_text = "zip:1",
+          .choices = compressions(),
+          .hashed_as = "compression",
+          .surfaces = surfaces};
+}
+
+Parameter absolute_geometry_parameter() {
+  return {.name = "absolute_geometry",
+          .help = "name the scene file by its absolute path, not by its place beside the output",
+          .surfaces = kOnCommandLine};
+}
+
+Parameter input_parameter(const std::string& name, const std::string& help, unsigned surfaces) {
+  return {.name = name, .kind = ParameterKind::kFile, .help = help, .surfaces = surfaces};
+}
+
+std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& default_text, unsigned surfaces) {
+  std::vector<std::string> modes = {"black", "clamp", "periodic", "mirror"};
+  if (with_auto) modes.insert(modes.begin(), "auto");
+  const Parameter both = {.name = "wrap",
+                          .kind = ParameterKind::kChoice,
+                          .help = std::string("continuation beyond the border") +
+                                  (with_auto ? "; auto: periodic where the map tiles, else clamp" : ""),
+                          .default_text = default_text,
+                          .choices = modes,
+                          .hashed_as = "wrap",
+                          .surfaces = surfaces};
+  Parameter s = both, t = both;
+  s.name = "swrap", s.help = "--wrap along s (x) only", s.default_text = "";
+  t.name = "twrap", t.help = "--wrap along t (y) only", t.default_text = "";
+  return {both, s, t};
+}
+
+}  // namespace multum

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/foundation/sandbox/decoding_child.h"
+
+#include <filesystem>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/processes/machine.h"
+
+namespace multum {
+namespace {
+
+// Children between two files.
+class IdleChildren {
+ public:
+  std::unique_ptr<HelperProcess> take(const std::string& program) {
+    const std::lock_guard lock(mutex_);
+    if (idle_ != nullptr && idle_->program() == program) return std::move(idle_);
+    return std::make_unique<HelperProcess>(program);
+  }
+  void give_back(std::unique_ptr<HelperProcess> child) {
+    const std::lock_guard lock(mutex_);
+    idle_ = std::move(child);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<HelperProcess> idle_;
+};
+
+IdleChildren& idle_children() {
+  static IdleChildren children;
+  return children;
+}
+
+}  // namespace
+
+std::string decoder_beside_this_program() { return own_folder() + "/multum-decode"; }
+
+DecodedFile::DecodedFile(DecodingChild child, std::string path, std::string library)
+    : child_(std::move(child)),
+      path_(std::move(path)),
+      library_(std::move(library)),
+      process_(idle_children().take(child_.program)) {
+  allow(0, {});
+}
+
+// Whoever answers "close" is fit for the next file.
+DecodedFile::~DecodedFile() {
+  if (!process_->is_alive()) return;
+  try {
+    const std::string request = MessageWriter().number(DecodingRequest::kClose).take();
+    ask(request, [](MessageReader&) { return true; });
+    idle_children().give_back(std::move(process_));
+  } catch (const std::exception&) {  // then it is ended
+  }
+}
+
+void DecodedFile::allow(std::uint64_t more_memory, std::chrono::seconds more_time) {
+  limits_ = {child_.memory_base + more_memory, std::chrono::milliseconds(child_.time_base_ms) + more_time};
+}
+
+std::string DecodedFile::answer(const std::string& request, const std::function<void()>& while_waiting) {
+  try {
+    return process_->ask(request, limits_, while_waiting);
+  } catch (const HelperEnded& ended) {
+    if (ended.lacked_memory())
+      throw Error(
+          ErrorCode::kEnvironment,
+          fmt::format("{}: the process that decodes it {}; not enough memory is the likely reason: its decoding "
+                      "may take {} bytes, expected a machine, a container and limits (ulimit -v) that leave "
+                      "them",
+                      path_, ended.what(), limits_.memory_max));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: the process that decodes it {}; expected a file that {} survives, in {} bytes of "
+                            "memory and {} s",
+                            path_, ended.what(), library_, limits_.memory_max,
+                            std::chrono::duration<double>(limits_.time_max).count()));
+  }
+}
+
+}  // namespace multum

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Serves the parent of a helper process: the child's side of host/foundation/sandbox/helper_process.h.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "host/foundation/sandbox/shared_memory.h"
+
+namespace multum {
+
+inline constexpr int kHelperSocket = 3;
+inline constexpr int kHelperMemory = 4;
+
+/// Answers one request after another until the process that asks is gone. Returns the exit code: 2 where nobody ever
+/// asked, since the program was started by hand.
+int serve_helper(const std::function<std::string(std::string_view request, SharedMemory& memory)>& answer);
+
+}  // namespace multum

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/lab/reference/case_topics.h"
+
+namespace multum {
+namespace {
+
+std::vector<CaseTopic> fit_topics() {
+  return {
+      {"kappa at its cap, and towards 0",
+       {"kappa-to-the-cap", "kappa-of-sharp-lobes", "kappa-of-mean-length-12-decades", "log-peak-to-the-cap",
+        "shading-kappa-12-decades", "vmf-normaliser-12-decades", "vmf-spread-12-decades", "glsl-kappa-12-decades",
+        "glsl-vmf-normaliser-12-decades", "glsl-eighth-zonal-of-every-kappa"}},
+      {"all normals equal; starting lobes all alike",
+       {"all-normals-equal-and-all-lobes", "planar-one-two-three-points", "planar-scatter-of-equal-normals",
+        "choice-of-equal-normals", "mirrors-of-one-normal", "HardCaseTest.AllNormalsEqual"}},
+      {"two opposite tilts in equal shares",
+       {"opposite-normals-of-one-lobe", "slopes-along-a-line", "glsl-slopes-along-a-line",
+        "harmonics-of-opposite-tilts", "glsl-harmonics-of-opposite-tilts", "slopes-along-one-line",
+        "HardCaseTest.TwoOppositeTilts"}},
+      {"normals on the equator and below it",
+       {"the-equator-and-below", "planar-variance-at-the-rim", "slopes-at-the-horizon", "facets-behind-the-mean-normal",
+        "glsl-normals-straight-away", "glsl-planar-means-beyond-the-rim", "HardCaseTest.NormalsOverTheWholeSphere"}},
+      {"a lobe that dies, and amplitudes that filtering leaves near 0",
+       {"lobes-that-die", "planar-lobes-that-die", "a-dead-lobe-takes-nothing", "planar-caps-of-narrow-texels",
+        "amplitude-to-0", "planar-amplitude-to-0", "moments-of-no-share", "glsl-amplitude-to-0",
+        "glsl-planar-amplitude-to-0", "HardCaseTest.ALobeOfOneNormalInThousands"}},
+      {"one, two, three normals; more lobes than normals",
+       {"one-two-three-normals", "planar-one-two-three-points", "choice-without-normals",
+        "HardCaseTest.MapsOfOneTwoAndThreeTexels"}},
+      {"normals that are no unit vectors: of any length, 0, NaN, infinite",
+       {"normals-of-any-length", "a-bad-texel-stays-alone", "any-normal-gets-a-lobe", "starts-from-degenerate-lobes",
+        "shortened-normals-to-0", "shortened-normals-as-points", "mean-normals-of-every-length",
+        "harmonics-of-vectors-not-unit", "harmonics-of-no-direction", "normals-of-nothing-in-a-lobe",
+        "glsl-mean-normals-of-every-length", "glsl-longer-than-its-amplitude"}},
+      {"strips of one texel, odd sizes, borders that two texels share, texels of no samples",
+       {"strips-and-odd-sizes", "texels-keep-their-bits", "features-keep-their-bits", "colours-of-uneven-chunks",
+        "uneven-cells-side-by-side", "axes-of-no-extent", "odd-pyramids-of-great-contrast", "parts-without-texels",
+        "blocks-beyond-borders", "lines-shorter-than-filters"}},
+      {"sums over 2^28 texels and more",
+       {"texels-2-to-28-by-chunks", "sums-of-65536-partial-sums", "colours-of-65536-partial-sums",
+        "texels-2-to-28-into-cells", "means-of-sums-to-2-to-58", "blocks-of-32768-texels", "average-of-2-30-texels",
+        "thousands-of-normals-a-texel", "parts-beyond-2-to-31"}},
+      {"every density 0 in float: shares of 0 / 0",
+       {"far-from-every-lobe", "planar-far-from-every-lobe", "colours-far-from-every-lobe",
+        "colours-of-uneven-chunks"}},
+      {"denormal numbers, signed zeros, the largest and the smallest weights",
+       {"denormals-and-signed-zeros", "weights-from-tiny-to-huge", "texels-keep-their-bits", "blocks-of-32768-texels",
+        "steps-along-the-old-direction", "denormal-diagonals", "exp2-far-below-its-range"}},
+      {"a variance that rounding or filtering leaves below 0",
+       {"planar-variance-never-negative", "planar-filtered-variance-below-0", "slope-variance-below-0",
+        "steep-slopes-under-sharp-highlights", "glsl-planar-filtered-variance-below-0", "glsl-slope-variance-below-0",
+        "glsl-steep-slopes-under-sharp-highlights"}},
+  };
+}
+
+std::vector<CaseTopic> shading_topics() {
+  return {
+      {"storage: half floats end at kappa 1000, 16-bit integers share out steps",
+       {"half-single-directions", "half-sharpest-spreads", "snorm16-single-directions", "snorm16-sharpest-spreads",
+        "planar-variance-in-half", "planar-variance-in-snorm16"}},
+      {"exponents to 1e5",
+       {"exponents-to-1e5", "log-of-one-minus-e", "highlights-narrower-than-texels", "glsl-exponents-to-1e5",
+        "glsl-log-of-one-minus-e"}},
+      {"harmonics to order 20, at the poles, cut off",
+       {"harmonics-to-order-20", "harmonics-at-the-poles", "harmonics-ring-below-0", "glsl-harmonics-ring-below-0",
+        "glsl-environment-harmonics-of-no-light"}},
+      {"light and view at, below and along the horizon",
+       {"the-horizon-and-below", "half-vectors-at-the-horizon", "light-from-behind", "glsl-the-horizon-and-below",
+        "glsl-half-vectors-at-the-horizon", "glsl-smith-at-grazing-angles", "glsl-grooves-at-grazing-angles",
+        "glsl-irradiance-behind-the-light"}},
+      {"light straight against the view, or at the surface itself",
+       {"glsl-light-straight-behind", "glsl-a-sample-straight-behind", "glsl-a-light-on-the-surface",
+        "glsl-single-normals-as-lobes"}},
+      {"no direction: means of none, views along a lobe, tangents along the normal, the poles of an environment",
+       {"no-direction", "highlight-cosines-of-every-width", "a-lobe-of-no-direction", "a-lobe-of-opposite-normals",
+        "axes-of-round-lobes", "directions-of-short-means", "glsl-no-direction", "glsl-environment-seen-along-the-lobe",
+        "glsl-tangents-along-the-normal", "glsl-environment-at-its-poles", "glsl-visibility-of-opposite-half-vectors",
+        "HardCaseTest.OppositeNormalsOnTheEquatorWithOneLobe"}},
+      {"the ends of tables, levels and maps",
+       {"glsl-measured-tables-at-their-ends", "glsl-reflection-table-at-its-ends",
+        "glsl-environment-levels-at-their-ends", "glsl-schlick-beyond-its-ends", "glsl-level-of-no-extent",
+        "glsl-texels-far-outside", "glsl-footprints-of-one-place"}},
+      {"no material at all",
+       {"glsl-single-normals-as-gaussians", "glsl-single-normals-as-means", "glsl-lobes-in-an-environment",
+        "glsl-means-in-an-environment", "glsl-harmonics-in-an-environment"}},
+      {"inference: singular and empty rows, texels that nothing sees, regularisation towards 0, contrast of 1e6",
+       {"singular-systems", "empty-and-uneven-rows", "unseen-texels", "regularisation-to-0", "contrast-of-1e6"}},
+      {"block compression: limits, single values, bits that are not stored",
+       {"values-at-the-limits", "one-value-in-all-texels", "one-colour-in-all-texels",
+        "indices-without-their-highest-bit"}},
+      {"a driver that relaxes mathematics or lays structs out in its own way",
+       {"driver-keeps-nan", "driver-lays-structs-out-alike"}},
+  };
+}
+
+}  // namespace
+
+const std::vector<CaseTopic>& case_topics() {
+  static const std::vector<CaseTopic> topics = [] {
+    std::vector<CaseTopic> all = fit_topics();
+    for (CaseTopic& topic : shading_topics()) all.push_back(std::move(topic));
+    return all;
+  }();
+  return topics;
+}
+
+}  // namespace multum

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists what can go wrong in the numbers of a bake or a picture, and the named cases that try it: docs/STABILITY.md
+// begins with the list. A danger that nothing tries yet gets a case first and then its line here.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace multum {
+
+struct CaseTopic {
+  std::string danger;
+  std::vector<std::string>
+      cases;  // of host/lab/selftest and tests/gl; "HardCaseTest.X": a whole bake, tests/hard_cases
+};
+
+const std::vector<CaseTopic>& case_topics();
+
+}  // namespace multum

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blocks of BC4 and BC7 (kernels/block_encoding.cl): values at the limits, one value in all texels, indices whose
+// highest bit is not stored.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "host/delivery/export/block_decoding.h"
+#include "host/foundation/base/split_mix.h"
+#include "host/lab/reference/block_encoding.h"
+#include "host/lab/selftest/buffers.h"
+#include "host/lab/selftest/case_lists.h"
+
+namespace multum {
+namespace {
+
+// Values of 0 to 255 of one block, channel by channel; and texels as they are decoded, of 0 to 255.
+using BlockInput = std::vector<float>;
+
+std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, const std::vector<BlockInput>& blocks) {
+  std::vector<float> values;
+  for (const BlockInput& block : blocks) values.insert(values.end(), block.begin(), block.end());
+  const auto block_bytes = static_cast<std::size_t>(info_of(format).block_bytes);
+  const DeviceBuffer out =
+      uploaded(device, std::vector<std::uint8_t>(block_bytes * blocks.size(), 0xa5), "encoded blocks");
+  const DeviceBuffer in = uploaded(device, values, "values of blocks");
+  const int count = static_cast<int>(blocks.size());
+  constexpr int kThirdIsBlue = 0;
+  if (format == TexelFormat::kBc7)
+    device.kernel("block_encoding", "encode_colour_blocks", {1, 1, false})
+        .launch({blocks.size()}, in, out, count, kThirdIsBlue);
+  else device.kernel("block_encoding", "encode_scalar_blocks", {1, 1, false}).launch({blocks.size()}, in, out, count);
+  const std::vector<std::uint8_t> bytes = downloaded<std::uint8_t>(device, out);
+  std::vector<BlockTexels> decoded;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    decoded.push_back(decode_block(format, bytes.data() + b * block_bytes));
+    for (glm::vec4& texel : decoded.back()) texel *= 255.0f;
+  }
+  return decoded;
+}
+
+// Root of the mean squared difference of a channel.
+double rms_of(const BlockTexels& decoded, const BlockInput& block, int channel) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 16; ++i) {
+    const double d = static_cast<double>(decoded[i][channel]) -
+                     static_cast<double>(block[16 * static_cast<std::size_t>(channel) + i]);
+    sum += d * d;
+  }
+  return std::sqrt(sum / 16.0);
+}
+
+// Slopes that end at 0 and at 255, as occlusion and clamped roughness do.
+void values_at_the_limits(Device& device, WorstError& worst) {
+  SplitMix64 random(71);
+  std::vector<BlockInput> blocks;
+  for (int b = 0; b < 8; ++b) {
+    BlockInput block;
+    const double middle = 60.0 + 130.0 * random.uniform();
+    for (int i = 0; i < 16; ++i)
+      block.push_back(i % 4 == 0 ? 0.0f : i % 4 == 1 ? 255.0f : static_cast<float>(middle + 30.0 * random.uniform()));
+    blocks.push_back(block);
+  }
+  const std::vector<BlockTexels> decoded = decoded_blocks(device, TexelFormat::kBc4, blocks);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    reference::BlockValues values{};
+    for (std::size_t i = 0; i < 16; ++i) values[i] = static_cast<double>(blocks[b][i]);
+    const double least = std::sqrt(reference::least_scalar_error(values) / 16.0);
+    worst.add(std::max(0.0, rms_of(decoded[b], blocks[b], 0) - least), fmt::format("block {}", b));
+  }
+}
+
+// One value in all texels: no range, no axis, no slope to fit.
+void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& worst) {
+  std::vector<BlockInput> blocks;
+  const std::size_t channels = format == TexelFormat::kBc7 ? 3 : 1;
+  for (const float value : {0.0f, 1.0f, 77.0f, 128.0f, 254.0f, 255.0f}) {
+    BlockInput block;
+    for (std::size_t c = 0; c < channels; ++c) block.insert(block.end(), 16, c == 1 ? 255.0f - value : value);
+    blocks.push_back(block);
+  }
+  const std::vector<BlockTexels> decoded = decoded_blocks(device, format, blocks);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (std::size_t c = 0; c < channels; ++c)
+      worst.add(rms_of(decoded[b], blocks[b], static_cast<int>(c)), fmt::format("block {}, channel {}", b, c));
+}
+
+// Slopes that fall from the first texel on, along every axis of colours, and two colours in two parts.
+void indices_without_their_highest_bit(Device& device, WorstError& worst) {
+  std::vector<BlockInput> blocks;
+  for (const bool falls : {false, true})
+    for (const bool has_parts : {false, true}) {
+      BlockInput block;
+      for (const float share : {1.0f, 0.5f, has_parts ? -1.0f : 0.25f})
+        for (int i = 0; i < 16; ++i) {
+          const bool is_first = has_parts && i % 4 < 2;
+          const float along = static_cast<float>(falls ? 15 - i : i) / 15.0f;
+          block.push_back(128.0f + share * (is_first ? 40.0f : -40.0f) + (is_first ? 30.0f : 60.0f) * (along - 0.5f));
+        }
+      blocks.push_back(block);
+    }
+  const std::vector<BlockTexels> decoded = decoded_blocks(device, TexelFormat::kBc7, blocks);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (int c = 0; c < 3; ++c) worst.add(rms_of(decoded[b], blocks[b], c), fmt::format("block {}, channel {}", b, c));
+}
+
+}  // namespace
+
+std::vector<NumericalCase> block_cases() {
+  const std::string unit = "of 255, root of the mean square";
+  const auto scalar = [](Device& device, WorstError& worst) {
+    one_value_in_all_texels(device, TexelFormat::kBc4, worst);
+  };
+  const auto colour = [](Device& device, WorstError& worst) {
+    one_value_in_all_texels(device, TexelFormat::kBc7, worst);
+  };
+  return {
+      {{"values-at-the-limits", "encode_scalar_blocks", "ends that reach 0 and 255 leave few values between them",
+        "blocks of six values and the limits are tried too", 0.3, unit + " over the least",
+        "the search's steps, a fraction of the values' own rounding"},
+       values_at_the_limits,
+       {{"block_encoding", "has_limits = other.error < ends.error;", ""}}},
+      {{"one-value-in-all-texels", "encode_scalar_blocks",
+        "ends that are equal, or change places, are those of six values",
+        "ends of eight values differ, and the higher one comes first", 1e-3, unit, "the value itself is an end"},
+       scalar,
+       {},
+       {},
+       {{"block_encoding", "put_bits(&bits, (uint)(has_limits ? ends.low : ends.high), 8);",
+         "put_bits(&bits, (uint)ends.low, 8);"},
+        {"block_encoding", "put_bits(&bits, (uint)(has_limits ? ends.high : ends.low), 8);",
+         "put_bits(&bits, (uint)ends.high, 8);"}}},
+      {{"one-colour-in-all-texels", "encode_colour_blocks", "texels without a spread have no principal axis",
+        "any direction serves", 1.0, unit, "ends of mode 6 are odd: alpha is 255"},
+       colour,
+       {},
+       {},
+       {{"block_encoding", "if (length < 1e-6f) return (float4)", "if (length < -1.0f) return (float4)"},
+        {"block_encoding", "return length < 1e-6f ? (float4)", "return length < -1.0f ? (float4)"}}},
+      {{"indices-without-their-highest-bit", "encode_colour_blocks",
+        "the first texel's index, and that of a second line, lose their highest bit", "such lines change their ends",
+        2.0, unit, "steps of eight indices, over 60 of 255"},
+       indices_without_their_highest_bit,
+       {{"block_encoding", "if (indices[anchor] <= last / 2) return 0;", "return 0;"}}},
+  };
+}
+
+}  // namespace multum

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Launches mip_blocks on rows of texels. Private to host/lab/selftest and its tests.
+#pragma once
+
+#include <vector>
+
+#include "host/bakes/pyramid/row_blocks.h"
+#include "host/formats/opencl/device.h"
+
+namespace multum {
+
+/// The nodes of each row: its texels and the sums of their blocks.
+std::vector<std::vector<float>> block_sums(Device& device, const RowBlocks& blocks,
+                                           const std::vector<std::vector<float>>& rows);
+
+}  // namespace multum

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Launches movmf_shade on one lobe.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/source_edit.h"
+#include "kernels/shared/highlight.h"
+
+namespace multum {
+
+/// The lobe (a r, a) at unit `directions` (w unused): half vectors of Blinn-Phong of exponent s >= 1, or lights of
+/// Lambert where s is 0. Amplitude included.
+/// `planar`: a Gaussian (a mu, a (2 sigma^2 + |mu|^2), a).
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
+                               bool planar = false);
+/// Half vectors of any highlight.
+std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const MultumHighlight& highlight,
+                               const std::vector<glm::vec4>& directions);
+
+/// An edit of the kernel.
+SourceEdit shade_edit(const std::string& text, const std::string& replacement);
+
+/// The angle from mu to the vector that the kernel sees, which is not quite of length 1: |mu - w|^2 / 2 = 1 - cos.
+double angle_seen(const glm::dvec3& mu, const glm::vec4& w);
+
+}  // namespace multum

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// What rounding to the file's encodings does to a lobe's spread (host/formats/asset/lobes/movmf_quantize.cpp;
+// docs/FORMAT.md, "Rounding"). No kernel runs: what kernels found is lost here or nowhere.
+#include <fmt/format.h>
+#include <half.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/base/split_mix.h"
+#include "host/lab/reference/movmf_rounding.h"
+#include "host/lab/reference/shading.h"
+#include "host/lab/selftest/case_lists.h"
+#include "host/lab/selftest/em_launch.h"
+
+namespace multum {
+namespace {
+
+using Texels = std::vector<std::vector<glm::vec4>>;  // [texel][lobe] (a r, a)
+using Rounding = std::function<Texels(const Texels&)>;
+
+Texels as_stored(const Texels& texels, StorageEncoding encoding) {
+  MovmfLevel level;
+  level.width = static_cast<int>(texels.size());
+  level.height = 1;
+  level.lobes.resize(texels.front().size());
+  for (const auto& lobes : texels)
+    for (std::size_t j = 0; j < lobes.size(); ++j) level.lobes[j].push_back(lobes[j]);
+  quantize_movmf(level, encoding, 1);
+  Texels result = texels;
+  for (std::size_t i = 0; i < texels.size(); ++i)
+    for (std::size_t j = 0; j < result[i].size(); ++j) result[i][j] = level.lobes[j][i];
+  return result;
+}
+
+// Each channel to its nearest value.
+Texels by_channel(const Texels& texels, StorageEncoding encoding) {
+  Texels result = texels;
+  for (auto& lobes : result)
+    for (glm::vec4& lobe : lobes)
+      for (int k = 0; k < 4; ++k)
+        lobe[k] = encoding == StorageEncoding::kHalf ? static_cast<float>(half(lobe[k]))
+                                                     : std::round(lobe[k] * 32767.0f) / 32767.0f;
+  return result;
+}
+
+Rounding rounding(StorageEncoding encoding, bool naive) {
+  return [=](const Texels& texels) { return naive ? by_channel(texels, encoding) : as_stored(texels, encoding); };
+}
+
+// Four lobes of one direction each: what spread they get, 1 - |r| of the stored.
+void single_directions(const Rounding& rounded, WorstError& worst) {
+  SplitMix64 random(32767);
+  Texels texels;
+  for (int i = 0; i < 4000; ++i) {
+    double shares[4], total = 0.0;
+    for (double& share : shares) total += share = std::pow(10.0, -3.0 * random.uniform());
+    texels.emplace_back();
+    for (const double share : shares) {
+      const glm::dvec3 n = tilted(90.0 * random.uniform(), 6.28 * random.uniform());
+      texels.back().push_back(glm::vec4(glm::dvec4(n, 1.0) * (share / total)));
+    }
+  }
+  const Texels stored = rounded(texels);
+  for (std::size_t i = 0; i < stored.size(); ++i)
+    for (const glm::vec4& lobe : stored[i]) {
+      const auto amplitude = static_cast<double>(lobe.w);
+      worst.add(amplitude > 0.0 ? std::max(0.0, 1.0 - glm::length(glm::dvec3(lobe)) / amplitude) : 0.0,
+                fmt::format("texel {}, amplitude {:.3g}", i, amplitude));
+    }
+}
+
+// One lobe of amplitude 1, ever sharper, up to where the encoding says that it ends.
+void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstError& worst) {
+  for (const double share : {0.1, 0.5, 1.0}) {
+    const double kappa = share * static_cast<double>(storage_kappa_max(encoding));
+    const double spread = reference::vmf_spread(kappa);
+    double sum = 0.0;
+    Texels texels;
+    for (int i = 0; i < 500; ++i) {
+      const glm::dvec3 n = tilted(0.18 * i, 0.1 * i);
+      texels.push_back({glm::vec4(glm::dvec4(n * (1.0 - spread), 1.0))});
+    }
+    for (const auto& lobes : rounded(texels))
+      sum += std::abs(static_cast<double>(lobes[0].w) - glm::length(glm::dvec3(lobes[0])) - spread) / spread;
+    worst.add(sum / 500.0, fmt::format("kappa {:.3g}", kappa));
+  }
+}
+
+// Against rounding in the words of docs/FORMAT.md.
+void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, WorstError& worst) {
+  SplitMix64 random(7);
+  Texels texels;
+  for (int i = 0; i < 3000; ++i) {
+    const double share = random.uniform();
+    const glm::dvec3 a = tilted(90.0 * random.uniform(), 6.28 * random.uniform()),
+                     b = tilted(90.0 * random.uniform(), 1.0);
+    texels.push_back({glm::vec4(glm::dvec4(a * (1.0 - std::pow(10.0, -7.0 * random.uniform())), 1.0) * share),
+                      glm::vec4(glm::dvec4(b, 1.0) * (1.0 - share))});
+  }
+  const Texels stored = rounded(texels);
+  for (std::size_t i = 0; i < stored.size(); ++i)
+    worst.add(stored[i] == reference::round_texel(texels[i], encoding) ? 0.0 : 1.0, fmt::format("texel {}", i));
+}
+
+std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string& name) {
+  const Rounding stored = rounding(encoding, false), naive = rounding(encoding, true);
+  const std::string formula = "movmf_quantize", lost = "each channel to its nearest value moves |r| by up to 1/a steps";
+  return {
+      {{name + "-single-directions", formula, lost + ": a highlight is blurred",
+        "the four rounded together; of a single direction never to a shorter r", 1e-7, "absolute, of 1 - |r|",
+        "no spread at all, but for the float that holds it"},
+       [=](Device&, WorstError& worst) { single_directions(stored, worst); },
+       {},
+       [=](WorstError& worst) { single_directions(naive, worst); }},
+      {{name + "-sharpest-spreads", formula, lost + ": more than the spread itself",
+        "the corner whose projection is nearest; kappa above the encoding's limit is counted and warned of", 0.09,
+        "relative, of 1 - |r|, mean over directions",
+        "at the limit a direction loses a quarter at most (storage_kappa_max)"},
+       [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
+       {},
+       [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
+      {{name + "-as-the-format-says", formula, "another texel than docs/FORMAT.md says",
+        "every way to round is tried, as its words are", kNothingWrong, "texels wrong", "not a bit may differ"},
+       [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },
+       {},
+       [=](WorstError& worst) { as_the_format_says(encoding, naive, worst); }},
+  };
+}
+
+}  // namespace
+
+std::vector<NumericalCase> storage_cases() {
+  std::vector<NumericalCase> cases = cases_of(StorageEncoding::kHalf, "half");
+  for (NumericalCase& c : cases_of(StorageEncoding::kSnorm16, "snorm16")) cases.push_back(std::move(c));
+  return cases;
+}
+
+}  // namespace multum

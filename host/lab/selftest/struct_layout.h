@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Checks that host and device lay the structs of kernels/shared out alike.
+#pragma once
+
+#include <vector>
+
+#include "host/formats/opencl/device.h"
+
+namespace multum {
+
+/// Sizes and offsets in bytes, in the order of probe_layout (kernels/probe_numerics.cl); -1: one that it does not know.
+struct StructLayout {
+  std::vector<int> host, device;
+};
+StructLayout struct_layout(Device& device);
+
+}  // namespace multum

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// docs/openapi.json says what the service has: every route, every parameter of every type of job. That answers are as
+// it says is tested where they are asked for (tests/service).
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "host/farm/service/http/http_api.h"
+#include "host/farm/service/http/openapi.h"
+#include "host/farm/service/workers/job_types.h"
+#include "host/foundation/base/error.h"
+
+namespace multum {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string parameters_name(const JobType& type) {
+  std::string name = type.name + "Parameters";
+  name[0] = static_cast<char>(name[0] - 'a' + 'A');
+  return name;
+}
+
+TEST(Openapi, HasEveryRouteAndNoOther) {
+  std::set<std::string> described;
+  const Json document = Json::parse(openapi_json);
+  for (const auto& [path, operations] : document.at("paths").items())
+    for (const auto& [method, operation] : operations.items()) {
+      std::string upper = method;
+      for (char& c : upper) c = static_cast<char>(c - 'a' + 'A');
+      described.insert(upper + " " + std::regex_replace(path, std::regex("\\{[a-z_]+\\}"), "{}"));
+    }
+  const std::vector<std::string> routes = HttpApi::routes();
+  EXPECT_EQ(described, std::set<std::string>(routes.begin(), routes.end()));
+}
+
+TEST(Openapi, HasTheParametersOfEveryType) {
+  const Json schemas = Json::parse(openapi_json).at("components").at("schemas");
+  std::vector<std::string> names;
+  for (const JobType& type : job_types()) {
+    names.push_back(type.name);
+    const std::string name = parameters_name(type);
+    ASSERT_TRUE(schemas.contains(name)) << name;
+    EXPECT_EQ(schemas.at(name), parameters_schema(type)) << "expected " << name << ": " << parameters_schema(type);
+  }
+  EXPECT_EQ(schemas.at("Submission").at("properties").at("type").at("enum"), Json(names));
+  EXPECT_EQ(schemas.at("Submission").at("allOf").size(), names.size()) << "which schema the parameters have, by type";
+}
+
+// A measured BRDF is a file, and a text may not lead to files that jobs may not read.
+TEST(JobTypes, TakeBrdfsOfFamiliesAlone) {
+  const JobType& bake = find_job_type("bake");
+  const auto parameters = [](const char* brdf) { return Json{{"input", "a.png"}, {"brdf", brdf}}; };
+  for (const char* brdf : {"lambert", "blinn-phong:1e2", "ggx:0.4,0.04", "torrance-sparrow:.1"})
+    EXPECT_NO_THROW(check_parameters(bake, parameters(brdf))) << brdf;
+  for (const char* brdf : {"", "/etc/passwd", "gold.brdf", "ggx:../x", "ggx:", "lambert\n", "ggx:0.4\n/x"})
+    EXPECT_THROW(check_parameters(bake, parameters(brdf)), Error) << brdf;
+}
+
+TEST(JobTypes, AMisspeltParameterIsAnsweredWithTheOneThatWasMeant) {
+  try {
+    check_parameters(find_job_type("bake"), {{"input", "a.png"}, {"lobs", 2}});
+    FAIL() << "took it";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "unknown parameter 'lobs' of bake (did you mean 'lobes'?)");
+  }
+}
+
+// Of labels, queues' names and texts: a terminal obeys C1, U+0080 to U+009F, as it does ESC.
+TEST(JobTypes, TextsHoldNoControlCharacters) {
+  for (unsigned code = 0; code < 0x120; ++code) {
+    std::string text = "a";
+    if (code >= 0x80) text += static_cast<char>(0xc0 | code >> 6);
+    text += static_cast<char>(code < 0x80 ? code : 0x80 | (code & 63));
+    EXPECT_EQ(is_plain_text(text), code >= 0x20 && (code < 0x7f || code >= 0xa0)) << code;
+  }
+  const Json schemas = Json::parse(openapi_json).at("components").at("schemas");
+  const Json pattern = parameters_schema(find_job_type("drill")).at("properties").at("text").at("pattern");
+  for (const char* key : {"label", "queue", "device"})
+    EXPECT_EQ(schemas.at("Submission").at("properties").at(key).at("pattern"), pattern) << key;
+}
+
+TEST(Openapi, EveryReferenceLeadsSomewhere) {
+  const Json document = Json::parse(openapi_json);
+  int references = 0;
+  const auto follow = [&](const auto& self, const Json& node) -> void {
+    if (!node.is_structured()) return;
+    if (node.is_object() && node.contains("$ref")) {
+      const std::string target = node.at("$ref").get<std::string>();
+      EXPECT_TRUE(document.contains(Json::json_pointer(target.substr(1)))) << target;
+      ++references;
+    }
+    for (const Json& child : node) self(self, child);
+  };
+  follow(follow, document);
+  EXPECT_GT(references, 50);
+}
+
+}  // namespace
+}  // namespace multum

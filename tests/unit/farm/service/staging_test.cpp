@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: Apache-2.0
+// Results get their names, over what may be replaced, and over nothing else.
+#include "host/farm/service/files/staging.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "host/farm/service/files/data_lock.h"
+#include "host/farm/service/files/result_copy.h"
+#include "host/farm/service/files/result_listing.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/atomic_file.h"
+#include "tests/unit/foundation/base/test_folder.h"
+
+namespace multum {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::TemporaryFolder;
+
+class StagingTest : public ::testing::Test {
+ protected:
+  StagingTest() { fs::create_directory(root_); }
+  StagedResult staged(std::int64_t id) const { return {roots_, output_, "0123abcd", id, seal_}; }
+  // A folder of results, made for this job; returns its identity.
+  std::string make_folder_of(std::int64_t id, const std::vector<std::string>& names) const {
+    const std::string made = make_staging(id);
+    for (const std::string& name : names) {
+      fs::create_directories(fs::path(made + "/" + name).parent_path());
+      write_text_file(made + "/" + name, name + std::to_string(id));
+    }
+    return staged(id).identity();
+  }
+  /// Path of the result in its staging folder, which is there then.
+  std::string make_staging(std::int64_t id) const {
+    open_staging_folder(roots_, staging_folder(output_, "0123abcd", id));
+    return staged_path(output_, "0123abcd", id);
+  }
+  std::set<std::string> names(const std::string& folder) const {
+    std::set<std::string> found;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+      if (entry.is_regular_file()) found.insert(entry.path().lexically_relative(folder).string());
+    found.erase(".multum-result");
+    return found;
+  }
+  void refused(std::int64_t id, const std::string& identity, const std::string& word) const {
+    for (const bool is_publishing : {false, true}) {
+      try {
+        if (is_publishing) staged(id).publish(identity);
+        else staged(id).check_place(true);
+        ADD_FAILURE() << "not refused";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kUsage);
+        testing::expect_says(error.what(), {output_, word});
+      }
+    }
+  }
+
+  TemporaryFolder folder_;
+  const std::string root_ = fs::canonical(folder_ / "").string() + "/root";
+  const std::string output_ = root_ + "/result";
+  const ResultSeal seal_ = {"a key"};
+  const PathRoots roots_ = [this] {
+    fs::create_directory(root_);
+    return PathRoots({root_});
+  }();
+};
+
+TEST_F(StagingTest, AFolderTakesThePlaceOfAnEarlierResultWhole) {
+  staged(1).publish(make_folder_of(1, {"a", "sub/b"}));
+  EXPECT_EQ(names(output_), (std::set<std::string>{"a", "sub/b"}));
+  EXPECT_EQ(staged(2).publish(make_folder_of(2, {"a", "c"})), "");
+  EXPECT_EQ(names(output_), (std::set<std::string>{"a", "c"}));
+  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1) << "something is left beside it";
+}
+
+TEST_F(StagingTest, TemporaryFilesThatWereLeftAreNoResults) {
+  EXPECT_EQ(staged(1).publish(make_folder_of(1, {"a", "sub/.multum-tmp-4711-3-b.exr", "sub/b.exr"})), "");
+  EXPECT_EQ(names(output_), (std::set<std::string>{"a", "sub/b.exr"}));
+  EXPECT_TRUE(is_as_made(roots_, output_, file_identity(output_), seal_));
+}
+
+TEST_F(StagingTest, AnEmptyFolderIsRoom) {
+  fs::create_directories(output_ + "/empty/below");
+  staged(1).publish(make_folder_of(1, {"a"}));
+  EXPECT_EQ(names(output_), std::set<std::string>{"a"});
+}
+
+TEST_F(StagingTest, AFolderOfTheUserStays) {
+  fs::create_directory(output_);
+  write_text_file(output_ + "/mine.txt", "weeks of work");
+  refused(1, make_folder_of(1, {"a"}), "mine.txt");
+  EXPECT_EQ(names(output_), std::set<std::string>{"mine.txt"});
+}
+
+TEST_F(StagingTest, WhatWasAddedToAResultOrChangedStays) {
+  staged(1).publish(make_folder_of(1, {"a", "b"}));
+  write_text_file(output_ + "/mine.txt", "added");
+  refused(2, make_folder_of(2, {"a"}), "mine.txt");
+  fs::remove(output_ + "/mine.txt");
+  std::ofstream(output_ + "/b", std::ios::app) << " changed";
+  refused(2, staged(2).identity(), "b");
+  fs::remove(output_ + "/b");
+  fs::create_symlink("/etc", output_ + "/b");
+  refused(2, staged(2).identity(), "b");
+  fs::remove(output_ + "/b");
+  staged(2).publish(staged(2).identity());
+  EXPECT_EQ(names(output_), std::set<std::string>{"a"});
+}
+
+TEST_F(StagingTest, FilesAndFoldersAreNotMixedUp) {
+  write_text_file(output_, "a file");
+  refused(1, make_folder_of(1, {"a"}), "file");
+  fs::remove(output_);
+  fs::create_directory(output_);
+  const std::string made = make_staging(2);
+  write_text_file(made, "a file");
+  EXPECT_THROW(staged(2).check_place(false), Error);
+  EXPECT_THROW(staged(2).publish(staged(2).identity()), Error);
+  EXPECT_TRUE(fs::is_directory(output_));
+}
+
+// A daemon that died between the exchange and its note finds the folder before in the staging folder.
+TEST_F(StagingTest, WhatCameInTheMeantimeIsPutAside) {
+  staged(1).publish(make_folder_of(1, {"a", "b"}));
+  const std::string identity = make_folder_of(2, {"a"});
+  const std::string made = staged_path(output_, "0123abcd", 2);
+  fs::rename(output_, output_ + ".old");
+  fs::rename(made, output_);
+  fs::rename(output_ + ".old", made);
+  write_text_file(made + "/late.txt", "late");
+  const std::string kept = staged(2).publish(identity);
+  EXPECT_EQ(names(output_), std::set<std::string>{"a"});
+  EXPECT_EQ(names(kept), std::set<std::string>{"late.txt"});
+  EXPECT_FALSE(fs::exists(staging_folder(output_, "0123abcd", 2)));
+}
+
+TEST_F(StagingTest, WhatIsPutAsideTakesNobodysName) {
+  staged(1).publish(make_folder_of(1, {"a"}));
+  for (const char* taken : {".kept-2", ".kept-2-2"}) write_text_file(output_ + taken, "somebody's");
+  const std::string identity = make_folder_of(2, {"a"}), made = staged_path(output_, "0123abcd", 2);
+  fs::rename(output_, output_ + ".old");
+  fs::rename(made, output_);
+  fs::rename(output_ + ".old", made);
+  write_text_file(made + "/late.txt", "late");
+  EXPECT_EQ(staged(2).publish(identity), output_ + ".kept-2-3");
+  EXPECT_TRUE(fs::is_regular_file(output_ + ".kept-2")) << "replaced";
+}
+
+// Else the next attempt would go on from what is the user's.
+TEST_F(StagingTest, WhatCannotBePutAsideGoesBack) {
+  staged(1).publish(make_folder_of(1, {"a"}));
+  for (int i = 1; i <= 100; ++i) write_text_file(output_ + ".kept-2" + (i == 1 ? "" : "-" + std::to_string(i)), "");
+  const std::string identity = make_folder_of(2, {"b"}), made = staged_path(output_, "0123abcd", 2);
+  fs::rename(output_, output_ + ".old");
+  fs::rename(made, output_);
+  fs::rename(output_ + ".old", made);
+  write_text_file(made + "/late.txt", "late");
+  EXPECT_THROW(staged(2).publish(identity), Error);
+  EXPECT_TRUE(names(output_).contains("late.txt"));
+  EXPECT_EQ(names(made), std::set<std::string>{"b"});
+  EXPECT_EQ(staged(2).identity(), identity);
+}
+
+TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
+  const auto is_intact = [&](const std::string& identity) { return is_as_made(roots_, output_, identity, seal_); };
+  const std::string identity = make_folder_of(1, {"a", "sub/b"});
+  staged(1).publish(identity);
+  EXPECT_TRUE(is_intact(identity));
+  EXPECT_FALSE(is_intact("")) << "of a job that published nothing";
+  write_text_file(output_ + "/sub/more", "");
+  EXPECT_FALSE(is_intact(identity));
+  fs::remove(output_ + "/sub/more");
+  EXPECT_TRUE(is_intact(identity));
+  fs::remove(output_ + "/a");
+  EXPECT_FALSE(is_intact(identity));
+  fs::remove_all(output_);
+  EXPECT_FALSE(is_intact(identity));
+  EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "nothing is no result";
+}
+
+// While it is removed, a folder in it becomes a link to the user's: again and again, by a thread of its own.
+TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
+  const std::string mine = folder_ / "mine", sub = output_ + "/sub", aside = root_ + "/aside";
+  std::set<std::string> all;
+  for (int i = 0; i < 50; ++i) all.insert(std::to_string(i));
+  const auto fill = [&](const std::string& folder) {
+    fs::create_directories(folder);
+    for (const std::string& name : all) std::ofstream(folder + "/" + name) << "text";
+  };
+  fill(mine);
+  for (int i = 0; i < 50; ++i) {
+    fill(sub);
+    write_result_listing(output_, seal_);
+    std::atomic<int> swaps = 0;
+    std::atomic<bool> is_over = false;
+    std::thread swapper([&] {
+      std::error_code ignored;
+      while (!is_over) {
+        fs::rename(sub, aside, ignored);
+        if (ignored) continue;
+        fs::create_directory_symlink(mine, sub, ignored);
+        fs::remove(sub, ignored);
+        fs::rename(aside, sub, ignored);
+        ++swaps;
+      }
+    });
+    while (swaps == 0) std::this_thread::yield();  // on a busy machine it may begin when all is over
+    EXPECT_NO_THROW(remove_listed(output_, seal_));
+    is_over = true;
+    swapper.join();
+    for (const std::string& left : {aside, output_}) fs::remove_all(left);
+  }
+  EXPECT_EQ(names(mine), all);
+}
+
+// Moved away, and a link to it put in its place: nothing may be taken by that name, or written through it.
+TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
+  const std::string identity = make_folder_of(1, {"a"});
+  staged(1).publish(identity);
+  fs::rename(output_, root_ + "/moved");
+  fs::create_directory_symlink(root_ + "/moved", output_);
+  EXPECT_EQ(result_identity(roots_, output_), "");
+  EXPECT_FALSE(is_as_made(roots_, output_, identity, seal_));
+  EXPECT_TRUE(is_as_made(roots_, root_ + "/moved", identity, seal_));
+  // A file.
+  const std::string file = root_ + "/file.exr", moved = root_ + "/moved.exr";
+  write_text_file(file, "pixels");
+  const std::string of_file = result_identity(roots_, file);
+  EXPECT_TRUE(is_as_made(roots_, file, of_file, seal_));
+  fs::rename(file, moved);
+  fs::create_symlink(moved, file);
+  EXPECT_FALSE(is_as_made(roots_, file, of_file, seal_));
+  // A folder above it.
+  fs::create_directory(root_ + "/above");
+  fs::rename(moved, root_ + "/above/file.exr");
+  fs::rename(root_ + "/above", root_ + "/elsewhere");
+  fs::create_directory_symlink(root_ + "/elsewhere", root_ + "/above");
+  EXPECT_FALSE(is_as_made(roots_, root_ + "/above/file.exr", of_file, seal_));
+}
+
+TEST_F(StagingTest, CopiesAreOfFilesAndFoldersAlone) {
+  const std::string mine = folder_ / "mine.txt";
+  write_text_file(mine, "mine");
+  staged(1).publish(make_folder_of(1, {"a", "sub/b"}));
+  fs::create_directory(root_ + "/to");
+  copy_result(roots_, output_, root_ + "/to/copy");
+  EXPECT_EQ(names(root_ + "/to/copy"), (std::set<std::string>{"a", "sub/b"}));
+  EXPECT_FALSE(fs::exists(root_ + "/to/copy/.multum-result")) << "the copy gets its own";
+  copy_result(roots_, output_ + "/a", root_ + "/to/a");
+  EXPECT_EQ(testing::read_bytes(root_ + "/to/a"), "a1");
+  // What an attempt before has left is replaced, and a link in its place is not followed.
+  fs::remove(root_ + "/to/a");
+  fs::create_symlink(mine, root_ + "/to/a");
+  copy_result(roots_, output_ + "/a", root_ + "/to/a");
+  EXPECT_FALSE(fs::is_symlink(root_ + "/to/a"));
+  EXPECT_EQ(testing::read_bytes(mine), "mine");
+  for (const std::string& made : {root_ + "/link", output_ + "/sub/link"}) {
+    fs::create_symlink(mine, made);
+    EXPECT_THROW(copy_result(roots_, made.find("sub") == std::string::npos ? made : output_, root_ + "/to/c"), Error);
+    fs::remove(made);
+  }
+}
+
+// Who writes to a folder can write a listing into it: of a user's files, with a line more, or of another folder.
+TEST_F(StagingTest, AForgedListingIsNone) {
+  fs::create_directory(output_);
+  write_text_file(output_ + "/mine.txt", "weeks of work");
+  write_result_listing(output_, {});  // without a seal
+  refused(1, make_folder_of(1, {"a"}), "mine.txt");
+  write_result_listing(output_, {"another key"});
+  refused(1, staged(1).identity(), "mine.txt");
+  EXPECT_EQ(names(output_), std::set<std::string>{"mine.txt"});
+  fs::remove_all(output_);
+  staged(1).publish(staged(1).identity());
+  EXPECT_EQ(unlisted_in(output_, seal_), "");
+  // A line more.
+  const std::string listing = output_ + "/.multum-result", whole = testing::read_bytes(listing);
+  write_text_file(output_ + "/mine.txt", "added");
+  const std::string own =
+      "5 " + file_identity(output_ + "/mine.txt").substr(file_identity(output_ + "/mine.txt").rfind(':') + 1);
+  for (const std::string& text : {own + " mine.txt\n" + whole, whole + own + " mine.txt\n",
+                                  whole.substr(0, whole.rfind("seal ")) + own + " mine.txt\n"}) {
+    testing::write_bytes(listing, text);
+    EXPECT_NE(unlisted_in(output_, seal_), "") << text;
+    EXPECT_FALSE(remove_listed(output_, seal_));
+    EXPECT_TRUE(fs::exists(output_ + "/mine.txt"));
+  }
+  // Another folder's listing, with the same files.
+  fs::remove(output_ + "/mine.txt");
+  testing::write_bytes(listing, whole);
+  EXPECT_TRUE(is_as_published(output_, seal_));
+  fs::copy(output_, root_ + "/other", fs::copy_options::recursive);
+  fs::last_write_time(root_ + "/other/a", fs::last_write_time(output_ + "/a"));
+  EXPECT_FALSE(is_as_published(root_ + "/other", seal_));
+  EXPECT_EQ(unlisted_in(root_ + "/other", {}), "") << "but for the seal it is the same";
+}
+
+TEST_F(StagingTest, TheKeyIsMadeOnceAndItsOwnersAlone) {
+  const std::string path = folder_ / "seal";
+  const ResultSeal first = take_up_seal(path);
+  EXPECT_EQ(first.key.size(), 64u);
+  EXPECT_EQ(take_up_seal(path).key, first.key);
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  testing::write_bytes(path, "cut");
+  EXPECT_NE(take_up_seal(path).key, first.key);
+}
+
+TEST_F(StagingTest, ALinkIsNoResult) {
+  const std::string made = make_staging(1);
+  fs::create_symlink("/etc/passwd", made);
+  EXPECT_EQ(staged(1).identity(), "");
+}
+
+// Who may write to the folder of results knows the next staging folder's name.
+TEST_F(StagingTest, WhatSomebodyPutInAStagingFoldersPlaceIsLeftAlone) {
+  const std::string mine = root_ + "/mine", staging = staging_folder(output_, "0123abcd", 1);
+  const auto expect_left_alone = [&](const std::string& word) {
+    testing::expect_error(ErrorCode::kEnvironment, {staging, word}, [&] { open_staging_folder(roots_, staging); });
+    EXPECT_THROW(staged(1).remove(), Error);
+    EXPECT_THROW(staged(1).identity(), Error);
+    EXPECT_TRUE(sweep_staging(roots_, {root_}, "0123abcd", [](std::int64_t) { return true; }).empty());
+  };
+  fs::create_directory(mine);
+  write_text_file(mine + "/thesis.txt", "weeks of work");
+  fs::create_directory_symlink(mine, staging);
+  expect_left_alone("is a symbolic link");
+  EXPECT_EQ(testing::read_bytes(mine + "/thesis.txt"), "weeks of work");
+  fs::remove(staging);
+  fs::rename(mine, staging);  // the daemon's own, by a rename
+  expect_left_alone("did not make it");
+  fs::permissions(staging, fs::perms(0777));
+  expect_left_alone("others may write");
+  EXPECT_EQ(testing::read_bytes(staging + "/thesis.txt"), "weeks of work");
+}
+
+TEST_F(StagingTest, DataIsForTheDaemonAlone) {
+  const std::string data = folder_ / "data";
+  ASSERT_NE(DataLock::take(data), nullptr);
+  EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
+  fs::permissions(data, fs::perms(0777));
+  testing::expect_error(ErrorCode::kEnvironment, {data, "0777", "others may write"}, [&] { DataLock::take(data); });
+  fs::permissions(data, fs::perms(0755));
+  fs::create_directory_symlink(data, folder_ / "link");
+  EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "a link of one's own";
+  fs::create_directory_symlink(folder_ / "nowhere", folder_ / "dangling");
+  testing::expect_error(ErrorCode::kEnvironment, {"dangling", "leads nowhere"},
+                        [&] { DataLock::take(folder_ / "dangling"); });
+  if (geteuid() != 0) return;
+  ASSERT_EQ(lchown((folder_ / "link").c_str(), 65534, 65534), 0);
+  testing::expect_error(ErrorCode::kEnvironment, {"link that user 65534 made"},
+                        [&] { DataLock::take(folder_ / "link"); });
+  ASSERT_EQ(chown(data.c_str(), 65534, 65534), 0);
+  testing::expect_error(ErrorCode::kEnvironment, {data, "belongs to user 65534"}, [&] { DataLock::take(data); });
+}
+
+TEST_F(StagingTest, SweepsItsOwnAlone) {
+  make_folder_of(1, {"a"});
+  make_folder_of(2, {"a"});
+  fs::create_directory(root_ + "/.multum-another-1");
+  fs::create_directory(root_ + "/.multum-0123abcd-x");
+  EXPECT_EQ(sweep_staging(roots_, {root_ + "/", root_ + "/gone/", "/etc/"}, "0123abcd",
+                          [](std::int64_t id) { return id != 2; })
+                .size(),
+            1u);
+  EXPECT_FALSE(fs::exists(staging_folder(output_, "0123abcd", 1)));
+  EXPECT_TRUE(fs::exists(staging_folder(output_, "0123abcd", 2)));
+  EXPECT_TRUE(fs::exists(root_ + "/.multum-another-1"));
+  EXPECT_TRUE(fs::exists(root_ + "/.multum-0123abcd-x"));
+}
+
+}  // namespace
+}  // namespace multum

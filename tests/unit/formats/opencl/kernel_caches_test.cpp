@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Folders of compiled kernels that cannot be written are replaced by a private one. That it goes with the program:
+// tests/cli/limits_test.cpp.
+#include "host/formats/opencl/kernel_caches.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "host/formats/opencl/program_cache.h"
+#include "tests/unit/foundation/base/test_folder.h"
+
+namespace multum {
+namespace {
+
+using testing::TemporaryFolder;
+
+/// Variables as they were before, when this goes.
+class KernelCachesTest : public ::testing::Test {
+ protected:
+  ~KernelCachesTest() override {
+    for (const Kept& one : kept_)
+      if (one.is_set) ::setenv(one.name, one.value.c_str(), 1);
+      else ::unsetenv(one.name);
+    set_kernel_caches({});
+  }
+  static std::string prepared(const KernelCacheFolders& folders) {
+    set_kernel_caches(folders);
+    ::testing::internal::CaptureStderr();
+    prepare_kernel_caches();
+    prepare_kernel_caches();  // says nothing more
+    return ::testing::internal::GetCapturedStderr();
+  }
+
+ private:
+  struct Kept {
+    explicit Kept(const char* variable) : name(variable), is_set(std::getenv(name) != nullptr) {
+      if (is_set) value = std::getenv(name);
+    }
+    const char* name;
+    bool is_set;
+    std::string value;
+  };
+  const Kept kept_[2] = {Kept("MULTUM_CACHE_DIR"), Kept("POCL_CACHE_DIR")};
+};
+
+TEST_F(KernelCachesTest, FoldersThatCanBeWrittenAreTaken) {
+  const TemporaryFolder folder;
+  ::setenv("MULTUM_CACHE_DIR", "as it was", 1);
+  EXPECT_EQ(prepared({folder / "new/multum", folder / "new/pocl"}), "");
+  EXPECT_STREQ(std::getenv("MULTUM_CACHE_DIR"), "as it was");
+  EXPECT_EQ(folder.names(), testing::Names{"new"}) << "made, and nothing left in it";
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "new/multum"));
+  EXPECT_EQ(pocl_cache_failure(), "");
+}
+
+// Below a file no folder can be made, not even by root.
+TEST_F(KernelCachesTest, APrivateFolderReplacesOneThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  testing::write_bytes(folder / "file", "no folder");
+  const std::string said = prepared({folder / "file/multum", folder / "file/pocl"});
+  testing::expect_says(
+      said, {folder / "file/multum", "Not a directory", "MULTUM_CACHE_DIR", folder / "file/pocl", "POCL_CACHE_DIR"});
+  const std::filesystem::path programs = std::getenv("MULTUM_CACHE_DIR"), pocl = std::getenv("POCL_CACHE_DIR");
+  EXPECT_EQ(programs.parent_path(), pocl.parent_path());
+  struct stat status = {};
+  ASSERT_EQ(::stat(programs.parent_path().c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777u, 0700u) << "nobody else's kernels may be run";
+  EXPECT_TRUE(std::filesystem::is_directory(pocl));
+  EXPECT_EQ(pocl_cache_failure(), "");
+  EXPECT_EQ(prepared({programs.string(), pocl.string()}), "") << "as children have them";
+}
+
+TEST_F(KernelCachesTest, NoFoldersAreNoConcern) { EXPECT_EQ(prepared({}), ""); }
+
+}  // namespace
+}  // namespace multum
