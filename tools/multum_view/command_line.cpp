@@ -13,11 +13,23 @@
 #include "host/foundation/base/nearest_name.h"
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
-#include "tools/multum_view/command_options.h"
 #include "tools/multum_view/driver_faults.h"
+#include "tools/multum_view/modes.h"
 
 namespace multum {
 namespace {
+
+struct CommandOptions {
+  MapOptions map;  // of no subcommand, scene and animate
+  SampleOptions sample;
+  PlayOptions play;
+  ProbeOptions probe;
+  ThumbnailOptions thumbnails;
+  PyramidOptions pyramid;
+  LodOptions lod;
+  ModelOptions model;
+  EachOptions each;
+};
 
 struct ViewCommand {
   const char* name;
@@ -26,6 +38,10 @@ struct ViewCommand {
   void (*add)(CLI::App&, CommandOptions&);
   int (*run)(const CommandOptions&);
 };
+
+void add_object_option(CLI::App& app, MapOptions& options) {
+  app.add_option("--object", options.object, "name of the scene's object (default: its only one)");
+}
 
 void add_scene_options(CLI::App& app, CommandOptions& o) {
   app.add_option("plan", o.map.plan, "plan.json, which says how each object is drawn; options replace what it says")
@@ -124,14 +140,11 @@ void add_commands(CLI::App& app, CommandOptions& options) {
   app.require_subcommand(0, 1);
   app.add_option("file", options.map.file,
                  "baked map, *.ndf.exr, or its lobes as multum export --lobes stores them, *.ktx2");
-  app.add_option("-o,--output", options.outputs, "picture to write: .png (sRGB) or .exr (linear floats)")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_picture_option(app, options.map.picture.output);
   add_pictures_option(app, options.map.picture.output);
   add_alone_option(app, options.map.picture.output);
   add_distance_option(app, options.map.picture.camera);
   add_map_options(app, options.map);
-  add_alias_options(app, options);
   for (const ViewCommand& command : kCommands) {
     CLI::App* const added = app.add_subcommand(command.name, command.description);
     added->footer(command.examples);
@@ -152,21 +165,39 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
+/// " (an option of 'multum-view play')": the subcommands that have an option which the program itself has not; else "".
+std::string owners_of_option(const CLI::App& app) {
+  for (const std::string& word : app.remaining(true)) {
+    std::vector<std::string> owners;
+    for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
+      if (word.starts_with("--") && command->get_option_no_throw(word.substr(0, word.find('='))) != nullptr)
+        owners.push_back("'" + app.get_name() + " " + command->get_name() + "'");
+    if (!owners.empty()) return fmt::format(" (an option of {})", fmt::join(owners, " and "));
+  }
+  return "";
+}
+
 std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   const std::vector<CLI::App*> chosen = app->get_subcommands();
   const std::string program = app->get_name() + (chosen.empty() ? "" : " " + chosen.front()->get_name());
-  return fmt::format("{}: {}\nSee '{} --help'.\n", program, parse_error_text(*app, error), program);
+  const std::string owners = chosen.empty() ? owners_of_option(*app) : "";
+  return fmt::format("{}: {}{}\nSee '{} --help'.\n", program, parse_error_text(*app, error), owners, program);
 }
 
 /// The subcommand that runs; empty: a baked map is drawn. Options before a subcommand would be no part of it.
-std::string chosen_command(const CLI::App& app, CommandOptions& options) {
-  if (app.get_subcommands().empty()) return apply_aliases(app, options);
+std::string chosen_command(const CLI::App& app, const CommandOptions& options) {
+  if (app.get_subcommands().empty()) {
+    if (options.map.file.empty()) throw CLI::RequiredError("file");
+    if (options.map.picture.output.path.empty()) throw CLI::RequiredError("--output");
+    return "";
+  }
   const std::string command = app.get_subcommands().front()->get_name();
   for (const CLI::Option* const option : app.get_options())
     if (option->count() > 0)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("found {} before '{}', expected the options of a subcommand behind it",
-                              option->get_positional() ? options.map.file : long_name(*option), command));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("found {} before '{}', expected the options of a subcommand behind it",
+                      option->get_positional() ? options.map.file : "--" + option->get_lnames().front(), command));
   return command;
 }
 

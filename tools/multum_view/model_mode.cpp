@@ -181,19 +181,15 @@ class Model {
 void add_model_options(CLI::App& app, ModelOptions& options) {
   PictureOptions& picture = options.picture;
   app.add_option("model", picture.surface.mesh, "model to draw: glTF or GLB")->required();
-  add_material_map_option(app, options);
+  app.add_option("--material", options.materials,
+                 "draw the material NAME with the map FILE that was baked for it, NAME=FILE.ndf.exr; once for each "
+                 "material (multum materials)");
   add_picture_option(app, picture.output)->required();
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);
   add_distance_option(app, picture.camera);
   add_rendering_options(app, picture);
   add_decoding_option(app);
-}
-
-CLI::Option* add_material_map_option(CLI::App& app, ModelOptions& options) {
-  return app.add_option("--material", options.materials,
-                        "draw the material NAME with the map FILE that was baked for it, NAME=FILE.ndf.exr; once for "
-                        "each material (multum materials)");
 }
 
 int draw_model(const ModelOptions& options) {

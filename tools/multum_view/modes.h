@@ -21,8 +21,6 @@ struct ProbeOptions {
   bool matrix_market = false;
 };
 void add_probe_options(CLI::App& app, ProbeOptions& options);
-/// --threads, --matrix-market.
-void add_measuring_options(CLI::App& app, ProbeOptions& options);
 /// Measures filter matrices for texture inference.
 int measure_filter_matrices(const ProbeOptions& options);
 
@@ -92,8 +90,6 @@ struct PyramidOptions {
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };
 void add_pyramid_options(CLI::App& app, PyramidOptions& options);
-/// --lookup, --shifts.
-void add_lookup_options(CLI::App& app, PyramidOptions& options);
 /// Draws a surface coloured straight from a pyramid.
 int draw_pyramid(const PyramidOptions& options);
 
@@ -112,7 +108,6 @@ struct ModelOptions {
   std::vector<std::string> materials;  // NAME=FILE.ndf.exr
 };
 void add_model_options(CLI::App& app, ModelOptions& options);
-CLI::Option* add_material_map_option(CLI::App& app, ModelOptions& options);
 /// Draws a model with its own materials, each with a map baked for it.
 int draw_model(const ModelOptions& options);
 

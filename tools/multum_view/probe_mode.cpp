@@ -88,13 +88,9 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
 
 void add_probe_options(CLI::App& app, ProbeOptions& options) {
   app.add_option("request", options.request, "request, JSON (docs/FORMAT.md)")->required();
-  add_measuring_options(app, options);
-  add_context_option(app, options.context);
-}
-
-void add_measuring_options(CLI::App& app, ProbeOptions& options) {
   app.add_option("--threads", options.threads, "threads of decoding (default: all cores)")->check(CLI::Range(1, 1024));
   app.add_flag("--matrix-market", options.matrix_market, "also write each matrix as Matrix Market text: OUTPUT.mtx");
+  add_context_option(app, options.context);
 }
 
 int measure_filter_matrices(const ProbeOptions& options) {

@@ -403,38 +403,6 @@ TEST_F(InferredPictureTest, TheFolderMayBeNamedLastAndByItsManifest) {
   EXPECT_EQ(read_floats(path("a.exr")).values, read_floats(path("b.exr")).values);
 }
 
-// The options that stood for subcommands before there were any.
-TEST_F(InferredPictureTest, OldSpellingsDrawTheSameBytes) {
-  const auto expect_same = [&](const std::string& name, const std::vector<std::string>& command,
-                               const std::vector<std::string>& old) {
-    const ChildResult drawn = run_view(command);
-    ASSERT_EQ(drawn.exit_code, 0) << drawn.output;
-    const std::string bytes = read_bytes(path(name));
-    std::filesystem::remove(path(name));
-    const ChildResult as_before = run_view(old);
-    ASSERT_EQ(as_before.exit_code, 0) << as_before.output;
-    EXPECT_EQ(read_bytes(path(name)), bytes) << name;
-  };
-  const std::string folder = folder_.path();
-  expect_same("b.exr", {"sample", folder, "--at", "2,1", "-o", path("a.exr"), "--at", "2,0", "-o", path("b.exr")},
-              {folder, "--sample", "2,1", "-o", path("a.exr"), "--sample", "2,0", "-o", path("b.exr")});
-  expect_same("c.png", {"sample", folder, "--at", "still", "-o", path("c.png"), "--exposure", "2"},
-              {"--sample=still", "-o", path("c.png"), "--exposure", "2", folder + "/"});
-  std::filesystem::create_directory(path("small"));
-  expect_same("small/render.png", {"thumbnails", folder, "-o", path("small")}, {folder, "--thumbnails", path("small")});
-  write_probe_request(request("still"), path("request.json"));
-  expect_same("still_waves.filter.mtx", {"probe", path("request.json"), "--matrix-market"},
-              {"--probe", path("request.json"), "--matrix-market"});
-  const std::string a = path("a.exr");
-  std::filesystem::remove(a);
-  expect_refusal({folder, "--sample", "2,0", "--thumbnails", path("small"), "-o", a}, 2,
-                 {"--thumbnails", "--sample", "expected one of them"});
-  expect_refusal({folder, "--sample", "2,0", "-o", a, "--compare", "mip"}, 2,
-                 {"--compare", "--sample", "multum-view sample"});
-  expect_refusal({"--probe", path("request.json"), "more"}, 2, {"not expected", "more"});
-  expect_refusal({"--sample", "2,0", "-o", a}, 2, {"folder", "required"});
-}
-
 TEST_F(InferredPictureTest, WrongCommandLinesAreUsageErrors) {
   const auto refuse = [&](std::vector<std::string> arguments, const std::vector<std::string>& parts) {
     SCOPED_TRACE(parts.front());

@@ -448,32 +448,6 @@ TEST_F(PyramidModesTest, WrongSubjectsAreRefused) {
   expect_refusal({"pyramid", path("h.exr")}, 3, {"h.exr", "pyramid of heights", "colours or reflected light"});
 }
 
-// The options that stood for subcommands before there were any.
-TEST_F(PyramidModesTest, OldSpellingsDrawTheSameBytes) {
-  write(make_pyramid(PyramidKind::kColour, 16, WrapMode::kPeriodic, [](int x, int y, int) { return (x ^ y) & 1; }),
-        "a.exr");
-  write(make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.01 * x; }), "h.exr");
-  const std::string a = path("a.exr"), h = path("h.exr");
-  const auto drawn = [&](const std::vector<std::string>& arguments) {
-    const ChildResult result = view(arguments);
-    EXPECT_EQ(result.exit_code, 0) << result.output;
-    const std::string bytes = testing::read_bytes(path("out.png"));
-    std::filesystem::remove(path("out.png"));
-    return bytes;
-  };
-  EXPECT_EQ(drawn({"--mip", a, "--lookup", "nearest,reference", "--samples", "4"}),
-            drawn({"pyramid", a, "--lookup", "nearest,reference", "--samples", "4"}));
-  EXPECT_EQ(drawn({"--lod", h, "--level=1.5", "--brdf", "lambert", "--up", "0,1,0"}),
-            drawn({"lod", h, "--level=1.5", "--brdf", "lambert", "--up", "0,1,0"}));
-  expect_refusal({"--mip", a, "--lod", a}, 2, {"--mip", "--lod", "expected one of them"});
-  expect_refusal({a, "--mip", a}, 2, {"a.exr", "--mip", "expected one of them"});
-  expect_refusal({"--reflectance", a}, 3, {"a.exr", "pyramid of colours"});
-  expect_refusal({"--reflectance", a, "--mesh", triangle()}, 3, {"a.exr", "pyramid of colours"});
-  expect_refusal({"--mip", a, "--compare", "reference"}, 2, {"--compare", "--mip", "'multum-view pyramid'"});
-  expect_refusal({"--mip", a, "--level", "2"}, 2, {"--level", "--mip", "'multum-view pyramid'"});
-  expect_refusal({"--material", "a=b"}, 2, {"--material", "expected --mesh"});
-}
-
 // Two triangles of two materials; only one has a map.
 TEST_F(PyramidModesTest, AModelWithItsOwnMaterials) {
   write_movmf_mipmap(path("map.ndf.exr"), gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false).mipmap, {});
@@ -499,9 +473,6 @@ TEST_F(PyramidModesTest, AModelWithItsOwnMaterials) {
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NE(result.output.find("red: 1 triangles, " + map), std::string::npos) << result.output;
   EXPECT_NE(result.output.find("rough: 1 triangles, no map"), std::string::npos) << result.output;
-  const std::string bytes = testing::read_bytes(path("out.png"));
-  ASSERT_EQ(view({"--mesh", path("m.gltf"), "--material", "red=" + map}).exit_code, 0);
-  EXPECT_EQ(testing::read_bytes(path("out.png")), bytes) << "the old spelling";
   std::filesystem::remove(path("out.png"));
   expect_refusal({"model", path("m.gltf"), "--material", "blue=" + map}, 2, {"blue", "red, rough"});
   expect_refusal({"model", path("m.gltf"), "--material", "red"}, 2, {"--material", "NAME=FILE"});

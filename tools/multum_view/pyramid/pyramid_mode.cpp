@@ -237,8 +237,7 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
   write_text_file(path, json_text(report, 2) + "\n");
 }
 
-}  // namespace
-
+// --lookup, --shifts.
 void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
@@ -249,6 +248,8 @@ void add_lookup_options(CLI::App& app, PyramidOptions& options) {
                  "measure the flicker of reflected light against the reference over so many sub-pixel shifts")
       ->check(CLI::Range(2, 256));
 }
+
+}  // namespace
 
 void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
   app.add_option("file", options.file, "pyramid of multum mip, on the plane, or of multum reflectance, on the --mesh")

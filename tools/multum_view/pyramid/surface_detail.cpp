@@ -27,10 +27,8 @@ void add_spacing(CLI::App& app, const std::string& name, CLI::Option* level, Det
 
 }  // namespace
 
-CLI::Option* add_level_option(CLI::App& app, DetailOptions& options) { return add_level(app, "--level", options); }
-
 void add_detail_options(CLI::App& app, DetailOptions& options) {
-  add_spacing(app, "--point-spacing", add_level_option(app, options), options);
+  add_spacing(app, "--point-spacing", add_level(app, "--level", options), options);
 }
 
 void add_surface_detail_options(CLI::App& app, DetailOptions& options) {

@@ -17,8 +17,6 @@ struct DetailOptions {
   std::optional<float> spacing;  // pixels between neighbouring points
 };
 
-/// --level.
-CLI::Option* add_level_option(CLI::App& app, DetailOptions& options);
 /// --level, --point-spacing.
 void add_detail_options(CLI::App& app, DetailOptions& options);
 /// --surface-level, --surface-spacing: of a surface beside the file that is drawn.
