@@ -282,24 +282,5 @@ TEST_F(RefusalTest, WrongCommandLines) {
   EXPECT_EQ(out_names(), std::set<std::string>());
 }
 
-TEST_F(RefusalTest, FormerNamesOfOptions) {
-  const std::string output = path("out/a.ndf.exr"), manifest = path("maps.toml"), map = path("map_normal.png");
-  expect_failure(multum({"bake", map, "-o", output, "--sweeps", "3", "--passes", "2"}), kUsage,
-                 {"--passes is given twice, by two of its names", "--passes or --sweeps"});
-  expect_failure(multum({"bake", map, "-o", output, "--no-rehearsal", "--no-start-search"}), kUsage,
-                 {"--no-start-search or --no-rehearsal"});
-  expect_failure(multum({"bake", map, "-o", output, "--sweeps", "9"}), kUsage, {"--passes is 9", "1 to 8"});
-  write_bytes(manifest, "");
-  expect_failure(multum({"bake", "--manifest", manifest, "--sweeps", "3"}), kUsage,
-                 {"--sweeps and --manifest exclude each other", "expected passes under [[map]]"});
-  expect_failure(multum({"bake", manifest, "-o", output, "--sweeps", "3"}), kUsage,
-                 {"--sweeps cannot be given beside"});
-  // A client takes them: it comes as far as the service, which is not there.
-  expect_failure(multum({"submit", "bake", map, "-o", output, "--server", "unix:" + path("none"), "--sweeps", "3",
-                         "--no-rehearsal", "--coarse-normals", "condensed"}),
-                 kEnvironment, {"no answer from the service"});
-  EXPECT_EQ(out_names(), std::set<std::string>());
-}
-
 }  // namespace
 }  // namespace multum::testing

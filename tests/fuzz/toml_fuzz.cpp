@@ -101,7 +101,7 @@ resolution = [1920, 1080]
 target_error = 0.2
 bytes = 100000000
 bake_ms = 5000
-tolerance = 0.02
+estimate_margin = 0.02
 [[map]]
 name = "bricks"
 normal = "bricks_normal.png"

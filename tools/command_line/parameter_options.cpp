@@ -34,12 +34,6 @@ std::string type_text(const Parameter& row) {
 }
 
 void set_given(ParameterValues& values, const Parameter& row, ParameterValue value) {
-  if (values.has(row.name)) {
-    std::string options;
-    for (const std::string& name : row.all_names()) options += (options.empty() ? "" : " or ") + option_of(name);
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} is given twice, by two of its names: expected {}", row.option(), options));
-  }
   values.set(row.name, std::move(value));
   check_exclusions(values);
 }
@@ -83,7 +77,6 @@ void add_parameter_options(CLI::App& app, ParameterValues& values, const std::ve
     if (row->kind != ParameterKind::kFlag) option->type_name(type_text(*row));
     if (shows_defaults && !row->default_text.empty() && row->kind != ParameterKind::kFlag)
       option->default_str(row->default_text);
-    for (const std::string& former : row->former_names) add_option(app, option_of(former), values, *row)->group("");
   }
   // For help; check_exclusions() has refused both by then.
   for (const Parameter* row : rows)

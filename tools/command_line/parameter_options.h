@@ -12,9 +12,8 @@ namespace multum {
 
 /// Adds an option for each parameter of values.table() that command lines have, or for those that `names` lists, under
 /// their groups' headings; what is given goes into `values`, which must outlive the app. --help shows types, ranges and
-/// defaults; `shows_defaults` false: no defaults, because unset means something else here. Former names are accepted
-/// and not shown; parsing refuses a name and a former one of it at once. It throws Error(kUsage) for a value that is
-/// not legal: "--lobes is 9, expected an integer from 1 to 8".
+/// defaults; `shows_defaults` false: no defaults, because unset means something else here. Parsing throws
+/// Error(kUsage) for a value that is not legal: "--lobes is 9, expected an integer from 1 to 8".
 void add_parameter_options(CLI::App& app, ParameterValues& values, const std::vector<std::string>& names = {},
                            bool shows_defaults = true);
 

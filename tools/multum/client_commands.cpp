@@ -119,12 +119,11 @@ int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> 
 
 int run_submit(const JobType& type, SubmitOptions& o) {
   Json parameters = Json::object();
-  for (const Parameter& parameter : type.table->rows())
-    for (const std::string& name : parameter.all_names()) {
-      if (o.flags[name]) parameters[name] = true;
-      if (const auto found = o.values.find(name); found != o.values.end() && !found->second.empty())
-        parameters[name] = value_of(parameter, found->second);
-    }
+  for (const Parameter& parameter : type.table->rows()) {
+    if (o.flags[parameter.name]) parameters[parameter.name] = true;
+    if (const auto found = o.values.find(parameter.name); found != o.values.end() && !found->second.empty())
+      parameters[parameter.name] = value_of(parameter, found->second);
+  }
   Json job = {
       {"type", type.name}, {"parameters", parameters}, {"priority", o.priority}, {"attempt_max", o.attempt_max}};
   if (!o.output.empty()) job["output"] = text_of_path(fs::absolute(o.output).lexically_normal().string());
@@ -143,7 +142,6 @@ int run_submit(const JobType& type, SubmitOptions& o) {
   return o.wait ? wait_for(client, o.client, {id}) : 0;
 }
 
-// Takes the choices and their former names; help shows the choices.
 CLI::Validator is_choice(const Parameter& parameter) {
   const auto check = [&parameter](const std::string& text) {
     return is_legal(parameter, text) ? "" : fmt::format("found {}, expected {}", text, expected_text(parameter));
@@ -151,16 +149,15 @@ CLI::Validator is_choice(const Parameter& parameter) {
   return {check, fmt::format("{{{}}}", fmt::join(parameter.choices, ","))};
 }
 
-void add_submit_option(CLI::App& command, SubmitOptions& o, const Parameter& parameter, const std::string& name) {
-  CLI::Option* option = nullptr;
+void add_submit_option(CLI::App& command, SubmitOptions& o, const Parameter& parameter) {
+  const std::string& name = parameter.name;
   if (parameter.kind == ParameterKind::kFlag) {
-    option = command.add_flag(option_of(name), o.flags[name], parameter.help);
-  } else {
-    option = command.add_option(option_of(name), o.values[name], parameter.help);
-    if (!parameter.default_text.empty()) option->default_str(parameter.default_text);
-    if (parameter.kind == ParameterKind::kChoice) option->check(is_choice(parameter));
+    command.add_flag(option_of(name), o.flags[name], parameter.help);
+    return;
   }
-  if (name != parameter.name) option->group("");  // a former one, which is not shown
+  CLI::Option* const option = command.add_option(option_of(name), o.values[name], parameter.help);
+  if (!parameter.default_text.empty()) option->default_str(parameter.default_text);
+  if (parameter.kind == ParameterKind::kChoice) option->check(is_choice(parameter));
 }
 
 void add_submit(CLI::App& app, int* exit_code) {
@@ -174,7 +171,7 @@ void add_submit(CLI::App& app, int* exit_code) {
       if (parameter.name == type.input) {
         command->add_option(parameter.name, o->values[parameter.name], parameter.help)->required();
       } else {
-        for (const std::string& name : parameter.all_names()) add_submit_option(*command, *o, parameter, name);
+        add_submit_option(*command, *o, parameter);
       }
     }
     CLI::Option* output =

@@ -53,14 +53,6 @@ std::string repairs_text(const NormalMapReport& input) {
       input.nonfinite_repaired, input.zero_length_repaired, input.below_horizon_repaired, input.unused_texels);
 }
 
-// What keys were called in 0.1.0, beside their names of today: scripts read them.
-void add_former_names(Json& json) {
-  json["condense"] = json["binning"];
-  json["start"]["rehearsed"] = json["start"]["tried"];
-  json["counts"]["beyond_storage"] = json["counts"]["unrepresentable"];
-  json["beyond_storage_share"] = json["unrepresentable_share"];
-}
-
 }  // namespace
 
 std::string BakeReport::to_json() const {
@@ -123,7 +115,6 @@ std::string BakeReport::to_json() const {
   if (picture_error) json["picture_error"] = *picture_error;
   json["measured_error"] = accuracy_json(accuracy);
   if (!choice.empty()) json["choice"] = choice;
-  add_former_names(json);
   return json_text(json, 2) + "\n";
 }
 

@@ -128,8 +128,7 @@ struct ManifestEntry {
 
 ManifestEntry read_entry(const std::string& path, const toml::table& toml, const ParameterValues& defaults,
                          const BakeJob& pattern) {
-  ManifestEntry entry{
-      StrictTable(path, toml, "map", map_keys(), kWholeFile, bake_parameters().former_names(kInManifest)), {}};
+  ManifestEntry entry{StrictTable(path, toml, "map", map_keys(), kWholeFile), {}};
   ParameterValues values = defaults;
   read_values(entry.table, values);
   check_own_scopes(entry.table, values);
@@ -176,8 +175,7 @@ std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJ
   const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWholeFile);
   ParameterValues defaults(bake_parameters());
-  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile,
-                           bake_parameters().former_names(kInManifest));
+  const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);
   read_values(of_all, defaults);
   target_of(of_all, path, defaults);  // what is wrong with it is wrong here
   std::vector<ManifestEntry> entries;

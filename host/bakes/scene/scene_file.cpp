@@ -75,7 +75,7 @@ void check_file(const StrictTable& table, const std::string& key, const std::str
 StrictTable map_table(const std::string& path, const toml::table& toml) {
   std::vector<std::string> keys = bake_parameters().names(kInScene);
   keys.insert(keys.end(), {"name", "normal"});
-  return {path, toml, "map", keys, kWholeFile, bake_parameters().former_names(kInScene)};
+  return {path, toml, "map", keys, kWholeFile};
 }
 
 SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJob& pattern, Names& names,
@@ -280,8 +280,7 @@ SceneCamera read_camera(const std::string& path, const toml::table& toml) {
 }
 
 SceneBudget read_budget(const std::string& path, const toml::table& toml) {
-  const StrictTable table(path, toml, "budget", {"bytes", "bake_ms", "target_error", "estimate_margin", "tolerance"},
-                          kWholeFile);
+  const StrictTable table(path, toml, "budget", {"bytes", "bake_ms", "target_error", "estimate_margin"}, kWholeFile);
   SceneBudget budget;
   const auto optional = [&](const char* key, const NumberRange& range, std::optional<double>& value) {
     if (table.has(key)) value = table.number(key, range, 0.0);
@@ -289,10 +288,8 @@ SceneBudget read_budget(const std::string& path, const toml::table& toml) {
   optional("bytes", kAboveZero, budget.bytes);
   optional("bake_ms", kAboveZero, budget.bake_ms);
   optional("target_error", kAboveZero, budget.target_error);
-  // Both bound how far estimates are apart; the former name said more than that.
-  for (const char* key : {"tolerance", "estimate_margin"})
-    budget.estimate_margin =
-        table.number(key, {0.0, 0.5, true, false, "a number above 0 and at most 0.5"}, budget.estimate_margin);
+  budget.estimate_margin = table.number("estimate_margin", {0.0, 0.5, true, false, "a number above 0 and at most 0.5"},
+                                        budget.estimate_margin);
   return budget;
 }
 

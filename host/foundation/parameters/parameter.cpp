@@ -77,12 +77,6 @@ std::string option_of(const std::string& name) {
 
 std::string Parameter::option() const { return option_of(name); }
 
-std::vector<std::string> Parameter::all_names() const {
-  std::vector<std::string> names = {name};
-  names.insert(names.end(), former_names.begin(), former_names.end());
-  return names;
-}
-
 std::string expected_text(const Parameter& parameter) {
   switch (parameter.kind) {
     case ParameterKind::kFlag: return "true or false";
@@ -125,8 +119,7 @@ bool is_legal(const Parameter& parameter, const ParameterValue& value) {
       return number != nullptr && is_in_range(parameter, *number);
     }
     case ParameterKind::kChoice: {
-      const ParameterValue current = current_value(parameter, value);
-      const auto* text = std::get_if<std::string>(&current);
+      const auto* text = std::get_if<std::string>(&value);
       return text != nullptr &&
              std::find(parameter.choices.begin(), parameter.choices.end(), *text) != parameter.choices.end();
     }
@@ -135,13 +128,6 @@ bool is_legal(const Parameter& parameter, const ParameterValue& value) {
     case ParameterKind::kFile: return std::holds_alternative<std::string>(value);
   }
   return false;
-}
-
-ParameterValue current_value(const Parameter& parameter, ParameterValue value) {
-  if (auto* const text = std::get_if<std::string>(&value))
-    for (const auto& [former, current] : parameter.former_choices)
-      if (*text == former) return current;
-  return value;
 }
 
 std::optional<ParameterValue> parse_value(const Parameter& parameter, const std::string& text) {
@@ -160,10 +146,7 @@ ParameterTable::ParameterTable(std::string command, std::vector<Parameter> rows)
     : command_(std::move(command)), rows_(std::move(rows)) {}
 
 const Parameter* ParameterTable::find(const std::string& name) const {
-  const auto found = std::find_if(rows_.begin(), rows_.end(), [&](const Parameter& one) {
-    const auto& former = one.former_names;
-    return one.name == name || std::find(former.begin(), former.end(), name) != former.end();
-  });
+  const auto found = std::find_if(rows_.begin(), rows_.end(), [&](const Parameter& one) { return one.name == name; });
   return found == rows_.end() ? nullptr : &*found;
 }
 
@@ -177,13 +160,6 @@ std::vector<std::string> ParameterTable::names(unsigned surface) const {
   std::vector<std::string> names;
   for (const Parameter& row : rows_)
     if (row.is_on(surface)) names.push_back(row.name);
-  return names;
-}
-
-std::vector<std::string> ParameterTable::former_names(unsigned surface) const {
-  std::vector<std::string> names;
-  for (const Parameter& row : rows_)
-    if (row.is_on(surface)) names.insert(names.end(), row.former_names.begin(), row.former_names.end());
   return names;
 }
 

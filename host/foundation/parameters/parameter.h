@@ -41,18 +41,15 @@ constexpr double kUnbounded = std::numeric_limits<float>::max();
 
 struct Parameter {
   std::string name;  // snake case: the key of files and JSON; "--first-level" on a command line
-  // Names that it had: accepted wherever `name` is, and shown in docs/PARAMETERS.md alone.
-  std::vector<std::string> former_names = {};
   ParameterKind kind = ParameterKind::kFlag;
   std::string help;  // what it does, in words that need neither its range nor its default
   double low = 0.0, high = 0.0;
   bool low_excluded = false, zero_excluded = false;
   // "texels", "ms"; of texts, files and long choices their form, "FILE[:CHANNEL]"; empty: none.
   std::string unit = {};
-  std::string default_text = {};                                         // as a command line has it; empty: none
-  std::vector<std::string> choices = {};                                 // in the order in which they are shown
-  std::vector<std::pair<std::string, std::string>> former_choices = {};  // a former name of a choice, and the choice
-  std::string group = {};                                                // heading of help texts
+  std::string default_text = {};           // as a command line has it; empty: none
+  std::vector<std::string> choices = {};   // in the order in which they are shown
+  std::string group = {};                  // heading of help texts
   std::string hashed_as = {};              // key of multum:settings (docs/FORMAT.md); empty: changes no content
   std::string short_option = {};           // "-d"
   std::vector<std::string> excludes = {};  // names of others that cannot be given beside it
@@ -70,8 +67,6 @@ struct Parameter {
   bool has_high() const { return high < kUnbounded; }
   /// "--first-level".
   std::string option() const;
-  /// `name`, then the former ones.
-  std::vector<std::string> all_names() const;
 };
 
 /// The option of a parameter's name: "--first-level" of "first_level".
@@ -88,11 +83,8 @@ std::string value_text(const ParameterValue& value);
 /// The same of a parameter's value: sizes in MiB where they are whole ones.
 std::string value_text(const Parameter& parameter, const ParameterValue& value);
 
-/// Is the value of the parameter's type, and legal? Former names of choices are.
+/// Is the value of the parameter's type, and legal?
 bool is_legal(const Parameter& parameter, const ParameterValue& value);
-
-/// The value, a choice by its name of today.
-ParameterValue current_value(const Parameter& parameter, ParameterValue value);
 
 /// Bytes of "800M", "2G", "38K" (1024-based), or a number alone; nothing where it is no size.
 std::optional<std::int64_t> parse_size_text(const std::string& text);
@@ -108,14 +100,12 @@ class ParameterTable {
   /// "bake": its name on command lines and as a job's type.
   const std::string& command() const { return command_; }
   const std::vector<Parameter>& rows() const { return rows_; }
-  /// The row of this name, or that had this name once; null: there is none.
+  /// The row of this name; null: there is none.
   const Parameter* find(const std::string& name) const;
   /// The same; the row must be there.
   const Parameter& at(const std::string& name) const;
   /// Names of those that may be given there, in the table's order.
   std::vector<std::string> names(unsigned surface) const;
-  /// Former names of those.
-  std::vector<std::string> former_names(unsigned surface) const;
 
  private:
   std::string command_;

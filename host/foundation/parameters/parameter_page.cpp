@@ -53,21 +53,6 @@ std::string row_text(const Parameter& row) {
                      row.hashed_as.empty() ? "" : "`" + row.hashed_as + "`", escaped(row.help), note);
 }
 
-// The page's last table: what is accepted, and shown nowhere else.
-std::string former_names_text() {
-  std::string text =
-      "\n## Former names\n\nNames that parameters and their values had. Wherever a name is accepted its former ones "
-      "are, too, but not both at once.\n\n| command | former name | name |\n|---|---|---|\n";
-  for (const ParameterTable* table : parameter_tables())
-    for (const Parameter& row : table->rows()) {
-      for (const std::string& former : row.former_names)
-        text += fmt::format("| {} | `{}` | `{}` |\n", table->command(), former, row.name);
-      for (const auto& [former, current] : row.former_choices)
-        text += fmt::format("| {} | `{} = {}` | `{} = {}` |\n", table->command(), row.name, former, row.name, current);
-    }
-  return text;
-}
-
 }  // namespace
 
 const std::vector<const ParameterTable*>& parameter_tables() {
@@ -103,7 +88,7 @@ std::string parameter_page() {
       page += row_text(row);
     }
   }
-  return page + former_names_text();
+  return page;
 }
 
 }  // namespace multum

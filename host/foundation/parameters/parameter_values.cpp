@@ -17,7 +17,7 @@ void ParameterValues::set(const std::string& name, ParameterValue value) {
   if (!is_legal(parameter, value))
     throw Error(ErrorCode::kUsage, fmt::format("{} is {}, expected {}", parameter.option(),
                                                value_text(parameter, value), expected_text(parameter)));
-  values_[parameter.name] = current_value(parameter, std::move(value));
+  values_[parameter.name] = std::move(value);
 }
 
 bool ParameterValues::is_given(const std::string& name) const {

@@ -8,7 +8,8 @@
 namespace multum {
 namespace {
 
-ParameterValue read_value(const StrictTable& table, const std::string& key, const Parameter& parameter) {
+ParameterValue read_value(const StrictTable& table, const Parameter& parameter) {
+  const std::string& key = parameter.name;
   switch (parameter.kind) {
     case ParameterKind::kFlag: return table.boolean(key, false);
     case ParameterKind::kInteger:
@@ -23,28 +24,17 @@ ParameterValue read_value(const StrictTable& table, const std::string& key, cons
 
 }  // namespace
 
-std::optional<std::string> key_of(const StrictTable& table, const Parameter& parameter) {
-  std::optional<std::string> key;
-  for (const std::string& name : parameter.all_names()) {
-    if (!table.has(name)) continue;
-    if (key) table.refuse(name, fmt::format("is given beside {}, its other name: expected one of them", *key));
-    key = name;
-  }
-  return key;
-}
-
 void read_parameters(const StrictTable& table, unsigned surface, ParameterValues& values) {
   for (const Parameter& row : values.table().rows()) {
-    const std::optional<std::string> key = row.is_on(surface) ? key_of(table, row) : std::nullopt;
-    if (!key) continue;
-    const ParameterValue value = read_value(table, *key, row);
+    if (!row.is_on(surface) || !table.has(row.name)) continue;
+    const ParameterValue value = read_value(table, row);
     if (!is_legal(row, value))
-      table.refuse(*key, fmt::format("is {}, expected {}", value_text(value), expected_text(row)));
+      table.refuse(row.name, fmt::format("is {}, expected {}", value_text(value), expected_text(row)));
     values.set(row.name, value);
     for (const std::string& other : row.excludes)
-      if (!key_of(table, values.table().at(other))) values.erase(other);
+      if (!table.has(other)) values.erase(other);
       else if (values.is_given(row.name) && values.is_given(other))
-        table.refuse(*key, fmt::format("is given beside {}: expected one of them", other));
+        table.refuse(row.name, fmt::format("is given beside {}: expected one of them", other));
   }
 }
 

@@ -93,15 +93,11 @@ toml::table parse_toml(const std::string& path, const std::string& expected, con
 }
 
 StrictTable::StrictTable(const std::string& file, const toml::table& table, std::string name,
-                         const std::vector<std::string>& keys, std::string whole,
-                         const std::vector<std::string>& former_keys)
+                         const std::vector<std::string>& keys, std::string whole)
     : file_(file), table_(table), name_(std::move(name)), whole_(std::move(whole)) {
-  const auto is_among = [](const std::vector<std::string>& list, const std::string& text) {
-    return std::find(list.begin(), list.end(), text) != list.end();
-  };
   for (const auto& [key, value] : table_) {
     const std::string text(key.str());
-    if (keys.empty() || is_among(keys, text) || is_among(former_keys, text)) continue;
+    if (keys.empty() || std::find(keys.begin(), keys.end(), text) != keys.end()) continue;
     const std::string nearest = nearest_name(text, keys);
     const std::string meant = nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", full_name(nearest));
     refuse_at(file_, key.source().begin.line, fmt::format("unknown key '{}' of {}{}", full_name(text), whole_, meant));

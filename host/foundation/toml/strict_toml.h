@@ -38,9 +38,8 @@ class StrictTable {
  public:
   /// `name`: how its keys are called in messages, as "texture": "texture.wrap"; empty at the top. Keys that are not
   /// among `keys` are refused at once, with the known key that is nearest. `whole`: what the file is called.
-  /// `former_keys`: accepted, too, but not suggested.
   StrictTable(const std::string& file, const toml::table& table, std::string name, const std::vector<std::string>& keys,
-              std::string whole = "the job", const std::vector<std::string>& former_keys = {});
+              std::string whole = "the job");
 
   bool has(const std::string& key) const { return table_.contains(key); }
   /// Keys that are there, in alphabetical order: for tables whose keys are names.

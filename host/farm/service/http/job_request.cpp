@@ -131,7 +131,6 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   const JobType& type = find_job_type(s.type);
   Json parameters = json.value("parameters", Json::object());
   check_parameters(type, parameters);
-  parameters = with_current_names(type, parameters);
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
       parameters[parameter.name] =

@@ -8,9 +8,6 @@ import { byId, bytesText, node, notify } from "./nodes.js";
 const FEW = 6; // parameters that are shown at once
 const PATH_LENGTH = 4095; // by which the schema tells a file's path from other texts
 
-/** The choices of a parameter, without their former names; undefined: it has none. */
-const choicesOf = (schema) => schema.enum ?? schema.anyOf?.find((one) => !one.deprecated).enum;
-
 const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml))+$/i, "");
 
 /** What comes of an input, beside it; of an upload, among the results that can be downloaded. */
@@ -25,7 +22,7 @@ function outputFor(type, input) {
 function inputFor(name, schema, isRequired) {
   const id = `parameter-${name}`;
   if (schema.type === "boolean") return node("input", { id, type: "checkbox" });
-  const choices = choicesOf(schema);
+  const choices = schema.enum;
   if (choices)
     return node("select", { id }, node("option", { value: "" }, "default"),
       ...choices.map((one) => node("option", { value: one }, one)));

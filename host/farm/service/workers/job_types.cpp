@@ -160,14 +160,6 @@ std::string argument_text(const Parameter& parameter, const Json& value) {
   return parameter.kind == Kind::kFile ? path_of_text(text) : text;
 }
 
-// A choice's former names are taken beside those of today, which alone are its `enum`.
-Json choice_schema(const Parameter& parameter) {
-  if (parameter.former_choices.empty()) return {{"type", "string"}, {"enum", parameter.choices}};
-  Json former = Json::array();
-  for (const auto& [name, current] : parameter.former_choices) former.push_back(name);
-  return {{"type", "string"}, {"anyOf", {{{"enum", parameter.choices}}, {{"deprecated", true}, {"enum", former}}}}};
-}
-
 Json value_schema(const Parameter& parameter) {
   switch (parameter.kind) {
     case Kind::kFlag: return {{"type", "boolean"}};
@@ -183,7 +175,7 @@ Json value_schema(const Parameter& parameter) {
       if (parameter.zero_excluded) schema["not"] = {{"const", 0}};
       return schema;
     }
-    case Kind::kChoice: return choice_schema(parameter);
+    case Kind::kChoice: return {{"type", "string"}, {"enum", parameter.choices}};
     case Kind::kText: return {{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}};
     case Kind::kBrdf: return {{"type", "string"}, {"pattern", kBrdfPattern}};
     case Kind::kFile: return {{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}};
@@ -243,25 +235,11 @@ void check_parameters(const JobType& type, const Json& parameters) {
     if (!is_accepted(*parameter, value))
       throw Error(ErrorCode::kUsage,
                   fmt::format("parameters.{} is {}, expected {}", name, shortened(value), expected_of_job(*parameter)));
-    for (const std::string& other : parameter->all_names())
-      if (other != name && parameters.contains(other)) refuse_both(name, other);
     for (const std::string& excluded : parameter->excludes)
-      for (const std::string& other : type.table->at(excluded).all_names())
-        if (parameters.contains(other)) refuse_both(name, other);
+      if (parameters.contains(excluded)) refuse_both(name, excluded);
   }
   if (!type.input.empty() && !parameters.contains(type.input))
     throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
-}
-
-Json with_current_names(const JobType& type, const Json& parameters) {
-  Json renamed = Json::object();
-  for (const auto& [name, value] : parameters.items()) {
-    const Parameter& row = type.table->at(name);
-    renamed[row.name] = value;
-    if (row.kind == Kind::kChoice)
-      renamed[row.name] = std::get<std::string>(current_value(row, value.get<std::string>()));
-  }
-  return renamed;
 }
 
 void check_is_one_map(const JobType& type, const Json& parameters) {
@@ -280,22 +258,18 @@ void check_is_one_map(const JobType& type, const Json& parameters) {
 }
 
 Json parameters_schema(const JobType& type) {
-  Json properties = Json::object(), former = Json::object();
+  Json properties = Json::object();
   std::set<std::pair<std::string, std::string>> both;  // names that exclude one another
   for (const Parameter& parameter : type.table->rows()) {
     if (!parameter.is_on(kInService)) continue;
     Json one = value_schema(parameter);
-    for (const std::string& name : parameter.former_names) former["^" + name + "$"] = one;
     one["description"] = parameter.help;
     if (!parameter.default_text.empty())
       one["description"] = parameter.help + " (default: " + parameter.default_text + ")";
     properties[parameter.name] = one;
-    for (const std::string& excluded : parameter.excludes)
-      for (const std::string& name : parameter.all_names())
-        for (const std::string& other : type.table->at(excluded).all_names()) both.insert(std::minmax(name, other));
+    for (const std::string& excluded : parameter.excludes) both.insert(std::minmax(parameter.name, excluded));
   }
   Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
-  if (!former.empty()) schema["patternProperties"] = former;
   if (!type.input.empty()) schema["required"] = {type.input};
   for (const auto& [name, other] : both) schema["not"]["anyOf"].push_back({{"required", {name, other}}});
   return schema;

@@ -43,16 +43,13 @@ bool is_plain_text(const std::string& text);
 /// A value as messages show it, 60 bytes of it at most.
 std::string shortened(const nlohmann::json& value);
 
-/// Checks names, types and ranges; former names are accepted. Throws Error(kUsage): "parameters.lobes is 9, expected an
+/// Checks names, types and ranges. Throws Error(kUsage): "parameters.lobes is 9, expected an
 /// integer from 1 to 8".
 void check_parameters(const JobType& type, const nlohmann::json& parameters);
-/// Renames what has a former name in checked parameters: the same job is then the same JSON.
-nlohmann::json with_current_names(const JobType& type, const nlohmann::json& parameters);
 /// `multum bake` takes a scene too, and a pattern of names, whose files nobody would have looked at: throws
 /// Error(kUsage) when the input of a bake or an export is no single map.
 void check_is_one_map(const JobType& type, const nlohmann::json& parameters);
-/// Draft 2020-12, of the `parameters` object: what check_parameters() accepts. Former names are `patternProperties`,
-/// and no property that forms and documents show.
+/// Draft 2020-12, of the `parameters` object: what check_parameters() accepts.
 nlohmann::json parameters_schema(const JobType& type);
 
 /// In parameters files are texts (path_text.h), in what follows they are paths.

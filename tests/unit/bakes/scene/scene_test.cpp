@@ -31,7 +31,7 @@ const std::string kScene =
     "fov = 60\n"
     "resolution = [320, 240]\n"
     "[budget]\n"
-    "tolerance = 0.05\n"
+    "estimate_margin = 0.05\n"
     "[[map]]\n"
     "name = \"wall\"\n"
     "normal = \"wall.exr\"\n"
@@ -93,8 +93,7 @@ TEST_F(SceneTest, IsRead) {
   EXPECT_EQ(scene.camera.width, 320);
   EXPECT_EQ(scene.camera.fov_degrees, 60.0);
   EXPECT_EQ(scene.budget.estimate_margin, 0.05);
-  EXPECT_EQ(read(with(kScene, "tolerance = 0.05", "estimate_margin = 0.04")).budget.estimate_margin, 0.04)
-      << "tolerance is its former name";
+  EXPECT_EQ(read(with(kScene, "estimate_margin = 0.05", "estimate_margin = 0.04")).budget.estimate_margin, 0.04);
   ASSERT_EQ(scene.maps.size(), 1u);
   EXPECT_EQ(scene.maps[0].job.input, folder_ / "wall.exr");
   EXPECT_EQ(scene.maps[0].job.reading.green, GreenAxis::kUp);
@@ -115,8 +114,8 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"fov = 60", "fow = 60", 2, {"camera.fow", "unknown key", "camera.fov"}},
       {"fov = 60", "fov = 200", 2, {"camera.fov", "200", "1 to 170"}},
       {"resolution = [320, 240]", "resolution = [320]", 3, {"camera.resolution", "[1920, 1080]"}},
-      {"tolerance = 0.05", "estimate_margin = 0", 5, {"budget.estimate_margin", "0"}},
-      {"tolerance = 0.05", "target_error = -1", 5, {"budget.target_error", "-1", "above 0"}},
+      {"estimate_margin = 0.05", "estimate_margin = 0", 5, {"budget.estimate_margin", "0"}},
+      {"estimate_margin = 0.05", "target_error = -1", 5, {"budget.target_error", "-1", "above 0"}},
       {"name = \"wall\"", "name = \"../wall\"", 7, {"map.name", "\"../wall\"", "letters"}},
       {"normal = \"wall.exr\"\n", "", 6, {"map", "no normal"}},
       {"normal = \"wall.exr\"", "normal = \"wal.exr\"", 8, {"map.normal is ", "wal.exr", "an existing file"}},
@@ -445,16 +444,16 @@ TEST_F(SceneTest, WhereAllIsNeededThePlanIsTheDefault) {
 
 TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
-  const MapPlan map = plan(with(kScene, "tolerance = 0.05", "bytes = 50000")).maps[0];
+  const MapPlan map = plan(with(kScene, "estimate_margin = 0.05", "bytes = 50000")).maps[0];
   EXPECT_LE(map.chosen.cost.bytes, 50000.0);
   EXPECT_LT(map.job.fitting.lobe_count, 4);
   expect_error(ErrorCode::kVerification, {"no settings", "bake_ms", "1"},
-               [&] { plan(with(kScene, "tolerance = 0.05", "bake_ms = 1")); });
+               [&] { plan(with(kScene, "estimate_margin = 0.05", "bake_ms = 1")); });
   expect_error(ErrorCode::kVerification, {"no settings", "bytes", "100"},
-               [&] { plan(with(kScene, "tolerance = 0.05", "bytes = 100")); });
+               [&] { plan(with(kScene, "estimate_margin = 0.05", "bytes = 100")); });
   write_map(64, noise);
   expect_error(ErrorCode::kVerification, {"wall.exr", "target_error 0.0001"},
-               [&] { plan(with(kScene, "tolerance = 0.05", "target_error = 0.0001")); });
+               [&] { plan(with(kScene, "estimate_margin = 0.05", "target_error = 0.0001")); });
 }
 
 // Of a target, the bake's trials decide: no plan may promise a number of lobes, or its bytes.
@@ -462,7 +461,8 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   for (const char* target : {"0.2", "0.5", "1.9"}) {
     SCOPED_TRACE(target);
-    const SceneDescription scene = read(with(kScene, "tolerance = 0.05", fmt::format("target_error = {}", target)));
+    const SceneDescription scene =
+        read(with(kScene, "estimate_margin = 0.05", fmt::format("target_error = {}", target)));
     const ScenePlan found = plan_scene(scene, {1}, nullptr);
     const MapPlan& map = found.maps[0];
     const nlohmann::json json = plan_json(scene, found, {"."});
