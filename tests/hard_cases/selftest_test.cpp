@@ -14,6 +14,7 @@
 #include <set>
 
 #include "host/foundation/base/error.h"
+#include "host/lab/field_cases/field_cases.h"
 #include "host/lab/reference/case_page.h"
 #include "host/lab/reference/case_table.h"
 #include "host/lab/reference/case_topics.h"
@@ -24,6 +25,8 @@ namespace multum {
 namespace {
 
 using testing::test_device;
+
+[[maybe_unused]] const bool kHasFieldCases = (register_field_cases(), true);
 
 std::vector<std::string> formulas() {
   std::vector<std::string> found;

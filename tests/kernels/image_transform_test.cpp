@@ -10,7 +10,7 @@
 
 #include "host/fields/codec/decoder/wavelet_transform.h"
 #include "host/fields/codec/transforms/device_image_transforms.h"
-#include "host/lab/reference/image_transform.h"
+#include "host/lab/field_cases/image_transform.h"
 #include "tests/reference/random_values.h"
 #include "tests/reference/test_device.h"
 

@@ -11,7 +11,7 @@
 #include "host/fields/inference/solver/texture_system.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/split_mix.h"
-#include "host/lab/reference/texture_inference.h"
+#include "host/lab/field_cases/texture_inference.h"
 #include "tests/kernels/em_harness.h"
 
 namespace multum::testing {

@@ -22,7 +22,7 @@ def check(source):
 
 def main():
     found = check('int a;\nvoid f() {\n  warn("dark: "\n       "give --green up");\n}\n')
-    assert found.startswith("host/image/" "a.cpp:4: --green"), found
+    assert found.startswith("host" "/image/a.cpp:4: --green"), found
     assert "--two-channel" in check('const char* const kOption = "--two-channel";\n')
     for fine in ('warn("dark" + advice(", give <green up>"));\n', '// --green up\nint a;\n',
                  'throw Error(ErrorCode::kUsage, "--green is 7, expected up or down");\n',

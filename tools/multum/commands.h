@@ -35,16 +35,11 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
 /// multum-view lies beside multum, in the build folder and when installed; else the one in PATH.
 std::string find_viewer();
 
-void add_animation_command(CLI::App& app, int* exit_code);
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
 void add_gltf_command(CLI::App& app, int* exit_code);
-void add_infer_command(CLI::App& app, int* exit_code);
 /// Another command's words as a bundle for farms; `check_words` throws Error(kUsage) where they are none.
 void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words));
-/// pack, unpack.
-void add_pack_commands(CLI::App& app, int* exit_code);
-void add_player_command(CLI::App& app, int* exit_code);
 /// A page that shows lobes in a browser.
 void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);

@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "host/bakes/accuracy/accuracy_table.h"
-#include "host/fields/codec/field_unpacking.h"
 #include "host/formats/asset/averages/moment_mipmap.h"
 #include "host/formats/asset/averages/sh_mipmap.h"
 #include "host/formats/asset/baked_verify.h"
@@ -25,6 +24,7 @@
 #include "host/foundation/base/shown_text.h"
 #include "tools/command_line/choices.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/fields/field_commands.h"
 
 namespace multum {
 namespace {
@@ -166,8 +166,8 @@ int print_pyramid(const std::string& path) {
 }
 
 int run_info(const std::string& path) {
-  if (is_packed_field(path)) {
-    write_shown(stdout, packed_field_text(path));
+  if (const std::optional<std::string> text = packed_field_info(path)) {
+    write_shown(stdout, *text);
     return 0;
   }
   if (is_pyramid_file(path)) return print_pyramid(path);
@@ -198,11 +198,8 @@ int run_info(const std::string& path) {
 
 // What verify prints, of files of either sort.
 std::vector<VerifyFinding> findings_of(const std::string& path, int threads) {
-  if (!is_packed_field(path)) return verify_baked(path, threads);
-  std::vector<VerifyFinding> findings;
-  for (const PackedFinding& finding : verify_packed_field(path))
-    findings.push_back({finding.section, finding.passed, finding.detail});
-  return findings;
+  const std::optional<std::vector<VerifyFinding>> of_field = packed_field_findings(path);
+  return of_field ? *of_field : verify_baked(path, threads);
 }
 
 int run_verify(const std::string& path, const CommonOptions& common) {

@@ -15,14 +15,13 @@
 #include "host/delivery/export/batch/export_manifest.h"
 #include "host/farm/openjd/openjd_bundle.h"
 #include "host/farm/openjd/openjd_limits.h"
-#include "host/fields/inference/job/animation_job_reading.h"
-#include "host/fields/inferred/field_files.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/files/udim_set.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/base/work_shard.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/fields/field_commands.h"
 
 namespace multum {
 namespace {
@@ -176,11 +175,7 @@ void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   for (std::size_t i = 0; i < files.size() && files[i].ends_with(".toml"); ++i) {
     if (bakes.is_scene) add(scene_files(files[i]));
     if (command.words[0] != "infer") continue;
-    const AnimationJob job = read_animation_job(files[i]);
-    files.push_back(job.geometry_file);
-    for (const AnimationSample& sample : job.samples)
-      for (const std::string& file : {sample.radiance, sample.geometry, sample.object_index})
-        if (!file.empty()) files.push_back(file);
+    add(files_of_inference(files[i]));
     break;
   }
 }

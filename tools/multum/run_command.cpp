@@ -15,6 +15,7 @@
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/fields/field_commands.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
@@ -61,11 +62,8 @@ void add_commands(CLI::App& app, int* exit_code) {
   add_pyramid_commands(app, exit_code);
   add_materials_command(app, exit_code);
   add_parameters_command(app, exit_code);
-  add_animation_command(app, exit_code);
-  add_infer_command(app, exit_code);
+  add_field_commands(app, exit_code);
   add_openjd_command(app, exit_code, check_words);
-  add_pack_commands(app, exit_code);
-  add_player_command(app, exit_code);
   add_look_command(app, exit_code);
   add_shaders_command(app, exit_code);
   add_serve_commands(app, exit_code);

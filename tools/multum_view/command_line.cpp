@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
+#include <vector>
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
@@ -14,30 +16,10 @@
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/driver_faults.h"
-#include "tools/multum_view/modes.h"
+#include "tools/multum_view/view_commands.h"
 
 namespace multum {
 namespace {
-
-struct CommandOptions {
-  MapOptions map;  // of no subcommand, scene and animate
-  SampleOptions sample;
-  PlayOptions play;
-  ProbeOptions probe;
-  ThumbnailOptions thumbnails;
-  PyramidOptions pyramid;
-  LodOptions lod;
-  ModelOptions model;
-  EachOptions each;
-};
-
-struct ViewCommand {
-  const char* name;
-  const char* description;
-  const char* examples;
-  void (*add)(CLI::App&, CommandOptions&);
-  int (*run)(const CommandOptions&);
-};
 
 void add_object_option(CLI::App& app, MapOptions& options) {
   app.add_option("--object", options.object, "name of the scene's object (default: its only one)");
@@ -69,31 +51,13 @@ int run_animate(const CommandOptions& o) {
   return draw_map(o.map);
 }
 
-const ViewCommand kCommands[] = {
+const ViewCommand kOwnCommands[] = {
     {"scene", "Draw an object of a scene as `multum bake scene.toml` left it",
      "  multum-view scene out/plan.json --object wall -o wall.png", add_scene_options,
      [](const CommandOptions& o) { return draw_map(o.map); }},
     {"animate", "Draw frames between two cameras, lights or BRDFs, evenly; exponents and roughnesses by equal factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60",
      add_animate_options, run_animate},
-    {"sample", "Draw samples of an animation with the textures that `multum infer` made, or `multum pack` packed",
-     "  multum-view sample out/ --at 3,5 -o frame.png\n"
-     "  multum-view sample field.mpt --at 3,5 -o frame.png\n"
-     "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr",
-     [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
-     [](const CommandOptions& o) { return draw_samples(o.sample); }},
-    {"play", "Draw frames along a path through the parameters of a packed animation, decoding as it goes",
-     "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
-     "A path gives each parameter a value by its index, 0 for the first sample; what it does not name stays at 0, and\n"
-     "what lies beyond the samples counts as the outermost. A value is made of numbers, + - * / ( ), sin, cos, pi and "
-     "t,\n"
-     "the seconds since the first frame (--rate); a..b goes from a in the first frame to b in the last. Between "
-     "samples\n"
-     "the camera and objects move smoothly; textures are the nearest sample's, or mixed with --linear.\n"
-     "A path that a player's page saved, FILE.json, goes where it was recorded, from its end once more if --frames "
-     "asks.",
-     [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
-     [](const CommandOptions& o) { return play_field(o.play); }},
     {"pyramid", "Draw a surface coloured straight from a pyramid, looked up in several ways",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
      "  multum-view pyramid lights.exr --mesh ball.obj --lookup reference,level --shifts 8 -o sheet.png",
@@ -107,10 +71,6 @@ const ViewCommand kCommands[] = {
      "  multum-view model ship.gltf --material hull=maps/1_hull.ndf.exr -o ship.png",
      [](CLI::App& app, CommandOptions& o) { add_model_options(app, o.model); },
      [](const CommandOptions& o) { return draw_model(o.model); }},
-    {"probe", "Measure filter matrices for texture inference: what the GL's sampler makes of every texel",
-     "  multum-view probe request.json          `multum infer` starts it; docs/FORMAT.md describes the request",
-     [](CLI::App& app, CommandOptions& o) { add_probe_options(app, o.probe); },
-     [](const CommandOptions& o) { return measure_filter_matrices(o.probe); }},
     {"thumbnails", "Draw small pictures of a job's input and result, for the page of the service",
      "  multum-view thumbnails bricks.ndf.exr -o pictures/ --source bricks_normal.png\n\n"
      "Writes render.png and, if the source is given and is still what was baked, input.png and error.png (four times\n"
@@ -123,6 +83,16 @@ const ViewCommand kCommands[] = {
      "The first command line that fails ends it, with its exit code.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
      [](const CommandOptions& o) { return run_each(o.each); }}};
+
+const std::vector<ViewCommand>& view_commands() {
+  static const std::vector<ViewCommand> commands = [] {
+    std::vector<ViewCommand> all(std::begin(kOwnCommands), std::end(kOwnCommands));
+    const std::vector<ViewCommand> more = field_commands();
+    all.insert(all.begin() + 2, more.begin(), more.end());  // behind scene and animate
+    return all;
+  }();
+  return commands;
+}
 
 const char* const kDescription =
     "Render a baked map without a window, in software or on a GPU.\n\n"
@@ -145,7 +115,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
   add_alone_option(app, options.map.picture.output);
   add_distance_option(app, options.map.picture.camera);
   add_map_options(app, options.map);
-  for (const ViewCommand& command : kCommands) {
+  for (const ViewCommand& command : view_commands()) {
     CLI::App* const added = app.add_subcommand(command.name, command.description);
     added->footer(command.examples);
     command.add(*added, options);
@@ -158,7 +128,7 @@ std::string misspelt_command(const std::string& word) {
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
     return "";
   std::vector<std::string> names;
-  for (const ViewCommand& command : kCommands) names.emplace_back(command.name);
+  for (const ViewCommand& command : view_commands()) names.emplace_back(command.name);
   const std::string nearest = nearest_name(word, names);
   if (nearest.empty()) return "";
   return fmt::format("unknown subcommand '{}' (did you mean '{}'?), expected one of: {}", word, nearest,
@@ -226,7 +196,7 @@ int run_view_command(int argc, char** argv) {
   const NewFolders new_folders;
   int code = 0;
   if (chosen.empty()) code = draw_map(options.map);
-  for (const ViewCommand& command : kCommands)
+  for (const ViewCommand& command : view_commands())
     if (chosen == command.name) code = command.run(options);
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw Error(ErrorCode::kEnvironment, "standard output cannot be written");

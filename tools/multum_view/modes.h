@@ -66,6 +66,10 @@ struct ThumbnailOptions {
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options);
 /// Draws small pictures of a job's input and result, for the page of the service.
 int draw_thumbnails(const ThumbnailOptions& options);
+constexpr int kThumbnailSide = 512;  // of the input's, at most
+/// The same for a folder of multum infer: a frame of the first sample, as multum-view sample draws it. Throws
+/// Error(kUsage) in a build without fields.
+void draw_field_thumbnail(const ThumbnailOptions& options);
 
 struct EachOptions {
   std::string file;  // JSON: command lines

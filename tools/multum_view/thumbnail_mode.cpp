@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <filesystem>
 
-#include "host/fields/inferred/inferred_texture.h"
 #include "host/formats/asset/lobes/movmf_reader.h"
 #include "host/formats/image/colour_map.h"
 #include "host/formats/image/normals/normal_map.h"
@@ -28,7 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kInputSide = 512;
 constexpr int kWidth = 384, kHeight = 288;  // of renders
 constexpr int kSamples = 64;                // a pixel of the reference
 // The nearest tile of the plane fills the picture: the levels that it samples are at most this wide.
@@ -106,23 +104,13 @@ void make_bake_thumbnails(const ThumbnailOptions& options) {
   if (options.source.empty()) return;
 
   const NormalMapSettings settings = source_settings(options, mipmap);
-  write_png8(file_in(options, "input.png"), read_small_picture(options.source, kInputSide));
+  write_png8(file_in(options, "input.png"), read_small_picture(options.source, kThumbnailSide));
   // Nothing to compare with.
   if (mipmap.header.has_roughness || (mipmap.has_colours() && options.albedo.empty())) return;
   const gl::NormalMaterial finest(context->functions(), read_source(options, settings),
                                   gl::NormalMaterial::Sampling::kNearest, 1.0f);
   const gl::FloatImage reference = renderer.draw_reference(mesh, finest, scene, {kSamples}).image;
   write_picture(file_in(options, "error.png"), gl::difference_image(render, reference, gl::kDifferenceGain), 1.0f);
-}
-
-/// A frame of the first sample, as multum-view sample draws it.
-void make_infer_thumbnail(const ThumbnailOptions& options) {
-  const InferredManifest manifest = read_inferred_manifest((fs::path(options.result) / kInferredManifestName).string());
-  if (manifest.samples.empty()) throw Error(ErrorCode::kInput, options.result + ": has no samples, expected one");
-  const std::string frame = file_in(options, "frame.png");
-  draw_samples({options.result, {manifest.samples.front().name}, {frame}, options.context});
-  write_png8(file_in(options, "render.png"), read_small_picture(frame, kInputSide));
-  fs::remove(frame);
 }
 
 }  // namespace
@@ -136,7 +124,7 @@ void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options) {
 }
 
 int draw_thumbnails(const ThumbnailOptions& options) {
-  if (fs::is_directory(options.result)) make_infer_thumbnail(options);
+  if (fs::is_directory(options.result)) draw_field_thumbnail(options);
   else make_bake_thumbnails(options);
   return 0;
 }

@@ -8,21 +8,19 @@
 
 namespace multum {
 
-std::vector<NumericalCase> numerics_cases();   // kernels/device: exponentials, logarithms, inverses of A(kappa)
-std::vector<NumericalCase> em_cases();         // movmf_em_texels
-std::vector<NumericalCase> choose_cases();     // movmf_choose
-std::vector<NumericalCase> refine_cases();     // movmf_refine
-std::vector<NumericalCase> planar_cases();     // the same kernels and their rounding, of planar Gaussians
-std::vector<NumericalCase> level_cases();      // movmf_start, movmf_pack, movmf_level_zero
-std::vector<NumericalCase> sum_cases();        // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_binning
-std::vector<NumericalCase> shading_cases();    // movmf_shade
-std::vector<NumericalCase> sh_cases();         // sh_project, sh_shade
-std::vector<NumericalCase> pyramid_cases();    // mip_box, reflectance_pyramid
-std::vector<NumericalCase> moment_cases();     // moments, moment_shade
-std::vector<NumericalCase> one_lobe_cases();   // one_lobe
-std::vector<NumericalCase> block_cases();      // block_encoding
-std::vector<NumericalCase> inference_cases();  // filter_matrix_spmv, pyramidal_regularization, conjugate_gradient
-std::vector<NumericalCase> transform_cases();  // image_transform
+std::vector<NumericalCase> numerics_cases();  // kernels/device: exponentials, logarithms, inverses of A(kappa)
+std::vector<NumericalCase> em_cases();        // movmf_em_texels
+std::vector<NumericalCase> choose_cases();    // movmf_choose
+std::vector<NumericalCase> refine_cases();    // movmf_refine
+std::vector<NumericalCase> planar_cases();    // the same kernels and their rounding, of planar Gaussians
+std::vector<NumericalCase> level_cases();     // movmf_start, movmf_pack, movmf_level_zero
+std::vector<NumericalCase> sum_cases();       // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_binning
+std::vector<NumericalCase> shading_cases();   // movmf_shade
+std::vector<NumericalCase> sh_cases();        // sh_project, sh_shade
+std::vector<NumericalCase> pyramid_cases();   // mip_box, reflectance_pyramid
+std::vector<NumericalCase> moment_cases();    // moments, moment_shade
+std::vector<NumericalCase> one_lobe_cases();  // one_lobe
+std::vector<NumericalCase> block_cases();     // block_encoding
 std::vector<NumericalCase>
 storage_cases();  // host/formats/asset/lobes/movmf_quantize: no kernel, but what kernels' results become
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 
@@ -30,14 +31,29 @@ double edited_error(const NumericalCase& the_case, Device& device, const std::ve
   return worst_of(worst);
 }
 
+using CaseList = std::vector<NumericalCase> (*)();
+
+std::vector<CaseList>& registered_lists() {
+  static std::vector<CaseList> lists;
+  return lists;
+}
+
 }  // namespace
+
+void register_numerical_cases(CaseList list) {
+  std::vector<CaseList>& lists = registered_lists();
+  if (std::find(lists.begin(), lists.end(), list) == lists.end()) lists.push_back(list);
+}
 
 const std::vector<NumericalCase>& numerical_cases() {
   static const std::vector<NumericalCase> cases = [] {
     std::vector<NumericalCase> all;
-    for (auto* part : {numerics_cases, em_cases, choose_cases, refine_cases, planar_cases, level_cases, sum_cases,
-                       shading_cases, sh_cases, pyramid_cases, moment_cases, one_lobe_cases, block_cases,
-                       inference_cases, transform_cases, storage_cases})
+    std::vector<CaseList> lists = {numerics_cases, em_cases,       choose_cases,  refine_cases, planar_cases,
+                                   level_cases,    sum_cases,      shading_cases, sh_cases,     pyramid_cases,
+                                   moment_cases,   one_lobe_cases, block_cases};
+    lists.insert(lists.end(), registered_lists().begin(), registered_lists().end());
+    lists.push_back(storage_cases);
+    for (const CaseList part : lists)
       for (NumericalCase& c : part()) all.push_back(std::move(c));
     return all;
   }();

@@ -26,6 +26,10 @@ struct NumericalCase {
   std::vector<SourceEdit> mutation = {};
 };
 
+/// Adds a list of cases, once. For parts of the project that not every build has; before numerical_cases() is asked
+/// for.
+void register_numerical_cases(std::vector<NumericalCase> (*list)());
+
 /// All of them, by the kernel that they are of. Names are unique.
 const std::vector<NumericalCase>& numerical_cases();
 

@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "host/foundation/base/split_mix.h"
-#include "host/lab/reference/image_transform.h"
+#include "host/lab/field_cases/field_case_lists.h"
+#include "host/lab/field_cases/image_transform.h"
 #include "host/lab/selftest/buffers.h"
-#include "host/lab/selftest/case_lists.h"
 
 namespace multum {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/multum_view/object_meshes.h"
+#include "tools/multum_view/fields/object_meshes.h"
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/content_hash.h"

@@ -10,7 +10,7 @@
 #include "host/fields/player/player_output.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/shown_text.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/fields/commands.h"
 
 namespace multum {
 namespace {

@@ -9,7 +9,7 @@
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/shown_text.h"
 #include "tools/command_line/decoding_option.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/fields/commands.h"
 
 namespace multum {
 namespace {

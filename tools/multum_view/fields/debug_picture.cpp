@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/multum_view/animation/debug_picture.h"
+#include "tools/multum_view/fields/debug_picture.h"
 
 #include <algorithm>
 #include <array>

@@ -19,7 +19,7 @@
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/parameters/pack_parameters.h"
 #include "tools/command_line/parameter_options.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/fields/commands.h"
 
 namespace multum {
 namespace {

@@ -17,8 +17,8 @@
 #include "host/foundation/base/stopwatch.h"
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/probe/filter_probe.h"
+#include "tools/multum_view/fields/object_meshes.h"
 #include "tools/multum_view/modes.h"
-#include "tools/multum_view/object_meshes.h"
 
 namespace multum {
 namespace {

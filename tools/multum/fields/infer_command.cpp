@@ -21,7 +21,7 @@
 #include "host/foundation/parameters/infer_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/fields/commands.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {

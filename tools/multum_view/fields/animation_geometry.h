@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/fields/inferred/inferred_texture.h"
-#include "tools/multum_view/object_meshes.h"
+#include "tools/multum_view/fields/object_meshes.h"
 
 namespace multum {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/multum_view/animation/animation_geometry.h"
+#include "tools/multum_view/fields/animation_geometry.h"
 
 #include "host/fields/inferred/field_files.h"
 

@@ -20,8 +20,8 @@
 #include "host/foundation/parameters/parameter.h"
 #include "runtime_gl/animation/field_player.h"
 #include "runtime_gl/animation/textured_renderer.h"
-#include "tools/multum_view/animation/animation_geometry.h"
-#include "tools/multum_view/animation/debug_picture.h"
+#include "tools/multum_view/fields/animation_geometry.h"
+#include "tools/multum_view/fields/debug_picture.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/write_image.h"
 

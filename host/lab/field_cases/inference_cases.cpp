@@ -13,9 +13,9 @@
 #include "host/fields/inference/solver/texture_system.h"
 #include "host/formats/opencl/launch_shape.h"
 #include "host/foundation/base/split_mix.h"
-#include "host/lab/reference/texture_inference.h"
+#include "host/lab/field_cases/field_case_lists.h"
+#include "host/lab/field_cases/texture_inference.h"
 #include "host/lab/selftest/buffers.h"
-#include "host/lab/selftest/case_lists.h"
 
 namespace multum {
 namespace {

@@ -15,7 +15,7 @@
 #include "host/foundation/base/log.h"
 #include "runtime_gl/animation/textured_renderer.h"
 #include "runtime_gl/context/headless_context.h"
-#include "tools/multum_view/animation/animation_geometry.h"
+#include "tools/multum_view/fields/animation_geometry.h"
 #include "tools/multum_view/modes.h"
 #include "tools/multum_view/write_image.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/lab/reference/texture_inference.h"
+#include "host/lab/field_cases/texture_inference.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/lab/reference/image_transform.h"
+#include "host/lab/field_cases/image_transform.h"
 
 #include <algorithm>
 #include <array>

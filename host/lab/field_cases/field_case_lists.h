@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lists of cases of this folder, one for each family of kernels.
+#pragma once
+
+#include <vector>
+
+#include "host/lab/selftest/selftest.h"
+
+namespace multum {
+
+std::vector<NumericalCase> inference_cases();  // filter_matrix_spmv, pyramidal_regularization, conjugate_gradient
+std::vector<NumericalCase> transform_cases();  // image_transform
+
+}  // namespace multum

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands of multum-view: a row each, and the options that they fill in.
+#pragma once
+
+#include <vector>
+
+#include "tools/multum_view/modes.h"
+
+namespace multum {
+
+struct CommandOptions {
+  MapOptions map;  // of no subcommand, scene and animate
+  SampleOptions sample;
+  PlayOptions play;
+  ProbeOptions probe;
+  ThumbnailOptions thumbnails;
+  PyramidOptions pyramid;
+  LodOptions lod;
+  ModelOptions model;
+  EachOptions each;
+};
+
+struct ViewCommand {
+  const char* name;
+  const char* description;
+  const char* examples;
+  void (*add)(CLI::App&, CommandOptions&);
+  int (*run)(const CommandOptions&);
+};
+
+/// Those of fields: sample, play, probe; none in a build without fields (CMake option MULTUM_FIELDS).
+std::vector<ViewCommand> field_commands();
+
+}  // namespace multum
