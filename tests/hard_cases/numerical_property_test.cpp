@@ -7,11 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include <glm/geometric.hpp>
 
-#include "host/fields/inference/solver/texture_system.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/lab/reference/coverage.h"
 #include "host/lab/reference/shading.h"
@@ -21,15 +19,14 @@
 #include "host/lab/selftest/moment_launch.h"
 #include "host/lab/selftest/shade_launch.h"
 #include "kernels/shared/movmf_fit.h"
+#include "tests/hard_cases/random_values.h"
 #include "tests/reference/test_device.h"
 
 namespace multum {
 namespace {
 
+using testing::decades;
 using testing::test_device;
-
-// Before the first property: RapidCheck reads it then.
-const int g_seeded = setenv("RC_PARAMS", "seed=20261122 max_success=300", 0);
 
 // A direction of the whole sphere, the poles and the equator among them often.
 rc::Gen<glm::dvec3> directions() {
@@ -38,11 +35,6 @@ rc::Gen<glm::dvec3> directions() {
                       [](const std::pair<int, int>& degrees) {
                         return glm::dvec3(glm::vec3(tilted(0.1 * degrees.first, 0.1 * degrees.second * M_PI / 180.0)));
                       });
-}
-
-// 10^low to 10^high.
-rc::Gen<double> decades(int low, int high) {
-  return rc::gen::map(rc::gen::inRange(100 * low, 100 * high + 1), [](int e) { return std::pow(10.0, 0.01 * e); });
 }
 
 EmTexel random_texel(int kappa_decades) {
@@ -129,39 +121,6 @@ RC_GTEST_PROP(StorageProperty, SnormSumsToOneAndKeepsDirections, ()) {
     RC_ASSERT(glm::length(glm::dvec3(lobe[0])) >= static_cast<double>(lobe[0].w) * (1.0 - 1e-7));
   }
   RC_ASSERT(steps == 32767.0);
-}
-
-// Rows of any length, none included, weights of either sign over twelve decades.
-RC_GTEST_PROP(InferenceProperty, ProductsAreSums, ()) {
-  SparseRows rows;
-  const auto lengths = *rc::gen::nonEmpty(rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 20)));
-  for (const int length : lengths) {
-    for (int i = 0; i < length; ++i) {
-      rows.columns.push_back(*rc::gen::inRange(0u, 30u));
-      rows.weights.push_back(static_cast<float>(*decades(-6, 6)) * *rc::gen::element(1.0f, -1.0f));
-    }
-    rows.begin.push_back(static_cast<std::uint32_t>(rows.columns.size()));
-  }
-  std::vector<Colour4> x(30), y(lengths.size(), Colour4{NAN, NAN, NAN, NAN});
-  for (Colour4& value : x) value = {static_cast<float>(*decades(-6, 0)), 1.0f, -0.0f, 0.0f};
-  Device& device = test_device();
-  const DeviceRows on_device(device, rows, "rows");
-  const DeviceBuffer in = device.wrap_buffer(x.data(), x.size() * sizeof(Colour4), "x");
-  DeviceBuffer out = device.make_buffer(y.size() * sizeof(Colour4), "y");
-  device.write(out, y.data(), out.byte_count());
-  Kernel kernel = device.kernel("filter_matrix_spmv", "filter_matrix_spmv", {1, 1, false});
-  on_device.multiply(kernel, in, out);
-  device.read(out, y.data(), out.byte_count());
-  for (std::size_t r = 0; r < y.size(); ++r)
-    for (std::size_t c = 0; c < 3; ++c) {
-      double sum = 0.0, magnitude = 0.0;
-      for (std::uint32_t i = rows.begin[r]; i < rows.begin[r + 1]; ++i) {
-        const double product = static_cast<double>(rows.weights[i]) * static_cast<double>(x[rows.columns[i]][c]);
-        sum += product;
-        magnitude += std::abs(product);
-      }
-      RC_ASSERT(std::abs(static_cast<double>(y[r][c]) - sum) <= 1e-6 * magnitude);
-    }
 }
 
 // Every block of a row of any width, of values of either sign over forty decades.

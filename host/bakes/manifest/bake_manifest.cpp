@@ -52,8 +52,7 @@ void read_values(const StrictTable& table, ParameterValues& values) {
   if (const Parameter* chosen = given_of_target(values); chosen != nullptr && has_target(values)) {
     for (const char* target : {"target_error", "budget_ms"}) {
       if (table.has(target))
-        table.refuse(key_of(table, *chosen).value_or(chosen->name),
-                     fmt::format("and {} exclude each other: a target chooses that setting", target));
+        table.refuse(chosen->name, fmt::format("and {} exclude each other: a target chooses that setting", target));
       values.erase(target);
     }
   }
@@ -112,11 +111,11 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
 void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   ParameterValues own = values;
   for (const Parameter& row : bake_parameters().rows())
-    if (row.name != "ndf" && !key_of(table, row)) own.erase(row.name);
+    if (row.name != "ndf" && !table.has(row.name)) own.erase(row.name);
   const Parameter* const other = given_of_another_ndf(own);
   if (other == nullptr) return;
   const bool is_of_lobes = other->scope == ParameterScope::kLobes;
-  table.refuse(key_of(table, *other).value_or(""),
+  table.refuse(table.has(other->name) ? other->name : "",
                fmt::format("is for ndf = {}, found ndf = \"{}\"{}", is_of_lobes ? "\"vmf\" and \"gmm\"" : "\"sh\"",
                            values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
 }
