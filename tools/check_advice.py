@@ -26,10 +26,11 @@ OF_ONE_COMMAND = {
     "host/bakes/movmf/map_shard.cpp": "those with --shard",
     "host/bakes/movmf/bake_plan.cpp": "names what the plan was made with",
     "host/bakes/bake/movmf_file_bake.cpp": "names --shard or --merge, which was given",
-    "host/bakes/pyramid/reflectance_bake.cpp": "reflectance", "host/bakes/target/plane_picture.cpp": "runs multum-view",
-    "host/bakes/target/pending_views.cpp": "runs multum-view",
-    "host/bakes/target/tradeoff_page.cpp": "shows a command line",
-    "host/bakes/target/tradeoff_sweep.cpp": "runs multum-view",
+    "host/bakes/pyramid/reflectance_bake.cpp": "reflectance",
+    "host/bakes/settings_search/plane_picture.cpp": "runs multum-view",
+    "host/bakes/settings_search/pending_views.cpp": "runs multum-view",
+    "host/bakes/settings_search/tradeoff_page.cpp": "shows a command line",
+    "host/bakes/settings_search/tradeoff_sweep.cpp": "runs multum-view",
 }
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")

@@ -19,8 +19,8 @@
 #include "host/formats/opencl/device.h"
 #include "host/lab/reference/planar_em.h"
 #include "runtime_gl/context/headless_context.h"
+#include "tests/fixtures/random_values.h"
 #include "tests/gl/shader_harness.h"
-#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {

@@ -14,8 +14,8 @@
 #include "host/lab/reference/moments.h"
 #include "kernels/shared/moments.h"
 #include "runtime_gl/context/headless_context.h"
+#include "tests/fixtures/random_values.h"
 #include "tests/gl/shader_harness.h"
-#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {

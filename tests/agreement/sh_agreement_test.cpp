@@ -20,8 +20,8 @@
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
+#include "tests/fixtures/random_values.h"
 #include "tests/gl/shader_harness.h"
-#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {

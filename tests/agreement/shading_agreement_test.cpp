@@ -19,8 +19,8 @@
 #include "host/formats/opencl/device.h"
 #include "host/lab/reference/shading.h"
 #include "runtime_gl/context/headless_context.h"
+#include "tests/fixtures/random_values.h"
 #include "tests/gl/shader_harness.h"
-#include "tests/reference/random_values.h"
 
 namespace multum {
 namespace {

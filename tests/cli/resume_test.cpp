@@ -15,7 +15,7 @@
 #include "host/formats/image/files/png_writer.h"
 #include "host/formats/image/normals/normal_map.h"
 #include "tests/cli/program.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum::testing {
 namespace {

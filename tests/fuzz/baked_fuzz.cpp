@@ -6,8 +6,8 @@
 #include "host/fields/inferred/inferred_texture.h"
 #include "host/formats/asset/baked_verify.h"
 #include "host/formats/asset/lobes/movmf_reader.h"
+#include "tests/fixtures/small_baked_files.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/reference/small_baked_files.h"
 
 namespace multum {
 namespace {

@@ -11,7 +11,7 @@
 #include "host/foundation/base/base64.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
-#include "tests/reference/shared_data.h"
+#include "tests/fixtures/shared_data.h"
 
 namespace multum {
 namespace {

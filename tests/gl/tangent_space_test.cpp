@@ -9,7 +9,7 @@
 #include "host/formats/mesh/gltf_material.h"
 #include "host/formats/mesh/mesh.h"
 #include "host/formats/mesh/tangent_space.h"
-#include "tests/reference/shared_data.h"
+#include "tests/fixtures/shared_data.h"
 
 namespace multum {
 namespace {

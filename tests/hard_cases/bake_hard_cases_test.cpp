@@ -10,7 +10,7 @@
 
 #include "host/bakes/movmf/movmf_bake.h"
 #include "host/formats/opencl/launch_shape.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "host/fields/inference/solver/texture_system.h"
+#include "tests/fixtures/test_device.h"
 #include "tests/hard_cases/random_values.h"
-#include "tests/reference/test_device.h"
 
 namespace multum {
 namespace {

@@ -19,8 +19,8 @@
 #include "host/lab/selftest/moment_launch.h"
 #include "host/lab/selftest/shade_launch.h"
 #include "kernels/shared/movmf_fit.h"
+#include "tests/fixtures/test_device.h"
 #include "tests/hard_cases/random_values.h"
-#include "tests/reference/test_device.h"
 
 namespace multum {
 namespace {

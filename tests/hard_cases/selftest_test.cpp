@@ -18,7 +18,7 @@
 #include "host/lab/reference/case_table.h"
 #include "host/lab/reference/case_topics.h"
 #include "host/lab/selftest/selftest.h"
-#include "tests/reference/test_device.h"
+#include "tests/fixtures/test_device.h"
 #ifdef MULTUM_HAS_FIELDS
 #include "host/lab/field_cases/field_cases.h"
 #endif

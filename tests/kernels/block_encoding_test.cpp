@@ -15,8 +15,8 @@
 #include "host/delivery/export/block_decoding.h"
 #include "host/delivery/export/block_encoder.h"
 #include "host/lab/reference/block_encoding.h"
-#include "tests/reference/random_values.h"
-#include "tests/reference/test_device.h"
+#include "tests/fixtures/random_values.h"
+#include "tests/fixtures/test_device.h"
 
 namespace multum {
 namespace {

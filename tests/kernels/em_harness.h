@@ -9,7 +9,7 @@
 #include "host/lab/reference/movmf_em.h"
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/vmf_lobe.h"
-#include "tests/reference/test_device.h"
+#include "tests/fixtures/test_device.h"
 
 namespace multum::testing {
 

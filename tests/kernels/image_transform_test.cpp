@@ -11,8 +11,8 @@
 #include "host/fields/codec/decoder/wavelet_transform.h"
 #include "host/fields/codec/transforms/device_image_transforms.h"
 #include "host/lab/field_cases/image_transform.h"
-#include "tests/reference/random_values.h"
-#include "tests/reference/test_device.h"
+#include "tests/fixtures/random_values.h"
+#include "tests/fixtures/test_device.h"
 
 namespace multum {
 namespace {

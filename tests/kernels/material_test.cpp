@@ -18,8 +18,8 @@
 #include "host/formats/testmap/four_quarter_map.h"
 #include "host/lab/reference/planar_em.h"
 #include "host/lab/reference/spherical_harmonics.h"
+#include "tests/fixtures/test_maps.h"
 #include "tests/kernels/em_harness.h"
-#include "tests/reference/test_maps.h"
 
 namespace multum::testing {
 namespace {

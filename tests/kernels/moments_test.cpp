@@ -12,8 +12,8 @@
 #include "host/bakes/averages/moment_bake.h"
 #include "host/foundation/base/error.h"
 #include "host/lab/reference/moments.h"
+#include "tests/fixtures/test_maps.h"
 #include "tests/kernels/em_harness.h"
-#include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {

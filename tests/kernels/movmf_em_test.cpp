@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 
 #include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "tests/fixtures/test_maps.h"
 #include "tests/kernels/em_harness.h"
-#include "tests/reference/test_maps.h"
 
 namespace multum::testing {
 namespace {

@@ -17,7 +17,7 @@
 #include "kernels/shared/movmf_fit.h"
 #include "kernels/shared/movmf_refine.h"
 #include "kernels/shared/vmf_lobe.h"
-#include "tests/reference/test_device.h"
+#include "tests/fixtures/test_device.h"
 
 namespace multum::testing {
 namespace {

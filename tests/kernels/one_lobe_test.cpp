@@ -18,9 +18,9 @@
 #include "host/formats/opencl/launch_shape.h"
 #include "host/foundation/base/error.h"
 #include "host/lab/reference/one_lobe.h"
-#include "tests/reference/random_values.h"
-#include "tests/reference/test_device.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/random_values.h"
+#include "tests/fixtures/test_device.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

@@ -16,8 +16,8 @@
 #include "host/foundation/base/error.h"
 #include "host/lab/reference/coverage.h"
 #include "host/lab/reference/spherical_harmonics.h"
+#include "tests/fixtures/test_maps.h"
 #include "tests/kernels/em_harness.h"
-#include "tests/reference/test_maps.h"
 
 namespace multum {
 namespace {

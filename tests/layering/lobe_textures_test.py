@@ -11,7 +11,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOL = ROOT / "tools/lab/lobe_textures_document.py"
 DOCUMENT = "docs/LOBE_TEXTURES.md"
-PAGES = ("docs/TRADEOFF.md", "host/bakes/target/templates/tradeoff.html")
+PAGES = ("docs/TRADEOFF.md", "host/bakes/settings_search/templates/tradeoff.html")
 
 
 class LobeTexturesTest(unittest.TestCase):

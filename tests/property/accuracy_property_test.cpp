@@ -9,8 +9,8 @@
 #include "host/bakes/accuracy/accuracy.h"
 #include "host/bakes/pyramid/mip_coverage.h"
 #include "host/foundation/base/error.h"
-#include "tests/reference/test_device.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_device.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

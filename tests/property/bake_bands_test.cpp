@@ -13,8 +13,8 @@
 #include "host/bakes/movmf/movmf_bake.h"
 #include "host/formats/opencl/launch_shape.h"
 #include "host/foundation/base/error.h"
-#include "tests/reference/test_device.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_device.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

@@ -12,8 +12,8 @@
 #include "host/bakes/movmf/start_memory.h"
 #include "host/formats/opencl/launch_shape.h"
 #include "host/formats/testmap/four_quarter_map.h"
-#include "tests/reference/test_device.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_device.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

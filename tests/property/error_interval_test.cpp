@@ -18,8 +18,8 @@
 #include "host/bakes/accuracy/accuracy.h"
 #include "host/bakes/movmf/movmf_bake.h"
 #include "host/formats/testmap/four_quarter_map.h"
-#include "tests/reference/test_device.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_device.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

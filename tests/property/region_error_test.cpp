@@ -12,7 +12,7 @@
 #include "host/formats/asset/lobes/movmf_reader.h"
 #include "host/formats/image/files/png_writer.h"
 #include "host/foundation/base/split_mix.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_maps.h"
 #include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Settings are chosen by what a map needs; a mosaic is made of the map; and the interval of a measured error holds what
 // all texels say.
-#include "host/bakes/target/setting_choice.h"
+#include "host/bakes/settings_search/setting_choice.h"
 
 #include <gtest/gtest.h>
 
@@ -16,12 +16,12 @@
 
 #include "host/bakes/bake/ndf_bake.h"
 #include "host/bakes/movmf/movmf_bake.h"
-#include "host/bakes/target/map_mosaic.h"
+#include "host/bakes/settings_search/map_mosaic.h"
 #include "host/formats/testmap/four_quarter_map.h"
 #include "host/foundation/base/error.h"
-#include "tests/reference/shared_data.h"
-#include "tests/reference/test_device.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/shared_data.h"
+#include "tests/fixtures/test_device.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

@@ -22,7 +22,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCUMENT = "docs/LOBE_TEXTURES.md"
-SHARING = ("docs/TRADEOFF.md", "host/bakes/target/templates/tradeoff.html")
+SHARING = ("docs/TRADEOFF.md", "host/bakes/settings_search/templates/tradeoff.html")
 MARK = re.compile(r"(<!-- figures: lobe_textures -->\n).*?(<!-- /figures: lobe_textures -->)", re.DOTALL)
 
 MAPS = ("pm_0001.webp", "gd_wool_normal.png", "gd_texture_rock_normal.png")

@@ -7,7 +7,7 @@
 
 #include "host/bakes/bake/bake_batch.h"
 #include "host/bakes/bake/bake_file.h"
-#include "host/bakes/target/chosen_bake.h"
+#include "host/bakes/settings_search/chosen_bake.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"
 #include "host/foundation/base/processes/machine.h"

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/bakes/target/tradeoff_page.h"
+#include "host/bakes/settings_search/tradeoff_page.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/output_paths.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/bakes/target/chosen_bake.h"
+#include "host/bakes/settings_search/chosen_bake.h"
 
 namespace multum {
 

@@ -10,7 +10,7 @@
 #include "host/bakes/scene/map_needs.h"
 #include "host/bakes/scene/map_survey.h"
 #include "host/bakes/scene/scene_plan.h"
-#include "host/bakes/target/setting_candidates.h"
+#include "host/bakes/settings_search/setting_candidates.h"
 
 namespace multum {
 

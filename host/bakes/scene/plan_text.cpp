@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "host/bakes/target/setting_choice.h"
+#include "host/bakes/settings_search/setting_choice.h"
 #include "host/formats/brdf/fresnel.h"
 #include "host/foundation/base/path_text.h"
 

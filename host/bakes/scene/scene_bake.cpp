@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bakes/bake/bake_file.h"
-#include "host/bakes/target/chosen_bake.h"
+#include "host/bakes/settings_search/chosen_bake.h"
 #include "host/formats/asset/lobes/movmf_reader.h"
 #include "host/formats/opencl/device_counts.h"
 #include "host/foundation/base/error.h"
@@ -47,7 +47,7 @@ TargetBrdf target_brdf(const BakeJob& job) {
 }
 
 // Several lobes and a target: how many, and how long they are fitted, is found by trials
-// (host/bakes/target/chosen_bake.h).
+// (host/bakes/settings_search/chosen_bake.h).
 BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const BakeSource* source, Device& device,
                                 Progress* progress, std::string& options) {
   BakeTarget target;

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/bakes/bake/ndf_bake.h"
-#include "host/bakes/target/map_mosaic.h"
+#include "host/bakes/settings_search/map_mosaic.h"
 #include "host/foundation/base/error.h"
 
 namespace multum {

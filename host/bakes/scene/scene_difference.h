@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the difference between a scene's bake and the default bake: both are made of small mosaics of the map
-// (host/bakes/target/map_mosaic.h) and compared at all texels of the levels that are seen, at midpoints, and half-way
-// between levels, under the scene's lights, seen up to its tilt. The mosaics are independent samples of the map: their
-// spread is the confidence.
+// (host/bakes/settings_search/map_mosaic.h) and compared at all texels of the levels that are seen, at midpoints, and
+// half-way between levels, under the scene's lights, seen up to its tilt. The mosaics are independent samples of the
+// map: their spread is the confidence.
 #pragma once
 
 #include <string>

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "host/foundation/base/mean_cosine.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

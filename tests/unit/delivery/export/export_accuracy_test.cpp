@@ -11,7 +11,7 @@
 #include "host/delivery/export/accuracy/export_accuracy.h"
 #include "host/delivery/export/accuracy/lobe_optimum.h"
 #include "host/foundation/base/error.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

@@ -13,7 +13,7 @@
 #include "host/delivery/export/axis_cut.h"
 #include "host/delivery/export/facet_samples.h"
 #include "host/delivery/export/material_folder.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

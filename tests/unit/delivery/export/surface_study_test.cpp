@@ -16,7 +16,7 @@
 #include "host/delivery/export/report/surface_frames.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/size_of.h"
-#include "tests/reference/test_maps.h"
+#include "tests/fixtures/test_maps.h"
 
 namespace multum {
 namespace {

@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/foundation/base/base64.h"
-#include "tests/reference/shared_data.h"
+#include "tests/fixtures/shared_data.h"
 #include "tests/unit/formats/image/image_test_files.h"
 #include "tests/unit/foundation/base/test_folder.h"
 

@@ -15,7 +15,7 @@
 #include <tuple>
 
 #include "host/foundation/base/split_mix.h"
-#include "tests/reference/small_baked_files.h"
+#include "tests/fixtures/small_baked_files.h"
 #include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum::testing {

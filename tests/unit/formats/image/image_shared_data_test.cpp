@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "host/foundation/base/processes/sanitizers.h"
-#include "tests/reference/shared_data.h"
+#include "tests/fixtures/shared_data.h"
 #include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {

@@ -14,7 +14,7 @@
 #include "host/formats/image/files/image_file.h"
 #include "host/formats/image/image_reader.h"
 #include "host/foundation/base/processes/sanitizers.h"
-#include "tests/reference/shared_data.h"
+#include "tests/fixtures/shared_data.h"
 #include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {

@@ -10,7 +10,7 @@
 #include "host/formats/mesh/mesh_messages.h"
 #include "host/formats/mesh/mesh_source.h"
 #include "host/foundation/base/processes/sanitizers.h"
-#include "tests/reference/shared_data.h"
+#include "tests/fixtures/shared_data.h"
 #include "tests/unit/fields/inference/animation_test_scene.h"
 #include "tests/unit/foundation/base/test_folder.h"
 

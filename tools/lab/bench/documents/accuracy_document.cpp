@@ -13,7 +13,7 @@
 
 #include "host/bakes/accuracy/accuracy_baselines.h"
 #include "host/bakes/movmf/movmf_bake.h"
-#include "host/bakes/target/tradeoff_page.h"
+#include "host/bakes/settings_search/tradeoff_page.h"
 #include "host/formats/asset/gpu_bytes.h"
 #include "host/formats/testmap/four_quarter_map.h"
 #include "host/foundation/base/error.h"

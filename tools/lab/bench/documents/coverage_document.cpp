@@ -13,9 +13,9 @@
 
 #include "host/bakes/bake/bake_source.h"
 #include "host/bakes/bake/ndf_bake.h"
-#include "host/bakes/target/map_mosaic.h"
-#include "host/bakes/target/setting_candidates.h"
-#include "host/bakes/target/setting_choice.h"
+#include "host/bakes/settings_search/map_mosaic.h"
+#include "host/bakes/settings_search/setting_candidates.h"
+#include "host/bakes/settings_search/setting_choice.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "tools/lab/bench/documents/markdown_table.h"

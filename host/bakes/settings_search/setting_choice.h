@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the settings that a map needs: tries candidates (host/bakes/target/setting_candidates.h) in the order of
-// their cost on a mosaic of the map (host/bakes/target/map_mosaic.h) until one is near enough to the reference. Nothing
-// is written here; the bake that follows says whether the whole map keeps what the mosaic promised
-// (host/bakes/target/chosen_bake.h).
+// Chooses the settings that a map needs: tries candidates (host/bakes/settings_search/setting_candidates.h) in the
+// order of their cost on a mosaic of the map (host/bakes/settings_search/map_mosaic.h) until one is near enough to the
+// reference. Nothing is written here; the bake that follows says whether the whole map keeps what the mosaic promised
+// (host/bakes/settings_search/chosen_bake.h).
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 #include "host/bakes/bake/bake_job.h"
 #include "host/bakes/bake/bake_source.h"
-#include "host/bakes/target/setting_candidates.h"
+#include "host/bakes/settings_search/setting_candidates.h"
 
 namespace multum {
 

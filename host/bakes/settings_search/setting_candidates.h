@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the settings that are tried: one list for bakes to a target (host/bakes/target/chosen_bake.h), the trade-off
-// (host/bakes/target/tradeoff_sweep.h) and plans of scenes (host/bakes/scene/map_planner.h), of which each takes its
-// part.
+// Lists the settings that are tried: one list for bakes to a target (host/bakes/settings_search/chosen_bake.h), the
+// trade-off (host/bakes/settings_search/tradeoff_sweep.h) and plans of scenes (host/bakes/scene/map_planner.h), of
+// which each takes its part.
 #pragma once
 
 #include <optional>

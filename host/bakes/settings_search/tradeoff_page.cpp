@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/tradeoff_page.h"
+#include "host/bakes/settings_search/tradeoff_page.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/setting_candidates.h"
+#include "host/bakes/settings_search/setting_candidates.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/setting_choice.h"
+#include "host/bakes/settings_search/setting_choice.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "host/bakes/bake/ndf_bake.h"
-#include "host/bakes/target/map_mosaic.h"
+#include "host/bakes/settings_search/map_mosaic.h"
 #include "host/formats/brdf/brdf_text.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"

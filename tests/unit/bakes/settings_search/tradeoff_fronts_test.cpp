@@ -2,7 +2,7 @@
 // Fronts are of work, not of elapsed time: what else the machine did decides nothing.
 #include <gtest/gtest.h>
 
-#include "host/bakes/target/tradeoff_sweep.h"
+#include "host/bakes/settings_search/tradeoff_sweep.h"
 
 namespace multum {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/plane_picture.h"
+#include "host/bakes/settings_search/plane_picture.h"
 
 #include <fmt/format.h>
 

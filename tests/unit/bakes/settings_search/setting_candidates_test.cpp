@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everybody who tries settings takes its part of one list: each part, in its order.
-#include "host/bakes/target/setting_candidates.h"
+#include "host/bakes/settings_search/setting_candidates.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the results of a sweep (host/bakes/target/tradeoff_sweep.h) for people and programs. The page is one file of
-// HTML with its pictures and JSON in it, of host/bakes/target/templates: its script draws plots as SVG, and tables that
-// can be sorted.
+// Writes the results of a sweep (host/bakes/settings_search/tradeoff_sweep.h) for people and programs. The page is one
+// file of HTML with its pictures and JSON in it, of host/bakes/settings_search/templates: its script draws plots as
+// SVG, and tables that can be sorted.
 #pragma once
 
 #include <map>
 #include <string>
 #include <string_view>
 
-#include "host/bakes/target/tradeoff_sweep.h"
+#include "host/bakes/settings_search/tradeoff_sweep.h"
 
 namespace multum {
 
@@ -21,7 +21,7 @@ std::string tradeoff_markdown(const TradeoffResult& result);
 /// The rows on a front, a line each, and what was chosen: for a terminal.
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result);
 
-/// The files of host/bakes/target/templates, by name. Made by tools/embed_files.py.
+/// The files of host/bakes/settings_search/templates, by name. Made by tools/embed_files.py.
 const std::map<std::string, std::string_view>& tradeoff_templates();
 
 }  // namespace multum

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/bakes/target/setting_choice.h"
+#include "host/bakes/settings_search/setting_choice.h"
 #include "host/foundation/base/run_times.h"
 
 namespace multum {

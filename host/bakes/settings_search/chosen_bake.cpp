@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/chosen_bake.h"
+#include "host/bakes/settings_search/chosen_bake.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "host/bakes/bake/bake_file.h"
 #include "host/bakes/bake/ndf_bake.h"
 #include "host/bakes/bake/output_state.h"
-#include "host/bakes/target/plane_picture.h"
+#include "host/bakes/settings_search/plane_picture.h"
 #include "host/formats/brdf/brdf_text.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"

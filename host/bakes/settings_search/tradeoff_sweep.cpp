@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/tradeoff_sweep.h"
+#include "host/bakes/settings_search/tradeoff_sweep.h"
 
 #include <fmt/format.h>
 
@@ -16,8 +16,8 @@
 
 #include "host/bakes/bake/bake_file.h"
 #include "host/bakes/movmf/start_memory.h"
-#include "host/bakes/target/pending_views.h"
-#include "host/bakes/target/plane_picture.h"
+#include "host/bakes/settings_search/pending_views.h"
+#include "host/bakes/settings_search/plane_picture.h"
 #include "host/formats/asset/gpu_bytes.h"
 #include "host/formats/brdf/brdf_text.h"
 #include "host/formats/brdf/facet_distribution.h"

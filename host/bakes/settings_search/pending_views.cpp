@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/pending_views.h"
+#include "host/bakes/settings_search/pending_views.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/target/map_mosaic.h"
+#include "host/bakes/settings_search/map_mosaic.h"
 
 #include <algorithm>
 #include <vector>

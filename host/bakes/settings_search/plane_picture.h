@@ -7,7 +7,7 @@
 #include <string>
 
 #include "host/bakes/bake/bake_job.h"
-#include "host/bakes/target/setting_choice.h"
+#include "host/bakes/settings_search/setting_choice.h"
 #include "host/foundation/base/progress.h"
 
 namespace multum {

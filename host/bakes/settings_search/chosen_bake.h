@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes a map to a target and finds its settings: the cheapest that come within an error, or the most accurate within a
-// time. They are chosen on a mosaic of the map (host/bakes/target/setting_choice.h); then the whole map is baked and
-// measured, and where that says otherwise, the next settings are baked. Whether an error is met is said by a second
-// sample of footprints: of many settings, the one whose sample happens to be good is the one that is chosen.
+// time. They are chosen on a mosaic of the map (host/bakes/settings_search/setting_choice.h); then the whole map is
+// baked and measured, and where that says otherwise, the next settings are baked. Whether an error is met is said by a
+// second sample of footprints: of many settings, the one whose sample happens to be good is the one that is chosen.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "host/bakes/target/plane_picture.h"
-#include "host/bakes/target/setting_choice.h"
+#include "host/bakes/settings_search/plane_picture.h"
+#include "host/bakes/settings_search/setting_choice.h"
 
 namespace multum {
 
