@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/farm/service/workers/fault_injection.h"
 #include "host/formats/opencl/kernel_caches.h"
 #include "host/formats/opencl/pocl_settings.h"
 #include "host/foundation/base/error.h"
@@ -15,6 +16,7 @@
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/farm/multum_job_types.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
@@ -87,6 +89,12 @@ void check_words(const std::vector<std::string>& words) {
 }
 
 }  // namespace
+
+void register_jobs() {
+  std::vector<JobType> types = multum_job_types();
+  types.push_back(drill_job_type());
+  register_job_types(std::move(types));
+}
 
 int run_command(int argc, char** argv) {
   CLI::App app(
