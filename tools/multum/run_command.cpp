@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/workers/fault_injection.h"
 #include "host/formats/opencl/kernel_caches.h"
 #include "host/formats/opencl/pocl_settings.h"
 #include "host/foundation/base/error.h"
@@ -90,11 +89,7 @@ void check_words(const std::vector<std::string>& words) {
 
 }  // namespace
 
-void register_jobs() {
-  std::vector<JobType> types = multum_job_types();
-  types.push_back(drill_job_type());
-  register_job_types(std::move(types));
-}
+void register_jobs() { register_job_types(multum_job_types()); }
 
 int run_command(int argc, char** argv) {
   CLI::App app(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/workers/fault_injection.h"
+#include "tests/service/drill/drill_job.h"
 
 #include <chrono>
 #include <csignal>
