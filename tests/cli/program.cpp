@@ -196,6 +196,8 @@ void check_messages(const std::vector<std::string>& arguments, const std::string
     if (line.starts_with("multum: ") || line.starts_with("warning: ")) check_message(arguments, line);
 }
 
+[[maybe_unused]] const bool kHasJobs = (register_jobs(), true);  // before any command
+
 }  // namespace
 
 ProgramResult CliTest::multum_program(const std::vector<std::string>& arguments) {

@@ -8,9 +8,12 @@
 #include "host/farm/service/service_settings.h"
 #include "host/farm/service/workers/job_types.h"
 #include "tests/fuzz/fuzz.h"
+#include "tools/multum/farm/multum_job_types.h"
 
 namespace multum {
 namespace {
+
+[[maybe_unused]] const bool kHasJobTypes = (register_job_types(multum_job_types()), true);
 
 void submit(const nlohmann::json& body) {
   static const JobRoots roots{PathRoots({fuzz::scratch_folder()}),
@@ -30,7 +33,7 @@ std::vector<std::string> fuzz::seeds() {
   return {std::string(1, '\0') + R"({"type":"bake","parameters":{"input":")" + folder +
               R"(/map.png","lobes":4,"green":"up","reference":true,"height_scale":1.5},"output":")" + folder +
               R"(/map.ndf.exr","queue":"default","priority":3,"again":true})",
-          std::string(1, '\0') + R"({"type":"drill","parameters":{}})",
+          std::string(1, '\0') + R"({"type":"scene","parameters":{}})",
           "\1{\"queue\":\"default\"}",
           "\2{\"jobs\":[1,2,3]}",
           "\2{\"finished_before_s\":60}",

@@ -8,11 +8,15 @@
 #include "host/bakes/movmf/bake_checkpoint.h"
 #include "host/bakes/scene/scene_file.h"
 #include "host/farm/service/service_settings.h"
+#include "host/farm/service/workers/job_types.h"
 #include "host/fields/inference/job/animation_job_reading.h"
 #include "tests/fuzz/fuzz.h"
+#include "tools/multum/farm/multum_job_types.h"
 
 namespace multum {
 namespace {
+
+[[maybe_unused]] const bool kHasJobTypes = (register_job_types(multum_job_types()), true);  // settings name them
 
 void read_checkpoint(const std::string& path) {
   const std::string folder = fuzz::scratch_folder() + "/.multum-partial-out.ndf.exr";

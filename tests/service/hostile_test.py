@@ -3,7 +3,7 @@
 """The service attacked: by what clients send, by files and folders that change under it, by its own settings. Each test
 is of a kind of attack in docs/SERVICE.md, "Who is trusted with what". MULTUM names the program.
 
-  MULTUM=build/release/bin/multum hostile_test.py [-v] [HostileTest.test_...]
+  MULTUM=build/release/bin/multum-drill hostile_test.py [-v] [HostileTest.test_...]
 """
 import json
 import os

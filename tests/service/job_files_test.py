@@ -3,7 +3,7 @@
 """Files of the service's jobs as its clients see them: inputs, uploads, results and downloads, and how much of them
 there may be. MULTUM names the program.
 
-  MULTUM=build/release/bin/multum job_files_test.py [-v] [JobFilesTest.test_...]
+  MULTUM=build/release/bin/multum-drill job_files_test.py [-v] [JobFilesTest.test_...]
 """
 import contextlib
 import http.client

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The service's ledger: damaged, rescued, taken away, another's, and jobs that need others. MULTUM names the program.
 
-  MULTUM=build/release/bin/multum ledger_test.py [-v] [LedgerTest.test_...]
+  MULTUM=build/release/bin/multum-drill ledger_test.py [-v] [LedgerTest.test_...]
 """
 import contextlib
 import os
@@ -119,6 +119,24 @@ class LedgerTest(ClientCase):
         job = service.wait_for(running)
         self.assertEqual([one["outcome"] for one in job["attempts"]], ["lost", "succeeded"])
         self.assertEqual(self.drill(), running + 1)
+
+    def test_jobs_of_a_type_that_the_program_lacks_end_as_refused(self):
+        service = self.start(QUICK + "workers = 1\n")
+        done = self.drill(output=self.output("a.txt"), text="kept")
+        service.wait_for(done)
+        running, waiting = self.drill(60), self.drill()
+        service.wait_for(running, ["running"])
+        service.kill()
+        service.multum = os.path.join(os.path.dirname(os.path.abspath(MULTUM)), "multum")
+        service.start()
+        for number in (running, waiting):
+            job = service.wait_for(number)
+            self.assertEqual(job["state"], "dead")
+            self.assertIn('type is "drill", expected one of bake, scene', job["message"])
+        self.assertEqual([one["outcome"] for one in job["attempts"]], ["refused"])
+        self.assertEqual(service.job(done)["state"], "succeeded")
+        self.refused(400, "usage", ["drill"], "POST", "/v1/jobs", {"type": "drill", "parameters": {}})
+        self.assertIn("drill", self.client("list"))
 
     def test_a_retry_reaches_the_roots_and_purged_ones_are_gone(self):
         service = self.start(QUICK + "workers = 1\n")

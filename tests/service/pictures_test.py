@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of jobs: made once, by a child whose crash, hang or absence costs pictures alone. MULTUM names the program.
 
-  MULTUM=build/release/bin/multum pictures_test.py [-v] [PicturesTest.test_...]
+  MULTUM=build/release/bin/multum-drill pictures_test.py [-v] [PicturesTest.test_...]
 """
 import contextlib
 import os
@@ -16,10 +16,9 @@ import unittest
 import urllib.request
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from service_harness import Service, ServiceCase  # noqa: E402
+from service_harness import MULTUM, Service, ServiceCase  # noqa: E402
 from tiny_animation import write_animation  # noqa: E402
 
-MULTUM = os.environ.get("MULTUM", "multum")
 
 
 def png_size(data):
@@ -35,7 +34,7 @@ class PicturesTest(ServiceCase):
             multum = os.path.join(self.folder, "bin", "multum")
             os.makedirs(os.path.dirname(multum))
             shutil.copy(MULTUM, multum)
-            shutil.copy(MULTUM + "-decode", multum + "-decode")
+            shutil.copy(os.path.join(os.path.dirname(os.path.abspath(MULTUM)), "multum-decode"), multum + "-decode")
             if viewer:
                 with open(multum + "-view", "w", encoding="utf-8") as file:
                     file.write("#!/bin/sh\n" + viewer)

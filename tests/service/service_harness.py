@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-MULTUM = os.environ.get("MULTUM", "multum")
+MULTUM = os.environ.get("MULTUM", "multum-drill")  # multum with a type of job for tests, drill/drill_job.h
 QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
 
 
@@ -186,6 +186,7 @@ class ClientCase(ServiceCase):
         return os.path.join(os.path.realpath(self.service.data), "results")
 
     def drill(self, seconds=0, **job):
+        """A job that does nothing, and ends as asked."""
         parameters = {"seconds": seconds}
         for name in ("then", "text"):
             if name in job:
@@ -205,6 +206,18 @@ class ClientCase(ServiceCase):
         for value in values:
             self.assertIn(value, answer["error"]["message"])
         return answer["error"]["message"]
+
+
+def with_drill(document, types):
+    """docs/openapi.json, which describes multum, with the type of job that multum-drill has besides; `types`: the
+    answer of /v1/types."""
+    schemas = document["components"]["schemas"]
+    schemas["DrillParameters"] = next(one["parameters"] for one in types["types"] if one["name"] == "drill")
+    schemas["Submission"]["properties"]["type"]["enum"].append("drill")
+    schemas["Submission"]["allOf"].append({
+        "if": {"properties": {"type": {"const": "drill"}}, "required": ["type"]},
+        "then": {"properties": {"parameters": {"$ref": "#/components/schemas/DrillParameters"}}}})
+    return document
 
 
 def seal_listing(data, folder, lines):

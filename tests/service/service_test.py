@@ -3,7 +3,7 @@
 """The service as its clients see it: lives of jobs, queues, events, what is refused, and how it ends. MULTUM names the
 program.
 
-  MULTUM=build/release/bin/multum service_test.py [-v] [ServiceTest.test_...]
+  MULTUM=build/release/bin/multum-drill service_test.py [-v] [ServiceTest.test_...]
 """
 import contextlib
 import json

@@ -3,7 +3,7 @@
 """The service with a real Slurm of two nodes (slurm_harness.py): jobs in chunks and maps in shares, each result
 published once whatever dies. Passed over, with the reason, where Slurm cannot be started. MULTUM names the program.
 
-  MULTUM=build/release/bin/multum slurm_test.py [-v] [SlurmTest.test_...]
+  MULTUM=build/release/bin/multum-drill slurm_test.py [-v] [SlurmTest.test_...]
 """
 import contextlib
 import json

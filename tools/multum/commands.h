@@ -27,6 +27,9 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 /// Of a long command: a bar on a terminal; under a service, what the worker passes on.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
+/// Hands the farm the jobs of multum's commands. Once, before any command.
+void register_jobs();
+
 /// Does what a command line says and returns its exit code. Throws Error, Cancelled.
 int run_command(int argc, char** argv);
 /// The same of the words behind the program's name; `callback` hears of the progress. One at a time.

@@ -3,4 +3,7 @@
 #include "host/foundation/base/error.h"
 #include "tools/multum/commands.h"
 
-int main(int argc, char** argv) { return multum::run_guarded("multum", multum::run_command, argc, argv); }
+int main(int argc, char** argv) {
+  multum::register_jobs();
+  return multum::run_guarded("multum", multum::run_command, argc, argv);
+}

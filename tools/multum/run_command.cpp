@@ -15,6 +15,7 @@
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
+#include "tools/multum/farm/multum_job_types.h"
 #include "tools/multum/fields/field_commands.h"
 #include "tools/multum/openjd_lines.h"
 
@@ -85,6 +86,8 @@ void check_words(const std::vector<std::string>& words) {
 }
 
 }  // namespace
+
+void register_jobs() { register_job_types(multum_job_types()); }
 
 int run_command(int argc, char** argv) {
   CLI::App app(

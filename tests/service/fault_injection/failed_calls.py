@@ -4,7 +4,7 @@
 file, and a folder over an earlier result. Whatever fails, the daemon lives or can be started again, the job ends
 well by itself, its result is whole, and nothing is left beside it.
 
-  fault_injection/failed_calls.py MULTUM SHIM [--every 1]
+  fault_injection/failed_calls.py MULTUM_DRILL SHIM [--every 1]
 """
 import argparse
 import errno

@@ -4,7 +4,7 @@
 file says: what its schemas refuse by 400, what they take by success, what is not there by 404, and nothing by 500. At
 the end the service is up, and has no more memory, files or threads than before.
 
-  fault_injection/fuzz.py MULTUM [--requests 10000] [--seed 1]
+  fault_injection/fuzz.py MULTUM_DRILL [--requests 10000] [--seed 1]
 """
 import argparse
 import collections
@@ -18,7 +18,7 @@ import urllib.parse
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from openapi_check import OpenapiCheck  # noqa: E402
-from service_harness import Service, fail, process_state  # noqa: E402
+from service_harness import Service, fail, process_state, with_drill  # noqa: E402
 
 # Of what the file cannot say: which queues, jobs and files there are.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder", "expected an absolute",
@@ -164,7 +164,7 @@ def main():
     print(f"seed {options.seed}")
     with tempfile.TemporaryDirectory() as folder:
         service = Service(options.multum, folder, config='[[queue]]\nname = "default"\npaused = true\n').start()
-        check = OpenapiCheck(service.ask("GET", "/openapi.json")[1])
+        check = OpenapiCheck(with_drill(service.ask("GET", "/openapi.json")[1], service.ask("GET", "/v1/types")[1]))
         fuzzer = Fuzzer(check.document, check, options.seed)
         statuses, jobs = collections.Counter(), 0
 

@@ -3,7 +3,7 @@
 """kill -9 of workers and of the daemon, over many small jobs that write a file each: nothing is lost, nothing is
 published twice, nothing half made is left, and nothing stays "running".
 
-  fault_injection/kills.py MULTUM [--jobs 2000] [--worker-kills 200] [--daemon-kills 20]
+  fault_injection/kills.py MULTUM_DRILL [--jobs 2000] [--worker-kills 200] [--daemon-kills 20]
 """
 import argparse
 import glob

@@ -3,7 +3,7 @@
 """How much the service takes: submissions a second, empty jobs a second through whole leases, and how soon /healthz
 answers while streams are open and submissions in flight. Prints; the numbers are no test.
 
-  fault_injection/load.py MULTUM [--jobs 2000] [--streams 64] [--in-flight 2000]
+  fault_injection/load.py MULTUM_DRILL [--jobs 2000] [--streams 64] [--in-flight 2000]
 """
 import argparse
 import multiprocessing

@@ -4,7 +4,7 @@
 right after they have accepted a job, nodes with all on them, the daemon; one node is drained for a while, another's
 clock is an hour fast, and the shared folder is full for a while. Every result is there once, and nothing is left.
 
-  fault_injection/slurm_farm.py MULTUM [--jobs 500] [--map 8192] [--faults 3]
+  fault_injection/slurm_farm.py MULTUM_DRILL [--jobs 500] [--map 8192] [--faults 3]
 
 It needs root and Debian's slurmctld, slurmd, slurm-client and munge; faketime for the clock; and may mount a tmpfs.
 Exit code 77: no Slurm can be started here.

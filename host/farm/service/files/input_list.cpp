@@ -43,7 +43,7 @@ ErrorCode error_code_of(int exit_code_found) {
 }  // namespace
 
 InputList list_inputs_in_child(const JobType& type, const Json& parameters, const PathRoots& roots) {
-  if (!type.input_names_files) return {input_files(type, parameters), input_identity(type, parameters)};
+  if (type.files_of_input == nullptr) return {input_files(type, parameters), input_identity(type, parameters)};
   const std::string file = path_of_text(parameters.at(type.input).get<std::string>());
   std::vector<std::string> command = {own_program(), "inputs", "--type=" + type.name,
                                       "--parameters=" + parameters.dump()};

@@ -339,9 +339,10 @@ struct HttpApi::State {
     co_await beside([&] { stored = data.store(name, *request.upload); });
     co_await in_ledger([&](JobQueue& queue) { queue.files().note_upload(stored.path); });
     const std::string path = text_of_path(stored.path);
-    const std::string use =
-        fmt::format("name this path as the input of a job, as in {}",
-                    Json{{"type", "bake"}, {"parameters", {{"input", path}}}, {"output", "NAME.ndf.exr"}}.dump());
+    const JobType& type = job_types().front();
+    const Json job = {
+        {"type", type.name}, {"parameters", {{type.input, path}}}, {"output", "NAME" + type.output_extension}};
+    const std::string use = fmt::format("name this path as the input of a job, as in {}", job.dump());
     co_return json_response(
         {{"path", path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}, {"use", use}}, 201);
   }

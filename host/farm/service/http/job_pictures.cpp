@@ -37,9 +37,7 @@ using asio::use_awaitable;
 constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // jobs go before
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
-constexpr std::size_t kLooksMax = 16;  // pages that are kept; one of the largest map that they show is 37 MB
-constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt", kPlayer[] = "player.html", kLook[] = "look.html";
-constexpr char kLookEnding[] = "-look";
+constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
 // Such a page has all in itself. It may run its own script and save paths, and is of no origin: what a stranger may
 // have done to it reaches neither the service nor a token.
 constexpr char kPagePolicy[] =
@@ -50,8 +48,8 @@ constexpr std::size_t kWaitingMax = 64;  // jobs: a minute or so, as a rule
 
 [[noreturn]] void refuse(const std::string& why) { throw Refusal{404, "no_picture", why}; }
 
-// Beside this program, else in PATH; empty: nowhere.
-std::string find_viewer() {
+// Beside this program, else in PATH.
+std::string find_program(const std::string& name) {
   std::vector<fs::path> folders = {own_folder()};
   const char* path = std::getenv("PATH");
   for (std::string_view rest = path != nullptr ? path : ""; !rest.empty();) {
@@ -60,8 +58,8 @@ std::string find_viewer() {
     if (!one.empty()) folders.emplace_back(one);
   }
   for (const fs::path& folder : folders)
-    if (::access((folder / "multum-view").c_str(), X_OK) == 0) return (folder / "multum-view").string();
-  return "";
+    if (::access((folder / name).c_str(), X_OK) == 0) return (folder / name).string();
+  refuse(name + " is not installed: found neither beside multum nor in PATH");
 }
 
 std::string last_line(const std::string& path) {
@@ -79,20 +77,30 @@ std::int64_t id_of(const std::string& name) {
   return error == std::errc() && end != name.data() + name.size() && *end == '-' ? id : 0;
 }
 
-std::string end_of(const ChildResult& result, const char* program) {
+bool is_page(const std::string& name) { return name.ends_with(".html"); }
+
+// Whether an earlier daemon had a view of some type made there.
+bool has_view(const fs::path& folder) {
+  for (const JobType& type : job_types())
+    for (const JobView& view : type.views)
+      if (std::error_code ignored; fs::exists(folder / view.files.front(), ignored)) return true;
+  return false;
+}
+
+std::string end_of(const ChildResult& result, const std::string& program) {
   if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
   if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
   return "";  // it has said what was wrong
 }
 
-void check_has_picture(const Job& job, const std::string& name) {
-  if (job.type != "bake" && job.type != "infer" && job.type != "pack")
-    refuse("a " + job.type + " makes nothing to look at");
+const JobView& find_view(const Job& job, const std::string& name) {
+  const JobType& type = find_job_type(job.type);
+  if (type.views.empty()) refuse("a " + job.type + " makes nothing to look at");
   if (job.state != JobState::kSucceeded)
     refuse(fmt::format("job {} is {}: there are pictures when it has succeeded", job.id, job_state_name(job.state)));
-  if (job.type == "infer" && name != "render.png") refuse("there is a picture of its first frame alone");
-  if (job.type == "pack" && name != kPlayer) refuse("there is a player of it, and no pictures");
-  if (job.type == "bake" && name == kPlayer) refuse("packed fields alone have a player");
+  const JobView* const view = type.find_view(name);
+  if (view == nullptr) refuse(type.no_other_view);
+  return *view;
 }
 
 // A child that sees what jobs may read and what is beside its program, and writes to `folder`.
@@ -111,9 +119,7 @@ JobPictures::JobPictures(asio::io_context& io, DataFolder& data, const JobRoots&
   // What an earlier daemon could not make is tried once more: by now there may be what it lacked.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
-    const auto has = [&](const char* name) { return fs::exists(entry.path() / name, ignored); };
-    if (id_of(entry.path().filename()) == 0 || (!has("render.png") && !has(kPlayer) && !has(kLook)))
-      fs::remove_all(entry.path(), ignored);
+    if (id_of(entry.path().filename()) == 0 || !has_view(entry.path())) fs::remove_all(entry.path(), ignored);
   }
 }
 
@@ -123,17 +129,16 @@ JobPictures::~JobPictures() {
 }
 
 asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity, std::string name) {
-  check_has_picture(job, name);
+  const JobView& view = find_view(job, name);
   std::string file_name = identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
-  const bool is_look = name == kLook;
-  const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, is_look ? kLookEnding : "");
+  const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, view.folder_ending);
   // Named: GCC 12 destroys what is made in braces within a co_await twice.
-  Request request{std::move(job), std::move(identity), folder, is_look};
+  Request request{std::move(job), std::move(identity), folder, view};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
   response.headers = {{"Cache-Control", "private, no-cache"}};
-  if (name == kPlayer || is_look) {
+  if (is_page(name)) {
     response.content_type = "text/html; charset=utf-8";
     response.headers.emplace_back("Content-Security-Policy", kPagePolicy);
     response.headers.emplace_back("Referrer-Policy", "no-referrer");
@@ -186,44 +191,35 @@ asio::awaitable<void> JobPictures::made(Request request) {
   if (error) std::rethrow_exception(error);
 }
 
-std::vector<std::string> JobPictures::look_command(const Job& job, const std::string& folder) const {
-  std::string source;
-  try {
-    source = roots_.inputs.input(path_of_text(nlohmann::json::parse(job.parameters).at("input").get<std::string>()));
-  } catch (const Error& error) {
-    refuse(std::string("the page shows the lobes beside the map that was baked: ") + error.what());
+// The options of the maps that the job was given, as far as they are there.
+std::vector<std::string> JobPictures::map_options(const Request& request) const {
+  const nlohmann::json parameters = nlohmann::json::parse(request.job.parameters);
+  const JobView& view = request.view;
+  std::vector<std::string> options;
+  for (const auto& [parameter, option] : view.maps) {
+    if (!parameters.contains(parameter)) continue;
+    try {
+      options.push_back(option + "=" + roots_.inputs.input(path_of_text(parameters.at(parameter).get<std::string>())));
+    } catch (const Error& error) {
+      if (parameter != view.maps.front().first) continue;
+      if (!view.first_map_is_for.empty()) refuse(view.first_map_is_for + ": " + error.what());
+      break;  // gone: the render is left
+    }
   }
-  std::vector<std::string> words = confined(roots_, folder, own_program());
-  words.insert(words.end(), {"look", "-q", "--no-open", "--same-source", "--source=" + source, "-o",
-                             folder + "/" + kLook, "--", job.output});
-  return words;
+  return options;
 }
 
 std::vector<std::string> JobPictures::command(const Request& request, const std::string& folder) const {
-  const Job& job = request.job;
-  if (request.is_look) return look_command(job, folder);
-  if (job.type == "pack") {
-    std::vector<std::string> words = confined(roots_, folder, own_program());
-    words.insert(words.end(), {"player", "-q", "-o", folder + "/" + kPlayer});
+  const JobView& view = request.view;
+  const std::string program = view.program.empty() ? own_program() : find_program(view.program);
+  std::vector<std::string> words = confined(roots_, folder, program);
+  words.insert(words.end(), view.words.begin(), view.words.end());
+  words.push_back("--output=" + (view.writes_folder ? folder : folder + "/" + view.files.front()));
+  if (view.takes_roots)
     for (const std::string& root : roots_.inputs.roots()) words.push_back("--root=" + root);
-    words.insert(words.end(), {"--", job.output});
-    return words;
-  }
-  const std::string viewer = find_viewer();
-  if (viewer.empty()) refuse("multum-view is not installed: found neither beside multum nor in PATH");
-  std::vector<std::string> words = confined(roots_, folder, viewer);
-  // Not the GPU, which bakes may be using.
-  words.insert(words.end(), {"thumbnails", "--context=osmesa", "--output=" + folder});
-  const nlohmann::json parameters = nlohmann::json::parse(job.parameters);
-  for (const auto& [parameter, option] : {std::pair("input", "--source="), std::pair("albedo", "--albedo=")}) {
-    if (job.type != "bake" || !parameters.contains(parameter)) continue;
-    try {
-      words.push_back(option + roots_.inputs.input(path_of_text(parameters.at(parameter).get<std::string>())));
-    } catch (const Error&) {
-      if (std::string(parameter) == "input") break;  // gone: the render is left
-    }
-  }
-  words.insert(words.end(), {"--", job.output});
+  const std::vector<std::string> maps = map_options(request);
+  words.insert(words.end(), maps.begin(), maps.end());
+  words.insert(words.end(), {"--", request.job.output});
   return words;
 }
 
@@ -232,11 +228,10 @@ bool JobPictures::has_result(const Request& request) const {
 }
 
 // By what the maps that the job was given are told from others; of one that is not there any more a word.
-std::string JobPictures::sources_of(const Job& job) const {
+std::string JobPictures::sources_of(const Request& request) const {
   std::string text;
-  if (job.type != "bake") return text;
-  const nlohmann::json parameters = nlohmann::json::parse(job.parameters);
-  for (const char* parameter : {"input", "albedo"}) {
+  const nlohmann::json parameters = nlohmann::json::parse(request.job.parameters);
+  for (const auto& [parameter, option] : request.view.maps) {
     if (!parameters.contains(parameter)) continue;
     std::string identity = "gone";
     try {
@@ -251,7 +246,7 @@ std::string JobPictures::sources_of(const Job& job) const {
 bool JobPictures::is_made(const Request& request) const {
   std::ifstream file(request.folder + "/" + kSources, std::ios::binary);
   const std::string sources{std::istreambuf_iterator<char>(file), {}};
-  return !file.fail() && sources == sources_of(request.job);
+  return !file.fail() && sources == sources_of(request);
 }
 
 void JobPictures::remove_folder(const std::string& folder) {
@@ -282,7 +277,7 @@ void JobPictures::make(const Request& request) {
     fs::remove_all(unfinished, error);
     throw;
   }
-  if (request.is_look) remove_old_looks();
+  if (request.view.kept_max > 0) remove_oldest(request.view);
 }
 
 void JobPictures::publish(const std::string& unfinished, const std::string& folder) {
@@ -296,31 +291,31 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
 }
 
 void JobPictures::run(const Request& request, const std::string& folder) {
-  const Job& job = request.job;
-  write_text_file(folder + "/" + kSources, sources_of(job));  // before they are read: what changes then is made again
+  const JobView& view = request.view;
+  // Before they are read: what changes then is made again.
+  write_text_file(folder + "/" + kSources, sources_of(request));
   const std::vector<std::string> words = command(request, folder);
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};
   limits.is_cancelled = [this] { return is_ending_.load(); };
   const ChildResult result = run_child(words, limits);
   if (is_ending_) refuse("the service is about to end");
-  const char* program = request.is_look ? "multum look" : job.type == "pack" ? "multum player" : "multum-view";
-  std::string said = result.output + end_of(result, program);
-  const bool has_input = job.type != "bake" || std::any_of(words.begin(), words.end(), [](const std::string& word) {
-                           return word.starts_with("--source=");
-                         });
+  std::string said = result.output + end_of(result, view.program.empty() ? "multum " + view.words[0] : view.program);
+  const auto is_first_map = [&](const std::string& word) { return word.starts_with(view.maps.front().second + "="); };
+  const bool has_input = view.maps.empty() || std::any_of(words.begin(), words.end(), is_first_map);
   if (!has_input && result.exit_code == 0) said += "\nits input is not there any more";
   write_text_file(folder + "/" + kSaid, said + "\n");
-  if (result.exit_code != 0) service_log(LogSeverity::kWarning, job.id, "pictures: " + last_line(folder + "/" + kSaid));
+  if (result.exit_code != 0)
+    service_log(LogSeverity::kWarning, request.job.id, "pictures: " + last_line(folder + "/" + kSaid));
 }
 
-void JobPictures::remove_old_looks() {
-  std::vector<std::pair<fs::file_time_type, fs::path>> looks;
+void JobPictures::remove_oldest(const JobView& view) {
+  std::vector<std::pair<fs::file_time_type, fs::path>> made;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
-    if (entry.path().filename().string().ends_with(kLookEnding))
-      looks.emplace_back(entry.last_write_time(ignored), entry.path());
-  std::sort(looks.rbegin(), looks.rend());
-  for (std::size_t i = kLooksMax; i < looks.size(); ++i) remove_folder(looks[i].second.string());
+    if (entry.path().filename().string().ends_with(view.folder_ending))
+      made.emplace_back(entry.last_write_time(ignored), entry.path());
+  std::sort(made.rbegin(), made.rend());
+  for (std::size_t i = view.kept_max; i < made.size(); ++i) remove_folder(made[i].second.string());
 }
 
 void JobPictures::remove(const std::vector<std::int64_t>& ids) {

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small pictures of finished jobs, and pages that show their results in a browser: multum-view, multum player or multum
-// look makes them as a child process, one at a time, when they are first asked for. What a map or a driver does to it
-// ends that child, and pictures are missing.
+// Small pictures of finished jobs, and pages that show their results in a browser: the views of the job's type
+// (workers/job_types.h). A child process makes them, one at a time, when they are first asked for. What a map or a
+// driver does to it ends that child, and pictures are missing.
 //
-//   DATA/pictures/ID-IDENTITY/   input.png  render.png  error.png   those that could be made
-//                                player.html                        of a pack
-//                                said.txt                           what the child said; how it ended, if not well
-//                                sources.txt                        identities of the maps that it was given
-//   DATA/pictures/ID-IDENTITY-look/   look.html  said.txt             of a bake of lobes, with the map that was baked
+//   DATA/pictures/ID-IDENTITYENDING/   render.png, player.html ...   those files of the view that could be made
+//                                      said.txt                      what the child said; how it ended, if not well
+//                                      sources.txt                   identities of the maps that it was given
 //
 // IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown, and
-// those that show a map are made again when it has changed. All of it counts against data_max. Look
-// pages are large, as maps are: those made last are kept, the others are made again when they are asked for.
+// those that show a map are made again when it has changed. All of it counts against data_max. Of views that
+// are large, as pages with maps in them are, those made last are kept, the others are made again when they are asked
+// for.
 #pragma once
 
 #include <atomic>
@@ -30,6 +29,7 @@
 #include "host/farm/service/http/http_server.h"
 #include "host/farm/service/ledger/job.h"
 #include "host/farm/service/ledger/queue_thread.h"
+#include "host/farm/service/workers/job_types.h"
 
 namespace multum {
 
@@ -42,7 +42,7 @@ class JobPictures {
   JobPictures(const JobPictures&) = delete;
   JobPictures& operator=(const JobPictures&) = delete;
 
-  /// `name`: "input.png", "render.png", "error.png", "player.html" or "look.html"; `identity`: of the job's result when
+  /// `name`: of a file of one of the type's views, as "render.png"; `identity`: of the job's result when
   /// it was published. Many may ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with
   /// the reason, 507 "quota" where data_max has no room for them.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string identity, std::string name);
@@ -57,19 +57,19 @@ class JobPictures {
   struct Request {
     Job job;
     std::string identity, folder;
-    bool is_look = false;
+    const JobView& view;
   };
   boost::asio::awaitable<void> made(Request request);
   void make(const Request& request);
   void run(const Request& request, const std::string& folder);
   void publish(const std::string& unfinished, const std::string& folder);
   void remove_folder(const std::string& folder);
-  std::string sources_of(const Job& job) const;
+  std::string sources_of(const Request& request) const;
   bool has_result(const Request& request) const;
   bool is_made(const Request& request) const;
   std::vector<std::string> command(const Request& request, const std::string& folder) const;
-  std::vector<std::string> look_command(const Job& job, const std::string& folder) const;
-  void remove_old_looks();
+  std::vector<std::string> map_options(const Request& request) const;
+  void remove_oldest(const JobView& view);
 
   boost::asio::io_context& io_;
   DataFolder& data_;

@@ -135,7 +135,7 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
       parameters[parameter.name] =
           text_of_path(roots.inputs.input(path_of_text(parameters[parameter.name].get<std::string>())));
-  check_is_one_map(type, parameters);
+  check_input(type, parameters);
   s.parameters = parameters.dump();
   s.output = value_of<std::string>(json, "output", "", is_text, "a path");
   if (s.output.empty() && type.needs_output) throw Refusal{400, "usage", "output is missing, expected a path"};

@@ -42,11 +42,11 @@ SlurmEstimate estimate_work(const WorkOrder& work, const SlurmSettings& settings
   try {
     const JobType& type = find_job_type(work.type);
     const Json parameters = Json::parse(work.parameters);
-    if (type.name == "drill") estimate.seconds = parameters.value("seconds", 0.0);
-    if (type.name != "bake") return estimate;
+    if (type.estimated_seconds != nullptr) estimate.seconds = type.estimated_seconds(parameters);
+    if (type.estimate_command.empty()) return estimate;
     std::vector<std::string> words = {own_program(), "confined"};
     for (const std::string& root : roots) words.push_back("--read=" + root);
-    words.insert(words.end(), {"--", own_program(), "plan", "--json", "--threads=1",
+    words.insert(words.end(), {"--", own_program(), type.estimate_command, "--json", "--threads=1",
                                fmt::format("--share-seconds={}", settings.share_seconds)});
     const std::vector<std::string> arguments = job_arguments(type, parameters, "");
     words.insert(words.end(), arguments.begin() + 1, arguments.end());

@@ -12,8 +12,9 @@
 
 namespace multum {
 
-/// Of a bake, by `multum plan` in a child that is confined to `roots` and held to memory and time, since the map is a
-/// client's; of a drill, by what it says. Of others, and where the child fails, nothing is known. Blocks.
+/// By the type's estimate_command, as `multum plan` is a bake's, in a child that is confined to `roots` and held to
+/// memory and time, since the map is a client's; else by its estimated_seconds(). Of types without either, and where
+/// the child fails, nothing is known. Blocks.
 SlurmEstimate estimate_work(const WorkOrder& work, const SlurmSettings& settings,
                             const std::vector<std::string>& roots);
 

@@ -231,8 +231,7 @@ export class JobList {
         node("button", { onclick: () => this.clear() }, "Show all jobs"));
     if (kind === "none")
       byId("empty").replaceChildren(node("p", {}, "No jobs yet. Submit one, here or from a shell:"),
-        node("pre", {}, "multum submit bake rock_normal.png -o rock.ndf.exr --lobes 4\n" +
-          "multum submit drill --seconds 5"));
+        node("pre", {}, "multum submit bake rock_normal.png -o rock.ndf.exr --lobes 4"));
   }
 
   clear() {

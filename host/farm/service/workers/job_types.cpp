@@ -11,20 +11,12 @@
 #include <set>
 #include <utility>
 
-#include "host/bakes/scene/scene_file.h"
 #include "host/farm/service/files/staging.h"
-#include "host/fields/inference/job/animation_job_reading.h"
-#include "host/fields/inferred/field_files.h"
-#include "host/formats/asset/representation.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/content_hash.h"
 #include "host/foundation/base/files/udim_set.h"
 #include "host/foundation/base/nearest_name.h"
 #include "host/foundation/base/path_text.h"
-#include "host/foundation/parameters/bake_parameters.h"
-#include "host/foundation/parameters/export_parameters.h"
-#include "host/foundation/parameters/infer_parameters.h"
-#include "host/foundation/parameters/pack_parameters.h"
 
 namespace multum {
 namespace {
@@ -32,92 +24,14 @@ namespace {
 using Json = nlohmann::json;
 using Kind = ParameterKind;
 
-constexpr std::int64_t kMiB = 1 << 20;
 constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";  // what is_plain_text() takes
 
 // A BRDF of a family: no file's name, which would be looked for beyond the folders that jobs may read.
 constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|cook-torrance|ggx):[0-9.,eE+-]{1,60})$";
 
-const ParameterTable& fault_injection_parameters() {
-  static const ParameterTable table(
-      "drill", {{.name = "seconds",
-                 .kind = Kind::kNumber,
-                 .help = "duration",
-                 .low = 0,
-                 .high = 86400,
-                 .unit = "s",
-                 .surfaces = kInService},
-                {.name = "then",
-                 .kind = Kind::kChoice,
-                 .help = "end of the job: success, an error worth trying again, one that is not, a crash, or none: "
-                         "without a heartbeat, or without progress",
-                 .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
-                 .surfaces = kInService},
-                {.name = "text", .kind = Kind::kText, .help = "text to write to the output", .surfaces = kInService}});
-  return table;
-}
-
-JobType bake_type() {
-  return {.name = "bake",
-          .summary = "bake a normal map or height field into a mipmap of normal distributions",
-          .command = "bake",
-          .input = "input",
-          .output_extension = ".ndf.exr",
-          .memory_bytes = 1024 * kMiB,
-          .table = &bake_parameters()};
-}
-
-JobType scene_type() {
-  return {.name = "scene",
-          .summary = "bake the maps of a scene, each as the scene needs it",
-          .command = "bake",
-          .input = "scene",
-          .output_is_folder = true,
-          .input_names_files = true,
-          .memory_bytes = 1024 * kMiB,
-          .table = &scene_parameters()};
-}
-
-JobType infer_type() {
-  return {.name = "infer",
-          .summary = "infer textures from ray-traced pictures",
-          .command = "infer",
-          .input = "job",
-          .output_is_folder = true,
-          .input_names_files = true,
-          .fixed_options = {"--absolute-geometry"},
-          .memory_bytes = 2048 * kMiB,
-          .table = &infer_parameters()};
-}
-
-JobType pack_type() {
-  return {.name = "pack",
-          .summary = "compress inferred textures to one file",
-          .command = "pack",
-          .input = "manifest",
-          .input_names_files = true,
-          .output_extension = ".mpt",
-          .fixed_options = {"--absolute-geometry"},
-          .memory_bytes = 2048 * kMiB,
-          .table = &pack_parameters()};
-}
-
-JobType export_type() {
-  return {.name = "export",
-          .summary = "fit a normal map's mips as a material that engines load",
-          .command = "export",
-          .input = "input",
-          .output_is_folder = true,
-          .refused_extensions = {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"},
-          .memory_bytes = 1024 * kMiB,
-          .table = &export_parameters()};
-}
-
-JobType fault_injection_type() {
-  return {.name = "drill",
-          .summary = "do nothing, or fail as asked: for trying out queues, limits and alarms",
-          .needs_output = false,
-          .table = &fault_injection_parameters()};
+std::vector<JobType>& registered_types() {
+  static std::vector<JobType> types;
+  return types;
 }
 
 // What a job takes is less than what a command line does: no control characters, no files but those of its inputs.
@@ -208,10 +122,21 @@ const Parameter* JobType::find(const std::string& parameter) const {
   return found != nullptr && found->is_on(kInService) ? found : nullptr;
 }
 
+const JobView* JobType::find_view(const std::string& file) const {
+  for (const JobView& view : views)
+    if (std::find(view.files.begin(), view.files.end(), file) != view.files.end()) return &view;
+  return nullptr;
+}
+
+void register_job_types(std::vector<JobType> types) {
+  MULTUM_CHECK(registered_types().empty());
+  for (const JobType& type : types) MULTUM_CHECK(type.table != nullptr && type.command.empty() == bool(type.run));
+  registered_types() = std::move(types);
+}
+
 const std::vector<JobType>& job_types() {
-  static const std::vector<JobType> types = {bake_type(), scene_type(),  infer_type(),
-                                             pack_type(), export_type(), fault_injection_type()};
-  return types;
+  MULTUM_CHECK(!registered_types().empty());
+  return registered_types();
 }
 
 const JobType& find_job_type(const std::string& name) {
@@ -242,19 +167,15 @@ void check_parameters(const JobType& type, const Json& parameters) {
     throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
 }
 
-void check_is_one_map(const JobType& type, const Json& parameters) {
-  if (type.name != "bake" && type.name != "export") return;
+void check_input(const JobType& type, const Json& parameters) {
+  if (type.input.empty()) return;
   const std::string file = parameters.at(type.input).get<std::string>();
-  // Images of strangers are decoded by a child without rights, baked files by the worker itself.
-  if (type.name == "export" && file.ends_with(".ndf.exr"))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("parameters.{} is {}, expected a map, not a baked file", type.input, file));
-  if (file.ends_with(".toml"))
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("parameters.{} is {}, expected a map; a scene is baked by a job of type scene", type.input, file));
-  if (has_udim(file))
-    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected one map, not a set", type.input, file));
+  const auto refuse = [&](const std::string& expected) {
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is {}, expected {}", type.input, file, expected));
+  };
+  for (const RefusedInput& refused : type.refused_inputs)
+    if (file.ends_with(refused.extension)) refuse(refused.expected);
+  if (type.input_is_one_map && has_udim(file)) refuse("one map, not a set");
 }
 
 Json parameters_schema(const JobType& type) {
@@ -301,10 +222,9 @@ std::vector<std::string> input_files(const JobType& type, const Json& parameters
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == Kind::kFile && parameters.contains(parameter.name))
       files.push_back(path_of_text(parameters.at(parameter.name).get<std::string>()));
-  if (type.input_names_files) {
-    const std::vector<std::string> named = type.command == "infer"  ? animation_job_files(files.front())
-                                           : type.command == "pack" ? inferred_field_files(files.front())
-                                                                    : scene_files(files.front());
+  if (type.files_of_input != nullptr) {
+    const std::vector<std::string> named =
+        type.files_of_input(path_of_text(parameters.at(type.input).get<std::string>()));
     files.insert(files.end(), named.begin(), named.end());
   }
   return files;
@@ -328,7 +248,7 @@ std::string idempotency_key(const JobType& type, const Json& parameters, const s
     if (parameter.kind == Kind::kFile && without_names.contains(parameter.name)) without_names[parameter.name] = true;
   // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which
   // matters there.
-  if (type.input_names_files) without_names[type.input] = parameters.at(type.input);
+  if (type.files_of_input != nullptr) without_names[type.input] = parameters.at(type.input);
   return hash_text(
       Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}
           .dump());

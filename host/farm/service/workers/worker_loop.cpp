@@ -21,7 +21,6 @@
 #include "host/farm/service/files/path_roots.h"
 #include "host/farm/service/files/result_copy.h"
 #include "host/farm/service/files/staging.h"
-#include "host/farm/service/workers/fault_injection.h"
 #include "host/farm/service/workers/job_types.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/open_file.h"
@@ -183,7 +182,7 @@ class Worker {
       have_inputs_changed = !has_inputs(command);
       const std::string copy_from = path_in(command, "copy_from");
       if (copy_from.empty() || have_inputs_changed) {
-        code = run_arguments(arguments, callback);
+        code = run_arguments(find_job_type(command.at("type").get<std::string>()), arguments, callback);
       } else {
         copy_result(roots_, copy_from, path_in(command, "copy_to"));
         code = 0;
@@ -231,12 +230,11 @@ class Worker {
     return input_identity(type, Json::parse(command.at("parameters").get<std::string>())) == command.at("inputs");
   }
 
-  int run_arguments(const std::vector<std::string>& arguments, const Progress::Callback& callback) {
-    if (arguments.front() == "drill") {
-      Progress progress(callback);
-      return run_fault_injection(arguments, progress, is_deaf_);
-    }
-    return run_(arguments, callback);
+  int run_arguments(const JobType& type, const std::vector<std::string>& arguments,
+                    const Progress::Callback& callback) {
+    if (!type.run) return run_(arguments, callback);
+    Progress progress(callback);
+    return type.run(arguments, progress, is_deaf_);
   }
 
   int socket_;

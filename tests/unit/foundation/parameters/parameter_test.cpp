@@ -14,7 +14,6 @@
 #include "host/bakes/bake/output_state.h"
 #include "host/bakes/manifest/bake_manifest.h"
 #include "host/bakes/scene/scene_file.h"
-#include "host/farm/service/workers/job_types.h"
 #include "host/foundation/parameters/export_parameters.h"
 #include "host/foundation/parameters/gltf_parameters.h"
 #include "host/foundation/parameters/infer_parameters.h"
@@ -22,82 +21,17 @@
 #include "host/foundation/parameters/pyramid_parameters.h"
 #include "host/foundation/toml/parameter_keys.h"
 #include "tests/unit/foundation/base/test_folder.h"
+#include "tests/unit/foundation/parameters/parameter_probes.h"
 #include "tools/command_line/parameter_options.h"
 
 namespace multum {
 namespace {
 
 using Json = nlohmann::json;
-
-std::vector<const ParameterTable*> all_tables() {
-  return {&bake_parameters(), &scene_parameters(), &infer_parameters(),       &pack_parameters(), &export_parameters(),
-          &gltf_parameters(), &mip_parameters(),   &reflectance_parameters(), &lod_parameters()};
-}
-
-// A value as each surface writes it, and whether it is to be taken.
-struct Probe {
-  std::string command_line;
-  Json json;
-  std::string toml;
-  bool is_legal;
-};
-
-Probe number_probe(const Parameter& row, double value, bool is_legal) {
-  const std::string text =
-      row.kind == ParameterKind::kNumber ? fmt::format("{:.17g}", value) : fmt::format("{:.0f}", value);
-  const bool is_fraction = value != std::floor(value);
-  Json json = row.kind == ParameterKind::kNumber || is_fraction ? Json(value) : Json(static_cast<std::int64_t>(value));
-  return {text, json, text, is_legal};
-}
-
-Probe text_probe(const std::string& text, bool is_legal) { return {text, text, "\"" + text + "\"", is_legal}; }
-
-// At, just below and just above each bound; each choice and none of them; what is of another type.
-std::vector<Probe> probes_of(const Parameter& row) {
-  std::vector<Probe> probes;
-  switch (row.kind) {
-    case ParameterKind::kInteger:
-    case ParameterKind::kBytes:
-      probes = {number_probe(row, row.low, true), number_probe(row, row.high, true),
-                number_probe(row, row.low - 1, false), number_probe(row, row.high + 1, false)};
-      probes.push_back({"1.5", 1.5, "1.5", false});
-      probes.push_back(text_probe("much", false));
-      break;
-    case ParameterKind::kNumber:
-      if (row.has_low()) {
-        probes.push_back(number_probe(row, row.low, !row.low_excluded));
-        probes.push_back(number_probe(row, std::nextafter(row.low, -INFINITY) - 1e-9, false));
-        probes.push_back(number_probe(row, row.low + 1e-6, true));
-      } else {
-        probes.push_back(number_probe(row, -2.0, true));
-      }
-      if (row.has_high()) {
-        probes.push_back(number_probe(row, row.high, true));
-        probes.push_back(number_probe(row, row.high * (1.0 + 1e-9), false));
-      } else {
-        probes.push_back(number_probe(row, 1e9, true));
-      }
-      if (row.zero_excluded) probes.push_back(number_probe(row, 0.0, false));
-      probes.push_back(text_probe("much", false));
-      break;
-    case ParameterKind::kChoice:
-      for (const std::string& choice : row.choices) probes.push_back(text_probe(choice, true));
-      probes.push_back(text_probe("none such", false));
-      break;
-    default: break;  // texts and flags have no bounds
-  }
-  return probes;
-}
-
-void for_each_probe(const ParameterTable& table, unsigned surface,
-                    const std::function<void(const Parameter&, const Probe&)>& call) {
-  for (const Parameter& row : table.rows())
-    if (row.is_on(surface))
-      for (const Probe& probe : probes_of(row)) {
-        SCOPED_TRACE(table.command() + " " + row.name + " = " + probe.command_line);
-        call(row, probe);
-      }
-}
+using testing::all_tables;
+using testing::another_value;
+using testing::for_each_probe;
+using testing::Probe;
 
 TEST(ParameterTable, RowsAreWhole) {
   for (const ParameterTable* table : all_tables()) {
@@ -167,28 +101,6 @@ TEST(ParameterTable, FlagsAndTextsOfCommandLinesArriveAsTheyAre) {
     }
 }
 
-TEST(ParameterTable, JobsOfTheServiceTakeWhatIsLegalAndNothingElse) {
-  for (const JobType& type : job_types())
-    for_each_probe(*type.table, kInService, [&](const Parameter& row, const Probe& probe) {
-      Json parameters = {{row.name, probe.json}};
-      if (!type.input.empty()) parameters[type.input] = "/a.png";
-      if (probe.is_legal) {
-        EXPECT_NO_THROW(check_parameters(type, parameters));
-      } else {
-        EXPECT_THROW(check_parameters(type, parameters), Error);
-      }
-    });
-}
-
-TEST(ParameterTable, JobsTakeNothingThatTheirCommandRefuses) {
-  for (const JobType& type : job_types())
-    if (!type.command.empty() && type.name != "scene")
-      for (const Parameter& row : type.table->rows()) {
-        const bool is_handed_on = row.is_on(kInService) && row.name != type.input;
-        EXPECT_TRUE(!is_handed_on || row.is_on(kOnCommandLine)) << type.name << " " << row.name;
-      }
-}
-
 class ParameterFileTest : public ::testing::Test {
  protected:
   std::string write(const std::string& name, const std::string& text) const {
@@ -250,18 +162,6 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   EXPECT_EQ(all_settings_json(all), all_settings_json(BakeJob()));
   EXPECT_EQ(all.fitting.iteration_count, 12);
   EXPECT_EQ(bake_parameters().at("iterations").default_text, "12");
-}
-
-// Another value, to be seen in the settings that a file states.
-std::optional<ParameterValue> another_value(const Parameter& row) {
-  if (row.kind == ParameterKind::kFlag) return true;
-  if (row.kind == ParameterKind::kInteger) return static_cast<std::int64_t>(row.low) + 2;
-  if (row.kind == ParameterKind::kNumber)
-    return row.has_low() ? 0.5 * (row.low + std::min(row.high, row.low + 1)) : 3.0;
-  if (row.kind != ParameterKind::kChoice) return std::nullopt;
-  for (const std::string& choice : row.choices)
-    if (choice != row.default_text) return choice;
-  return std::nullopt;
 }
 
 TEST(ParameterTable, HashKeysAreTheSettingsThatFilesState) {

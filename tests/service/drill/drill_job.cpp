@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/workers/fault_injection.h"
+#include "tests/service/drill/drill_job.h"
 
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
+#include "host/foundation/base/progress.h"
 
 namespace multum {
 namespace {
@@ -22,9 +24,28 @@ std::string option(const std::vector<std::string>& arguments, const std::string&
   return fallback;
 }
 
-}  // namespace
+const ParameterTable& drill_parameters() {
+  static const ParameterTable table(
+      "drill",
+      {{.name = "seconds",
+        .kind = ParameterKind::kNumber,
+        .help = "duration",
+        .low = 0,
+        .high = 86400,
+        .unit = "s",
+        .surfaces = kInService},
+       {.name = "then",
+        .kind = ParameterKind::kChoice,
+        .help = "end of the job: success, an error worth trying again, one that is not, a crash, or none: "
+                "without a heartbeat, or without progress",
+        .choices = {"succeed", "fail", "refuse", "crash", "hang", "stall"},
+        .surfaces = kInService},
+       {.name = "text", .kind = ParameterKind::kText, .help = "text to write to the output", .surfaces = kInService}});
+  return table;
+}
 
-int run_fault_injection(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf) {
+// Sets `is_deaf` to hang without a heartbeat.
+int run_drill(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf) {
   const double seconds = std::strtod(option(arguments, "seconds", "0").c_str(), nullptr);
   const std::string then = option(arguments, "then", "succeed");
   const auto steps = static_cast<std::uint64_t>(seconds / kStep);
@@ -46,6 +67,19 @@ int run_fault_injection(const std::vector<std::string>& arguments, Progress& pro
   progress.finish();
   std::printf("drill: done\n");
   return 0;
+}
+
+double seconds_of_drill(const nlohmann::json& parameters) { return parameters.value("seconds", 0.0); }
+
+}  // namespace
+
+JobType drill_job_type() {
+  return {.name = "drill",
+          .summary = "do nothing, or fail as asked: for trying out queues, limits and alarms",
+          .run = run_drill,
+          .needs_output = false,
+          .table = &drill_parameters(),
+          .estimated_seconds = seconds_of_drill};
 }
 
 }  // namespace multum

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// "drill", a type of job for tests of the farm: it does nothing, or ends as it is asked to.
+#pragma once
+
+#include "host/farm/service/workers/job_types.h"
+
+namespace multum {
+
+/// For register_job_types().
+JobType drill_job_type();
+
+}  // namespace multum
