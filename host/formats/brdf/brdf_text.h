@@ -16,4 +16,12 @@ Brdf parse_brdf(const std::string& option, const std::string& text, int term_cou
 /// Does `text` name a file?
 bool is_brdf_file(const std::string& text);
 
+/// What parse_brdf() reads, F0 in it where the family has one; `measured_file`: the text of a measurement.
+std::string brdf_text(const Brdf& brdf, const std::string& measured_file);
+
+/// The family, and the specular part that it has where nothing else is said.
+void set_family(const BrdfFamily& family, Brdf& brdf);
+/// A measurement, and its diffuse part. Throws Error(kInput).
+void set_measured(const std::string& path, Brdf& brdf);
+
 }  // namespace multum

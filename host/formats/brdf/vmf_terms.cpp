@@ -275,19 +275,17 @@ std::vector<VmfTerm> fit_vmf_terms(const std::function<glm::dvec3(double)>& dens
 }
 
 std::vector<VmfTerm> vmf_terms(const Brdf& brdf) {
-  switch (brdf.kind) {
-    case BrdfKind::kLambert: return {};
-    case BrdfKind::kBlinnPhong: {
-      const double spread = 1.0 / (static_cast<double>(brdf.exponent) + 2.0);  // A = (s + 1) / (s + 2)
+  switch (family_of(brdf).fit) {
+    case BrdfFit::kNone: return {};
+    case BrdfFit::kEqualMean: {
+      const double spread = 1.0 / (equivalent_exponent(brdf) + 2.0);  // A = (s + 1) / (s + 2)
       return {{glm::dvec3(1.0), vmf_kappa(spread), spread}};
     }
-    case BrdfKind::kTorranceSparrow:
-    case BrdfKind::kCookTorrance: {
+    case BrdfFit::kOne: {
       const double kappa = equivalent_exponent(brdf);
       return {{glm::dvec3(1.0), kappa, vmf_spread(kappa)}};
     }
-    case BrdfKind::kGgx:
-    case BrdfKind::kMeasured: return fit_vmf_terms([&](double e) { return facet_density(brdf, e); }, brdf.term_count);
+    case BrdfFit::kSum: return fit_vmf_terms([&](double e) { return facet_density(brdf, e); }, brdf.term_count);
   }
   return {};
 }

@@ -199,7 +199,7 @@ void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& wors
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
   FacetsOf f{{"MULTUM_MEASURED", "MULTUM_TERM_COUNT 2"}, "0.0", "0.0", 20.0};
-  f.formulas = shader_brdf_measured_glsl;  // its table stays black
+  f.formulas = brdf_shader_text("measured.glsl");  // its table stays black
   f.facets = nothing;
   f.lobe_facets = [=](double spread, double theta) {
     double sum = 0.0;
@@ -221,7 +221,7 @@ void ggx_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const float alpha : {0.01f, 0.4f, 1.0f}) {
     const auto a = static_cast<double>(alpha);
     FacetsOf f{{"MULTUM_GGX"}, "multum_visibility(b.w, 0.7, 0.9, 0.8)", "0.0", reference::ggx(a, 0.0)};
-    f.formulas = shader_brdf_ggx_lobe_glsl;
+    f.formulas = brdf_shader_text("ggx_lobe.glsl");
     f.facets = [=](double theta) { return theta < 0.5 * M_PI ? reference::ggx(a, theta) : 0.0; };
     f.lobe_facets = [=](double spread, double theta) {
       return ggx_lobe_density(ggx_lobe_shape(a, spread), a, spread, 1.0 - std::cos(theta));
@@ -257,7 +257,7 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
         c.inputs.push_back({{alpha, kappa, e, 0.0f}, {static_cast<float>(value), 0.0f, 0.0f, 0.0f}});
       }
   c.exact = [](const glm::dvec4&, const glm::dvec4&) { return glm::dvec4(1.0, 0.0, 0.0, 0.0); };
-  c.variant.formulas = shader_brdf_ggx_lobe_glsl;
+  c.variant.formulas = brdf_shader_text("ggx_lobe.glsl");
   compare_glsl(gl, edits, c, worst);
 }
 
@@ -358,7 +358,7 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
       return glm::dvec4(highlight, highlight * 0.5 / std::max(masking + shadowing, 1e-6), 0.0, 0.0);
     };
     c.variant.flags = {"MULTUM_GGX"};
-    c.variant.formulas = shader_brdf_ggx_lobe_glsl;
+    c.variant.formulas = brdf_shader_text("ggx_lobe.glsl");
     c.variant.set_uniforms = [&](const ShaderProgram& program) {
       program.set("u_alpha", alpha);
       program.set("u_ggx_lobe_table", 3);
@@ -381,7 +381,7 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
                       (kDifferences - 1) * std::acos(std::clamp(b.w, 0.0, 1.0)) / half, 0.0, 0.0);
   };
   c.variant.flags = {"MULTUM_MEASURED", "MULTUM_FRESNEL"};
-  c.variant.formulas = shader_brdf_measured_glsl;
+  c.variant.formulas = brdf_shader_text("measured.glsl");
   c.variant.set_uniforms = [](const ShaderProgram& program) {
     std::vector<glm::vec3> facets;
     std::vector<float> differences;

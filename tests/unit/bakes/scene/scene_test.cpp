@@ -136,7 +136,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf", "\"phong\"", "lambert, blinn-phong"}},
       {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower", "first"}},
       {"exponent = [20, 100]", "exponent = 0.5", 13, {"material.exponent", "0.5", "1 to 100000"}},
-      {"exponent = [20, 100]", "sigma = 0.1", 13, {"material.sigma", "another brdf"}},
+      {"exponent = [20, 100]", "sigma = 0.1", 13, {"material.sigma", "\"torrance-sparrow\"", "\"cook-torrance\""}},
       {"exponent = [20, 100]", "exponent = 20\nf0 = 0.1", 14, {"material.f0", "\"cook-torrance\""}},
       {"map = \"wall\"", "map = \"wal\"", 16, {"object.map", "\"wal\"", "\"wall\""}},
       {"material = \"paint\"",
