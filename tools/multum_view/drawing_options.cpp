@@ -123,8 +123,8 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "vMF densities that measured facets, and GGX under an environment, are a sum of over lobes: more is "
-                 "nearer and slower")
+                 "vMF densities that measured facets are a sum of over lobes, and under an environment all facets that "
+                 "one is not near: more is nearer and slower")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,

@@ -318,6 +318,11 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
   const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWholeFile);
   if (root.has("environment")) scene.environment = path_beside(path, environment.path("file"));
   if (reads_files) check_file(environment, "file", scene.environment);
+  for (const SceneMaterial& material : scene.materials) {
+    const std::string refusal = environment_refusal(material.brdfs.front());
+    if (!scene.environment.empty() && !refusal.empty())
+      root.refuse("environment", fmt::format("does not go with material \"{}\": {}", material.name, refusal));
+  }
   if (scene.lights.empty() && scene.environment.empty())
     root.refuse("", "has no light, expected [[light]] or [environment]");
 }

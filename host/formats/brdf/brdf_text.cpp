@@ -58,6 +58,19 @@ std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},
 
 bool is_brdf_file(const std::string& text) { return family_of_text(text) == nullptr; }
 
+std::string measuring_refusal(const Brdf& brdf) {
+  const BrdfFamily& family = family_of(brdf);
+  if (!is_vmf_sum(brdf) || width_of(brdf) >= static_cast<float>(family.sum_from)) return "";
+  return fmt::format(
+      "found {}, which no sum of vMFs is near, as errors are measured with: expected {} of at least {:g}",
+      brdf_text(brdf, ""), family.members[0].symbol, family.sum_from);
+}
+
+std::string environment_refusal(const Brdf& brdf) {
+  if (!family_of(brdf).lights_alone) return "";
+  return fmt::format("found {} and an environment: expected lights, or another BRDF", brdf_text(brdf, ""));
+}
+
 void set_family(const BrdfFamily& family, Brdf& brdf) {
   brdf.kind = family.kind;
   brdf.specular = glm::vec3(family.specular);

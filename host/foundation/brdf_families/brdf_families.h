@@ -42,6 +42,8 @@ struct BrdfFamily {
   bool is_file = false;   // its text form is the path of a measurement
   float specular = 0.1f;  // k_s where nothing is said
   BrdfFit fit = BrdfFit::kSum;
+  double sum_from = 0.0;      // the least width that the fitted sum is near, with which errors are measured
+  bool lights_alone = false;  // no environment: its light over lobes is that of the sum
   bool is_normalised = true;  // the integral of f over the sphere is 1
   /// f per solid angle of e = 1 - n.h, 0..2. Null: none, or that of a file.
   double (*density)(float width, double e) = nullptr;

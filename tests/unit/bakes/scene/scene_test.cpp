@@ -408,7 +408,7 @@ TEST_F(SceneTest, SumsOfVmfsTakeLobes) {
   const MapPlan map =
       plan(with(kScene, "brdf = \"blinn-phong\"\nexponent = [20, 100]\n", "brdf = \"ggx\"\nroughness = 0.4\n")).maps[0];
   for (const BakeCandidate& c : map.candidates) EXPECT_EQ(c.shape.representation, Representation::kMovmf) << c.name;
-  expect_says(effect(map.effects, "moments of slopes (LEAN)").why, {"GGX", "measured", "vMF"});
+  expect_says(effect(map.effects, "moments of slopes (LEAN)").why, {"sum of vMFs", "vMF lobes"});
 }
 
 TEST_F(SceneTest, DiffuseLightTakesOneLobe) {
