@@ -64,6 +64,24 @@ double smith_visibility(float width, double n_l, double n_v, double, double) {
   return 0.5 / std::max(n_l * std::sqrt(n_v * n_v * (1.0 - x) + x) + n_v * std::sqrt(n_l * n_l * (1.0 - x) + x), 1e-6);
 }
 
+// The sheen of cloth: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with alpha = roughness^2 and
+// the V of Ashikhmin and Premoze 2007 as KHR_materials_sheen, Filament and three.js have them. f is 0 at the normal.
+constexpr BrdfMember kCharlieMembers[] = {kRoughness};
+constexpr Text kCharlieFlags[] = {"MULTUM_CHARLIE", "MULTUM_VISIBILITY"}, kCharlieFiles[] = {"charlie.glsl"};
+
+// (2 + 1 / alpha) sin^(1 / alpha) / (2 pi).
+double charlie_density(float width, double e) {
+  const double power = 0.5 / alpha_of(width);
+  return e < 1.0 ? (1.0 + power) / std::numbers::pi * std::pow(e * (2.0 - e), power) : 0.0;
+}
+
+// Beside the horizon f is near exp(-t^2 / (2 alpha)), t = n.h.
+double charlie_exponent(float width) { return 1.0 / alpha_of(width); }
+
+double sheen_visibility(float, double n_l, double n_v, double, double) {
+  return 0.25 / std::max(n_l + n_v - n_l * n_v, 1e-6);
+}
+
 // f(n.h) and F(v.h) of a file, V = 1.
 constexpr Text kMeasuredFlags[] = {"MULTUM_MEASURED"}, kMeasuredFiles[] = {"measured.glsl", "terms.glsl"};
 
@@ -110,6 +128,18 @@ constexpr BrdfFamily kFamilies[] = {
      .visibility = smith_visibility,
      .shader_flags = kGgxFlags,
      .shader_files = kGgxFiles},
+    {.kind = BrdfKind::kCharlie,
+     .name = "charlie",
+     .members = kCharlieMembers,
+     .specular = 1.0f,  // glTF's sheenColorFactor
+     .sum_from = 0.6,
+     .lights_alone = true,
+     .is_normalised = false,  // its projection is
+     .density = charlie_density,
+     .exponent = charlie_exponent,
+     .visibility = sheen_visibility,
+     .shader_flags = kCharlieFlags,
+     .shader_files = kCharlieFiles},
     {.kind = BrdfKind::kMeasured,
      .name = "measured",
      .is_file = true,

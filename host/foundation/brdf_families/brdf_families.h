@@ -12,7 +12,7 @@
 
 namespace multum {
 
-enum class BrdfKind { kLambert, kBlinnPhong, kTorranceSparrow, kCookTorrance, kGgx, kMeasured };
+enum class BrdfKind { kLambert, kBlinnPhong, kTorranceSparrow, kCookTorrance, kGgx, kCharlie, kMeasured };
 
 /// The field of struct Brdf that a member is kept in (kBrdfNumbers of host/formats/brdf/brdf.h); families share them.
 enum class BrdfField { kExponent, kSigma, kRoughness, kF0 };

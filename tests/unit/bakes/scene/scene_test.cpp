@@ -411,6 +411,27 @@ TEST_F(SceneTest, SumsOfVmfsTakeLobes) {
   expect_says(effect(map.effects, "moments of slopes (LEAN)").why, {"sum of vMFs", "vMF lobes"});
 }
 
+TEST_F(SceneTest, ASheenIsLitByLights) {
+  const auto sheen = [](const std::string& roughness) {
+    return with(kScene, "brdf = \"blinn-phong\"\nexponent = [20, 100]\n",
+                "brdf = \"charlie\"\nroughness = " + roughness + "\n");
+  };
+  const std::string lit = "[environment]\nfile = \"wall.exr\"\n";
+  const SceneMaterial material = read(sheen("[0.3, 0.6]")).materials[0];
+  ASSERT_EQ(material.brdfs.size(), 2u);
+  EXPECT_EQ(material.brdfs[0].kind, BrdfKind::kCharlie);
+  EXPECT_EQ(material.brdfs[0].roughness, 0.3f);
+  EXPECT_EQ(material.brdfs[1].specular, glm::vec3(1.0f));
+  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected lights"},
+               [&] { read(sheen("[0.3, 0.6]") + lit); });
+  expect_error(ErrorCode::kInput, {path(), "material.roughness", "0.04", "0.05 to 1"}, [&] { read(sheen("0.04")); });
+  write_map(64, noise);
+  const ScenePlan found = plan(sheen("0.1"));
+  expect_says(effect(found.objects[0].effects, "highlight").why, {"s = 100"});
+  for (const BakeCandidate& c : found.maps[0].candidates)
+    EXPECT_EQ(c.shape.representation, Representation::kMovmf) << c.name;
+}
+
 TEST_F(SceneTest, DiffuseLightTakesOneLobe) {
   write_map(64, noise);
   const ScenePlan found = plan(with(kScene, "brdf = \"blinn-phong\"\nexponent = [20, 100]\n", "brdf = \"lambert\"\n"));
