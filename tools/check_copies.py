@@ -6,7 +6,7 @@
 
 A copy is a row of a table, or a triple "10.5 / 7.2 / 7.1", whose numbers stand side by side in one line of a generated
 page: at least three of them, none a whole number, to the decimals that the copy has. Link to the page instead;
-README.md may have them between its marks, where tools/readme_figures fills them in.
+README.md may have them between its marks, where tools/lab/readme_figures fills them in.
 """
 import argparse
 import pathlib

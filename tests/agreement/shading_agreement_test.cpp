@@ -158,7 +158,7 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   }
 }
 
-// Against the exact convolution: the bounds that tools/fit_shading.py states, relative L1 over the angle between.
+// Against the exact convolution: the bounds that tools/lab/fit_shading.py states, relative L1 over the angle between.
 TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   const double exponent = GetParam();
   if (exponent > 2000.0) GTEST_SKIP() << "the quadrature is for exponents up to 2000";

@@ -108,7 +108,7 @@ double relative_l1(const std::vector<Case>& cases, const std::vector<double>& va
 }
 
 TEST_F(ShadingTest, BlinnPhongIsNearTheExactConvolution) {
-  // Bounds: tools/fit_shading.py's table, rounded up. The paper's equation 20 is 3 to 70 % off for kappa <= 50.
+  // Bounds: tools/lab/fit_shading.py's table, rounded up. The paper's equation 20 is 3 to 70 % off for kappa <= 50.
   const struct {
     double s;
     double bound;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tries tools/committed_tree.py on repositories of its own: committed_tree_test.py TOOLS"""
+"""Tries tools/lab/committed_tree.py on repositories of its own: committed_tree_test.py TOOLS"""
 import pathlib
 import shutil
 import subprocess

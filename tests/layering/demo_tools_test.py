@@ -45,7 +45,7 @@ class ScriptsTest(unittest.TestCase):
         self.assertEqual(run("shellcheck", *SHELL_SCRIPTS).stdout, "")
 
     def test_help(self):
-        for name in ("demo", "test", "demo_page.py", "torus_mesh.py", "terrain_height.py", "reproduce"):
+        for name in ("demo", "test", "lab/demo_page.py", "torus_mesh.py", "terrain_height.py", "lab/reproduce"):
             with self.subTest(script=name):
                 done = run(TOOLS / name, "--help")
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -53,7 +53,7 @@ class ScriptsTest(unittest.TestCase):
 
     def test_refusals_name_what_was_found(self):
         for command in (("demo", "--size", "63"), ("demo", "--size", "9000"), ("demo", "--size", "x"),
-                        ("demo", "--surprise"), ("reproduce", "knuth1973"), ("reproduce", "--size", "63"),
+                        ("demo", "--surprise"), ("lab/reproduce", "knuth1973"), ("lab/reproduce", "--size", "63"),
                         ("test", "--preset"), ("install_dependencies", "surprise")):
             with self.subTest(command=command):
                 done = run(TOOLS / command[0], *command[1:])
@@ -136,7 +136,7 @@ class PageTest(unittest.TestCase):
         (self.folder / "plain.view.json").write_text(json.dumps(self.view))
 
     def page(self):
-        done = run(TOOLS / "demo_page.py", self.folder)
+        done = run(TOOLS / "lab/demo_page.py", self.folder)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return (self.folder / "index.html").read_text()
 
@@ -166,7 +166,7 @@ class PageTest(unittest.TestCase):
 
     def test_what_is_missing_is_named_and_no_page_is_left(self):
         (self.folder / "plain.view.json").unlink()
-        done = run(TOOLS / "demo_page.py", self.folder)
+        done = run(TOOLS / "lab/demo_page.py", self.folder)
         self.assertEqual(done.returncode, 1)
         self.assertIn("plain.view.json", done.stderr)
         self.assertEqual(list(self.folder.glob("index*")), [])

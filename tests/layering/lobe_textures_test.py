@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TOOL = ROOT / "tools/lobe_textures_document.py"
+TOOL = ROOT / "tools/lab/lobe_textures_document.py"
 DOCUMENT = "docs/LOBE_TEXTURES.md"
 PAGES = ("docs/TRADEOFF.md", "host/bakes/target/templates/tradeoff.html")
 

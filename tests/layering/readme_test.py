@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""README.md says what docs/readme_figures.json says, links to what there is, and tools/readme_figures --check sees
+"""README.md says what docs/readme_figures.json says, links to what there is, and tools/lab/readme_figures --check sees
 every figure that is changed by hand. Nothing is drawn."""
 import pathlib
 import re
@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools/lab"))
 sys.dont_write_bytecode = True
 import readme_text  # noqa: E402
 
@@ -20,7 +20,7 @@ NUMBER = re.compile(r"(?<![\w.#/])\d+(?:\.\d+)?(?![\w/])")
 
 
 def check(root):
-    done = subprocess.run([sys.executable, ROOT / "tools/readme_figures", "--check", "--root", root],
+    done = subprocess.run([sys.executable, ROOT / "tools/lab/readme_figures", "--check", "--root", root],
                           capture_output=True, text=True, check=False)
     return done.returncode, done.stdout + done.stderr
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Documents are made of committed sources, or say that they are not.
-#include "tools/bench/documents/committed_tree.h"
+#include "tools/lab/bench/documents/committed_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """multum-farm-simulation with some hundred maps: every map comes to its end, whatever fails, and the page that
-tools/farm_document.py makes of such runs.
+tools/lab/farm_document.py makes of such runs.
 
   farm_simulation_test.py SIMULATION
 """
@@ -12,7 +12,7 @@ import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/lab"))
 import farm_document  # noqa: E402
 
 PROGRAM = ""

@@ -2,9 +2,9 @@
 // Medians and quartiles, tables and commands as text: what docs/BENCHMARKS.md is made of.
 #include <gtest/gtest.h>
 
-#include "tools/bench/documents/markdown_table.h"
-#include "tools/bench/measuring/command_text.h"
-#include "tools/bench/measuring/statistics.h"
+#include "tools/lab/bench/documents/markdown_table.h"
+#include "tools/lab/bench/measuring/command_text.h"
+#include "tools/lab/bench/measuring/statistics.h"
 
 namespace multum::bench {
 namespace {

@@ -12,9 +12,9 @@ namespace multum {
 namespace {
 
 // Processor time in nanoseconds a finest texel, by eye: the sums are those of a map of 16384 x 16384 texels
-// (CHANGELOG), how they divide among levels, lobes and stages is from maps of 1024 and 2048 (tools/share_constants.py
-// prints them beside what is predicted). 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, other programs beside. What
-// shares take beside a bake is from docs/SHARES.md, measured on an AMD EPYC without AVX-512.
+// (CHANGELOG), how they divide among levels, lobes and stages is from maps of 1024 and 2048 (share_constants.py of
+// tools/lab prints them beside what is predicted). 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, other programs
+// beside. What shares take beside a bake is from docs/SHARES.md, measured on an AMD EPYC without AVX-512.
 constexpr double kReadCpu = 60.0;          // and decode, hash, detect the encoding
 constexpr double kStoreRows = 8.0;         // the map's rows into share 0's file
 constexpr double kFitLevelOneCpu = 40.0;   // level 1

@@ -223,7 +223,7 @@ std::vector<NumericalCase> shading_cases() {
   cases.push_back(
       {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, knows no spread",
         "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
-        "0.22 % of the model (tools/fit_shading.py)"},
+        "0.22 % of the model (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,
        {shade_edit("return 0.5f * (m + sqrt(fma(v, exp2_v(-MULTUM_LOG2E * g), m * m)));", "return max(t, 0.0f);")}});
   return cases;

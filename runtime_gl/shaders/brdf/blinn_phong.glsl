@@ -6,8 +6,8 @@
 // Used instead: mean cosines multiply exactly under spherical convolution, so the convolved lobe has the mean cosine
 // A = |r| c_f, c_f = the mean cosine of f. Between the two shapes with that mean cosine - vMF, right for a broad lobe,
 // and cosine power, right for a lobe sharper than f and exact at |r| = 1 - one weight blends. Errors, by quadrature
-// (tools/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2, 2.8 % from 3, 1.8 % from
-// 5, 0.85 % from 20, 0.27 % from 100, at every kappa; the worst is at kappa 2 to 5.
+// (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2, 2.8 % from 3, 1.8 %
+// from 5, 0.85 % from 20, 0.27 % from 100, at every kappa; the worst is at kappa 2 to 5.
 
 // Weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)), fitted.
 const float MULTUM_SHAPE_BLEND = 1.4;

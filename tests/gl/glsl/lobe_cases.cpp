@@ -361,7 +361,7 @@ std::vector<GlslCase> lobe_cases() {
        {"multum_movmf_torrance_sparrow"}},
       {{"glsl-lambert-of-every-spread", file, "max(mu . l, 0), the paper's shortcut, knows no spread",
         "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
-        "0.22 % of the model (tools/fit_shading.py)"},
+        "0.22 % of the model (tools/lab/fit_shading.py)"},
        {glsl_edit("return 0.5 * (m + sqrt(m * m + v * exp(-g)));", "return max(t, 0.0);")},
        lambert,
        {"multum_movmf_lambert", "multum_vmf_mean_cosine"}},

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// The text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "host/formats/asset/tap_filter.h"
+#include "runtime_gl/render/scene.h"
+#include "tools/lab/bench/documents/markdown_table.h"
+#include "tools/lab/bench/documents/result_view.h"
+#include "tools/lab/bench/filter_benchmark.h"
+#include "tools/lab/bench/measuring/statistics.h"
+
+namespace multum::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kTimedBias = -0.5;  // frame times depend on it little
+
+struct FilterKey {
+  int taps;
+  double bias;
+  bool shades_taps;
+
+  auto operator<=>(const FilterKey&) const = default;
+};
+
+FilterKey key_of(const Json& row) {
+  return {row.at("taps").get<int>(), row.at("bias").get<double>(), row.at("shades_taps").get<bool>()};
+}
+
+// Of each filter and method a figure per map.
+using Figures = std::map<FilterKey, std::map<std::string, std::vector<double>>>;
+
+Figures figures_of(const Json& result, const char* list, const std::function<double(const Json&)>& value) {
+  Figures figures;
+  for (const Json& map : result.at("maps"))
+    for (const Json& row : map.value(list, Json::array()))
+      figures[key_of(row)][row.at("method").get<std::string>()].push_back(value(row));
+  return figures;
+}
+
+Figures figures_of(const Json& result, const char* list, const char* field) {
+  return figures_of(result, list, [field](const Json& row) { return row.at(field).get<double>(); });
+}
+
+// In the order in which they were measured.
+std::vector<std::string> methods_of(const Json& result, const char* list) {
+  std::vector<std::string> methods;
+  for (const Json& row : result.at("maps").at(0).at(list))
+    if (const auto name = row.at("method").get<std::string>();
+        std::find(methods.begin(), methods.end(), name) == methods.end())
+      methods.push_back(name);
+  return methods;
+}
+
+double median_of(const Figures& figures, const FilterKey& key, const std::string& method) {
+  return spread_of(figures.at(key).at(method)).median;
+}
+
+std::vector<std::string> head_of(std::vector<std::string> first, const std::vector<std::string>& methods) {
+  first.insert(first.end(), methods.begin(), methods.end());
+  return first;
+}
+
+std::string percent_text(double value) { return fmt::format("{:.1f}", 100.0 * value); }
+
+// Fewest taps first, then from the plain level to the sharpest; shaded taps behind.
+std::vector<FilterKey> keys_of(const Figures& figures) {
+  std::vector<FilterKey> keys;
+  for (const auto& [key, unused] : figures) keys.push_back(key);
+  std::sort(keys.begin(), keys.end(), [](const FilterKey& a, const FilterKey& b) {
+    return std::tuple(a.shades_taps, a.taps, -a.bias) < std::tuple(b.shades_taps, b.taps, -b.bias);
+  });
+  return keys;
+}
+
+std::string taps_text(const FilterKey& key) {
+  return fmt::format("{}{}", key.taps, key.shades_taps ? ", each shaded" : "");
+}
+
+std::string table_of(const Figures& figures, const std::vector<std::string>& methods,
+                     const std::function<std::string(double)>& text) {
+  MarkdownTable table(head_of({"taps", "bias"}, methods));
+  for (const FilterKey& key : keys_of(figures)) {
+    std::vector<std::string> row = {taps_text(key), fmt::format("{:g}", key.bias)};
+    for (const std::string& method : methods) row.push_back(text(median_of(figures, key, method)));
+    table.add(row);
+  }
+  return table.text();
+}
+
+// Each method by the bias that is best for it.
+std::string best_bias_table(const Figures& figures, const std::vector<std::string>& methods) {
+  MarkdownTable table(head_of({"taps"}, methods));
+  std::vector<FilterKey> keys = keys_of(figures);
+  for (auto first = keys.begin(); first != keys.end();) {
+    const auto last = std::find_if(first, keys.end(), [&](const FilterKey& key) {
+      return key.taps != first->taps || key.shades_taps != first->shades_taps;
+    });
+    std::vector<std::string> row = {taps_text(*first)};
+    for (const std::string& method : methods) {
+      const auto best = std::min_element(first, last, [&](const FilterKey& a, const FilterKey& b) {
+        return median_of(figures, a, method) < median_of(figures, b, method);
+      });
+      row.push_back(fmt::format("{} at {:g}", percent_text(median_of(figures, *best, method)), best->bias));
+    }
+    table.add(row);
+    first = last;
+  }
+  return table.text();
+}
+
+// Of four lobes, each motion by itself.
+std::string motion_table(const Json& result) {
+  Figures figures;
+  std::vector<std::string> motions;
+  for (const Json& map : result.at("maps"))
+    for (const Json& row : map.value("motions", Json::array())) {
+      if (row.at("method").get<std::string>() != "4 lobes") continue;
+      const auto motion = row.at("motion").get<std::string>();
+      if (std::find(motions.begin(), motions.end(), motion) == motions.end()) motions.push_back(motion);
+      figures[key_of(row)][motion].push_back(row.at("flicker").get<double>());
+    }
+  return table_of(figures, motions, percent_text);
+}
+
+// Frames over those of the same method with one tap at level bias 0, in the same run.
+Figures time_ratios(const Json& result) {
+  Figures figures;
+  for (const Json& map : result.at("maps")) {
+    std::map<std::string, double> plain;
+    for (const Json& row : map.at("pictures"))
+      if (key_of(row) == FilterKey{1, 0.0, false} && !row.at("frame_processor_ms").is_null())
+        plain[row.at("method").get<std::string>()] = row.at("frame_processor_ms");
+    for (const Json& row : map.at("pictures"))
+      if (key_of(row).bias == kTimedBias && !row.at("frame_processor_ms").is_null()) {
+        const auto method = row.at("method").get<std::string>();
+        figures[key_of(row)][method].push_back(row.at("frame_processor_ms").get<double>() / plain.at(method));
+      }
+  }
+  return figures;
+}
+
+std::string worst_noise(const Json& result, const char* field) {
+  double worst = 0.0;
+  for (const Json& map : result.at("maps")) worst = std::max(worst, map.at(field).get<double>());
+  return fmt::format("{:.2f} %", 100.0 * worst);
+}
+
+std::string map_names(const Json& result) {
+  std::string names;
+  for (const Json& map : result.at("maps")) names += (names.empty() ? "" : ", ") + map.at("map").get<std::string>();
+  return names;
+}
+
+std::string sample_range(const Json& result) {
+  int low = 1 << 30, high = 0;
+  for (const Json& map : result.at("maps")) {
+    low = std::min(low, map.at("samples").get<int>());
+    high = std::max(high, map.at("samples").get<int>());
+  }
+  return fmt::format("{} to {}", low, high);
+}
+
+// Of four lobes: the default beside what a sampler gives in about the same time.
+std::string default_text(const Json& result, const Figures& errors) {
+  const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
+  const auto describe = [&](int taps, bool shades_taps) {
+    const std::string method = "4 lobes";
+    const FilterKey key{taps, kLevelBiasDefault, shades_taps}, timed{taps, kTimedBias, shades_taps};
+    return fmt::format("error {} %, flicker {} %, {:.2f} times the processor time of one tap",
+                       percent_text(median_of(errors, key, method)), percent_text(median_of(flicker, key, method)),
+                       median_of(times, timed, method));
+  };
+  return fmt::format(
+      "**Default**: {} taps, each shaded, at a bias of {:g}. With 4 lobes: {}. Four taps that are averaged before "
+      "they are shaded, at the same bias: {}. A sampler with anisotropy does the latter, and shades once however many "
+      "lights there are; here there is one.\n\n",
+      kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(4, false));
+}
+
+}  // namespace
+
+ResultView view_filters(const Json& result) {
+  const std::vector<std::string> methods = methods_of(result, "pictures"), moving = methods_of(result, "motions");
+  const Figures errors = figures_of(result, "pictures", "error");
+  std::string tables = default_text(result, errors) + "Error of pictures, relative L1 in %, medians over the maps:\n\n";
+  tables += table_of(errors, methods, percent_text);
+  tables += "\nEach method with the bias that is best for it, error in % at the bias:\n\n";
+  tables += best_bias_table(errors, methods);
+  tables += "\nFlicker in %, the mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
+  tables += table_of(figures_of(result, "motions", "flicker"), moving, percent_text);
+  tables += "\nFlicker of 4 lobes in %, each motion by itself:\n\n" + motion_table(result);
+  tables +=
+      "\nProcessor time of a frame over that of the same method with one tap at bias 0, medians over the maps (GL in "
+      "software, bias -0.5):\n\n";
+  tables += table_of(time_ratios(result), methods, [](double ratio) { return fmt::format("{:.2f}", ratio); });
+  tables +=
+      "\nError in % against a reference that blends the light of the four finest texels around a point, so that "
+      "magnification is not charged to the bake:\n\n";
+  tables += table_of(figures_of(result, "pictures", "error_blended"), methods, percent_text);
+  return {
+      "Texture filters",
+      fmt::format(
+          "The oblique plane of `tools/lab/reproduce maps`, {} x {} pixels, Blinn-Phong with s = 100, {} maps ({}); "
+          "flicker on "
+          "pictures of half the size. Every method is drawn with the same filter (`multum-view --taps --level-bias`). "
+          "Reference: {} samples per pixel of the finest map, box filter, noise at most {} of itself (blended: {}). "
+          "Flicker: sum |(f' - f) - (t' - t)| / sum t of neighbouring frames f, f' and their references t, t'. LEAN is "
+          "with the Jacobian.",
+          result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
+          sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
+      tables};
+}
+
+}  // namespace multum::bench

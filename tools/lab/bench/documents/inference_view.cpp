@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The result of `multum-bench infer` as people read it.
+#include <fmt/format.h>
+
+#include "host/fields/inference/solver/texture_inference.h"
+#include "tools/lab/bench/documents/markdown_table.h"
+#include "tools/lab/bench/inference_benchmark.h"
+#include "tools/lab/bench/measuring/statistics.h"
+
+namespace multum::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string solver_table(const Json& systems) {
+  MarkdownTable table({"system", "form", "an iteration, ms", "Eigen, ms", "ratio", "whole solve, ms", "ratio of solves",
+                       "three columns at once, ms", "ratio to that", "regularised, ms", "largest difference"});
+  for (const Json& system : systems) {
+    const Json& solver = system.at("solver");
+    std::vector<std::string> row = {system.at("system"), solver.at("form")};
+    for (const char* key : {"iteration_ms", "yardstick_iteration_ms", "iteration_ratio", "solve_ms", "solve_ratio",
+                            "three_columns_iteration_ms", "three_columns_ratio", "regularised_iteration_ms"})
+      row.push_back(spread_text(parse_spread(solver.at(key))));
+    row.push_back(fmt::format("{:.1e}", solver.at("largest_difference").get<double>()));
+    table.add(row);
+  }
+  return table.text();
+}
+
+std::string product_table(const Json& systems) {
+  MarkdownTable table({"system", "rows", "entries of A", "of A^T A", "product", "ms", "a ms", "GB/s"});
+  for (const Json& system : systems)
+    for (const Json& product : system.at("products")) {
+      const Spread ms = parse_spread(product.at("ms"));
+      table.add({system.at("system"), std::to_string(system.at("rows").get<std::size_t>()),
+                 std::to_string(system.at("entries").get<std::size_t>()),
+                 std::to_string(system.at("normal_entries").get<std::size_t>()), product.at("product"), spread_text(ms),
+                 rounded_text(1.0 / ms.median), rounded_text(product.at("gb_per_s").get<double>())});
+    }
+  return table.text();
+}
+
+std::string convergence_table(const Json& systems) {
+  MarkdownTable table({"system", "pyramid_weight", "preconditioned, from start_texels()", "preconditioned, from 0",
+                       "plain, from start_texels()", "plain, from 0"});
+  for (const Json& system : systems) {
+    const Json& counts = system.at("convergence");
+    for (std::size_t i = 0; i + 3 < counts.size(); i += 4) {
+      std::vector<std::string> row = {system.at("system"),
+                                      fmt::format("{}", counts[i].at("pyramid_weight").get<double>())};
+      for (std::size_t k = i; k < i + 4; ++k) {
+        const Json& count = counts[k].at("iterations");
+        row.push_back(count.is_null() ? fmt::format("> {}", InferenceSettings().iteration_max)
+                                      : std::to_string(count.get<int>()));
+      }
+      table.add(row);
+    }
+  }
+  return table.text();
+}
+
+std::string form_table(const Json& forms) {
+  MarkdownTable table({"views", "sub-pixels", "entries of A", "of A^T A", "ratio of entries", "A and A^T, ms",
+                       "A^T A, ms", "ratio of times", "A^T A made in, ms"});
+  for (const Json& form : forms)
+    table.add({std::to_string(form.at("views").get<int>()), fmt::format("{0} x {0}", form.at("sub_pixels").get<int>()),
+               std::to_string(form.at("entries").get<std::size_t>()),
+               std::to_string(form.at("normal_entries").get<std::size_t>()),
+               rounded_text(form.at("entry_ratio").get<double>()), rounded_text(form.at("matrix_ms").get<double>()),
+               rounded_text(form.at("normal_ms").get<double>()), rounded_text(form.at("time_ratio").get<double>()),
+               rounded_text(form.at("making_ms").get<double>())});
+  return table.text();
+}
+
+}  // namespace
+
+ResultView view_inference(const Json& result) {
+  const Json& systems = result.at("systems");
+  std::string yardsticks;
+  for (const Json& system : systems)
+    yardsticks += (yardsticks.empty() ? "" : "; ") + system.at("system").get<std::string>() + ": " +
+                  system.at("solver").at("yardstick").get<std::string>();
+  const int size = result.at("size").get<int>(), iterations = result.at("iterations").get<int>();
+  return {
+      "Texture inference against Eigen",
+      fmt::format(
+          "Pictures of {0} x {1} pixels of a plane with a texture of {2} x {2}, three colours, single precision, no "
+          "regularisers, from 0.5; the pictures are the texture's own, of little contrast, so that no bound is met, "
+          "and both sides take "
+          "the same steps of preconditioned conjugate gradient. Eigen: the fastest way of its "
+          "`LeastSquaresConjugateGradient`, a solve a colour (its solve of three columns is that too), compiled for "
+          "the machine at hand ({3}). An iteration: a solve of {4} iterations less one of {5}, by their difference; "
+          "whole solve: {4} iterations and what comes before them. Three columns at once: the same iteration written "
+          "with Eigen's products, which it does not offer; for comparison. Regularised: the solver's iteration with "
+          "the "
+          "default pyramid_weight, which Eigen does not have. {6} pairs in turns, {7} threads, the ratio "
+          "is that of a pair; largest difference: of any texel, 0..1, after {4} iterations.",
+          size * 5 / 4, size * 15 / 16, size, yardsticks, iterations, iterations / 4,
+          result.at("repetitions").get<int>(), result.at("threads").get<int>()),
+      solver_table(systems) +
+          "\nProducts with three colours. GB/s: the matrix as it is stored, in blocks of 8 entries, and each vector "
+          "once.\n\n" +
+          product_table(systems) +
+          "\nIterations until the gradient is 1e-3 of that at 0, by the solver's own steps; textures of full "
+          "contrast.\n\n" +
+          convergence_table(systems) +
+          "\nWhich form: pictures stacked, products with A and A^T against those with A^T A. The solver takes A^T A "
+          "where its entries are fewer than twice those of A (`kNormalEntriesMax`, "
+          "`host/fields/inference/solver/texture_system.cpp`): "
+          "times cross later, but A^T A must be made first.\n\n" +
+          form_table(result.at("forms"))};
+}
+
+}  // namespace multum::bench

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/lab/bench/documents/on_gpu_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tools/lab/bench/documents/markdown_table.h"
+#include "tools/lab/bench/documents/result_file.h"
+#include "tools/lab/bench/measuring/statistics.h"
+
+namespace multum::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double mib(const Json& bytes) { return bytes.get<double>() / (1 << 20); }
+
+std::vector<const Json*> steps_named(const Json& result, const std::string& beginning, bool done_alone = true) {
+  std::vector<const Json*> found;
+  for (const Json& step : result.at("steps"))
+    if (step.at("name").get<std::string>().starts_with(beginning) && (!done_alone || step.contains("result")))
+      found.push_back(&step);
+  return found;
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::replace(text.begin(), text.end(), '|', '/');
+  return text;
+}
+
+// Where a file lies is the machine's own affair.
+std::string file_name(const Json& path) {
+  return path.get<std::string>().substr(path.get<std::string>().rfind('/') + 1);
+}
+
+std::string devices_text(const Json& result) {
+  std::string text = "## Devices\n\n";
+  MarkdownTable devices({"device", "platform, driver", "OpenCL", "compute units", "memory, GiB", "local memory, KiB",
+                         "atomic longs", "divides as IEEE when asked"});
+  for (const Json& d : result.at("devices"))
+    devices.add({one_line(d.at("name")),
+                 one_line(d.at("platform").get<std::string>() + ", " + d.at("driver").get<std::string>()),
+                 one_line(d.at("version")), std::to_string(d.at("compute_units").get<int>()),
+                 fmt::format("{:.1f}", mib(d.at("memory_bytes")) / 1024.0),
+                 fmt::format("{:.0f}", d.at("local_bytes").get<double>() / 1024.0),
+                 d.at("has_atomic_longs").get<bool>() ? "yes" : "no",
+                 d.at("is_cpu").get<bool>()              ? "always"
+                 : d.at("rounds_when_asked").get<bool>() ? "yes"
+                                                         : "no"});
+  text += devices.text() + "\n";
+  MarkdownTable drivers({"driver library", "for", "named by"});
+  for (const char* kind : {"opencl", "egl"})
+    for (const Json& driver : result.at("drivers").at(kind)) {
+      const std::string named = file_name(driver.at("named_by"));
+      drivers.add({file_name(driver.at("library")), kind, named.empty() ? "nothing: on_gpu named it" : named});
+    }
+  text += drivers.text() + "\n";
+  for (const Json* step : steps_named(result, "GL contexts")) {
+    MarkdownTable contexts({"GL by", "software, says the driver", "gives"});
+    for (const Json& row : (*step)["result"].at("contexts")) {
+      const auto description = row.at("description").get<std::string>();
+      contexts.add({row.at("display"), row.at("is_software").get<bool>() ? "yes" : "no",
+                    one_line(description.empty() ? "nothing: " + row.at("reason").get<std::string>() : description)});
+    }
+    text += contexts.text() + "\n";
+  }
+  return text;
+}
+
+std::string steps_text(const Json& result) {
+  MarkdownTable table({"step", "ended", "s", "why not, or what was broken"});
+  for (const Json& step : result.at("steps")) {
+    std::string reason = step.value("reason", "");
+    if (step.contains("result") && step["result"].contains("failures"))
+      for (const Json& failure : step["result"]["failures"])
+        reason += (reason.empty() ? "" : "; ") + failure.at("name").get<std::string>();
+    if (step.contains("result") && step["result"].contains("cases"))
+      for (const Json& verdict : step["result"]["cases"])
+        if (!verdict.at("holds").get<bool>())
+          reason += (reason.empty() ? "" : "; ") + verdict.at("name").get<std::string>();
+    table.add({step.at("name"), step.at("status"),
+               step.contains("seconds") ? fmt::format("{:.1f}", step["seconds"].get<double>()) : "-",
+               reason.empty() ? "-" : one_line(reason.substr(0, 300))});
+  }
+  return "## Steps\n\n" + table.text() + "\n";
+}
+
+std::string checks_text(const Json& result) {
+  std::string text;
+  for (const Json* step : steps_named(result, "selftest"))
+    text += fmt::format("- `multum selftest`: {} numerical cases, {} broken.\n", (*step)["result"].at("cases").size(),
+                        (*step)["result"].at("broken").get<int>());
+  for (const Json* step : steps_named(result, "tests "))
+    text += fmt::format("- `{}`: {} tests, {} failed.\n", (*step)["name"].get<std::string>().substr(6),
+                        (*step)["result"].at("tests").get<int>(), (*step)["result"].at("broken").get<int>());
+  return text.empty() ? "" : "## Checks\n\n" + text + "\n";
+}
+
+double stage(const Json& bake, const std::string& name) {
+  for (const Json& row : bake.at("stages"))
+    if (row.at("name") == name) return row.at("seconds").get<double>();
+  return 0.0;
+}
+
+std::string first_bake_text(const Json& result) {
+  std::string text;
+  for (const Json* step : steps_named(result, "first bake")) {
+    const int size = (*step)["result"].at("size").get<int>();
+    const Json &first = (*step)["result"].at("first"), &second = (*step)["result"].at("second");
+    text += fmt::format(
+        "The first bake on a machine compiles {} program variants: {:.2f} s for the whole program, where the second "
+        "takes {:.2f} s (a four-quarter map of {} x {}, empty caches of multum and of the driver before).\n\n",
+        first.at("programs").get<int>(), first.at("process").at("wall_s").get<double>(),
+        second.at("process").at("wall_s").get<double>(), size, size);
+  }
+  return text;
+}
+
+// The steps of whole bakes, each on every device that did it.
+std::string bakes_text(const Json& result) {
+  MarkdownTable table({"map", "device", "read, s", "start search, s", "bin, s", "levels, s", "write, s",
+                       "whole process, s", "its processor time, s", "device memory, MiB",
+                       "copied to and from it, MiB"});
+  for (const Json* step : steps_named(result, "bake ")) {
+    const Json& bake = (*step)["result"].at("bake");
+    double levels = 0.0;
+    for (const Json& level : bake.at("levels")) levels += level.at("seconds").get<double>();
+    const Json& copies = bake.at("transfers");
+    table.add({std::to_string((*step)["result"].at("size").get<int>()), one_line(bake.at("device")),
+               rounded_text(stage(bake, "read")), rounded_text(bake.at("start").at("seconds").get<double>()),
+               rounded_text(bake.at("binning").at("seconds").get<double>()), rounded_text(levels),
+               rounded_text(stage(bake, "write")), rounded_text(bake.at("process").at("wall_s").get<double>()),
+               rounded_text(bake.at("process").at("cpu_s").get<double>()),
+               fmt::format("{:.0f}", mib(bake.at("device_bytes_peak"))),
+               fmt::format("{:.0f}, {:.0f}", mib(copies.at("upload_bytes")), mib(copies.at("download_bytes")))});
+  }
+  return "## Whole bakes\n\nThe four-quarter map from a 16-bit PNG to a file, four lobes, errors not measured; one run "
+         "after one that compiles (16384: the only one). Levels run beside rounding and writing.\n\n" +
+         table.text() + "\n";
+}
+
+// Whether devices give the same bytes.
+std::string bytes_text(const Json& result) {
+  std::string text;
+  const std::vector<const Json*> steps = steps_named(result, "bake ");
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    for (std::size_t k = i + 1; k < steps.size(); ++k) {
+      const Json &a = (*steps[i])["result"], &b = (*steps[k])["result"];
+      if (a.at("size") != b.at("size")) continue;
+      const bool same = a.at("bake").at("content_hash") == b.at("bake").at("content_hash");
+      text += fmt::format("- {0} x {0}: {1} and {2} give {3}.\n", a.at("size").get<int>(),
+                          a.at("bake").at("device").get<std::string>(), b.at("bake").at("device").get<std::string>(),
+                          same ? "the same bytes" : "different bytes");
+    }
+  return text.empty() ? "" : "### The same bytes\n\n" + text + "\n";
+}
+
+std::string kernels_text(const Json& result) {
+  std::string text;
+  for (const Json* step : steps_named(result, "bake ")) {
+    if (!(*step)["result"].contains("timed") || !(*step)["result"]["timed"].contains("launch_seconds")) continue;
+    const Json& bake = (*step)["result"]["timed"];
+    MarkdownTable table({"kernel", "launches", "on the device, s"});
+    double sum = 0.0;
+    for (const auto& [kernel, seconds] : bake.at("launch_seconds").items()) {
+      table.add({"`" + kernel + "`", std::to_string(bake.at("launches").at(kernel).get<int>()),
+                 rounded_text(seconds.get<double>())});
+      sum += seconds.get<double>();
+    }
+    table.add({"all", "", rounded_text(sum)});
+    text += fmt::format(
+        "### Kernels of the bake of {0} x {0}, {1}\n\nBy the device's own clock, errors measured too.\n\n{2}\n",
+        (*step)["result"].at("size").get<int>(), bake.at("device").get<std::string>(), table.text());
+  }
+  return text;
+}
+
+std::string bench_text(const Json& result, const std::string& beginning) {
+  std::string text;
+  for (const Json* step : steps_named(result, beginning)) {
+    const ResultView view = view_of((*step)["result"]);
+    text += fmt::format("### {}, on {}\n\n{}\n\n{}\n", view.title, (*step)["result"].at("device").get<std::string>(),
+                        view.method, view.table);
+  }
+  return text;
+}
+
+// The figures that people ask for first.
+std::string summary_text(const Json& result) {
+  std::string text;
+  const std::vector<const Json*> em = steps_named(result, "em "), bakes = steps_named(result, "bake ");
+  for (std::size_t i = 0; i + 1 < em.size(); ++i) {
+    const Json &gpu = (*em[i])["result"], &cpu = (*em[i + 1])["result"];
+    if (gpu.at("size") != cpu.at("size")) continue;
+    const double a = gpu.at("kernels_ms").get<double>(), b = cpu.at("kernels_ms").get<double>();
+    text += fmt::format(
+        "- EM of {0} x {0}: {1} ms; the processor's {2} cores need {3} ms with the same kernels, "
+        "{4} times as long.\n",
+        gpu.at("size").get<int>(), rounded_text(a), result.at("cores").get<int>(), rounded_text(b),
+        rounded_text(b / a));
+  }
+  for (std::size_t i = 0; i + 1 < bakes.size(); ++i) {
+    const Json &gpu = (*bakes[i])["result"], &cpu = (*bakes[i + 1])["result"];
+    if (gpu.at("size") != cpu.at("size")) continue;
+    const auto seconds = [](const Json& bake) { return bake.at("bake").at("process").at("wall_s").get<double>(); };
+    text += fmt::format(
+        "- A whole bake of {0} x {0}, from file to file: {1} s, on the processor {2} s; reading, rounding, "
+        "compressing and writing are the processor's in both.\n",
+        gpu.at("size").get<int>(), rounded_text(seconds(gpu)), rounded_text(seconds(cpu)));
+  }
+  for (const Json* step : steps_named(result, "frames"))
+    for (const Json& row : (*step)["result"].at("rows"))
+      if (row.at("name") == "4 lobes")
+        text += fmt::format(
+            "- A frame of four lobes, anisotropy {:.0f}: {} ms, {} times that of averaged normals with "
+            "Toksvig's rule.\n",
+            row.at("anisotropy").get<double>(), rounded_text(parse_spread(row.at("draw_ms")).median),
+            rounded_text(parse_spread(row.at("ratio")).median));
+  return text.empty() ? "" : "## In short\n\n" + text + "\n";
+}
+
+}  // namespace
+
+std::string page_of_run(const Json& result) {
+  std::string text = fmt::format(
+      "# What a GPU does\n\nMade by `{}`. Do not edit.\n\n{}; {}.\n\n", result.at("command").get<std::string>(),
+      result.contains("device") ? result.at("device").get<std::string>() : "no device yet", conditions_text(result));
+  if (result.contains("is_gpu") && !result.at("is_gpu").get<bool>())
+    text += "**This device is a processor: the page shows that the command works, not what a GPU does.**\n\n";
+  if (!result.contains("devices")) return text;
+  text += summary_text(result) + devices_text(result) + steps_text(result) + checks_text(result);
+  if (!steps_named(result, "bake ").empty())
+    text += bakes_text(result) + first_bake_text(result) + bytes_text(result) + kernels_text(result);
+  if (!steps_named(result, "em ").empty()) text += "## EM\n\n" + bench_text(result, "em ");
+  if (!steps_named(result, "frames").empty()) text += "## Drawing\n\n" + bench_text(result, "frames");
+  if (!steps_named(result, "texture inference").empty())
+    text += "## Texture inference\n\n" + bench_text(result, "texture inference");
+  while (text.ends_with("\n\n")) text.pop_back();
+  return text;
+}
+
+}  // namespace multum::bench

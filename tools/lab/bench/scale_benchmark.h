@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures how `multum bake` grows with the map: sizes that double, a process each.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/foundation/base/progress.h"
+#include "tools/lab/bench/documents/result_view.h"
+
+namespace multum::bench {
+
+struct ScaleBenchmarkOptions {
+  int size_min = 512;                     // map side, even
+  int size_max = 4096;                    // sizes double while they are no larger
+  int lobes = 4;                          // 1..8
+  int repetitions = 3;                    // runs a size
+  int threads = 0;                        // 0: all cores
+  std::string folder;                     // where files go; empty: the system's folder for temporary files
+  std::vector<std::string> bake_options;  // more options of `multum bake`
+};
+
+nlohmann::ordered_json run_scale_benchmark(const ScaleBenchmarkOptions& options, Progress* progress);
+
+ResultView view_scale(const nlohmann::ordered_json& result);
+
+}  // namespace multum::bench

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The yardstick of the EM kernels: the same sums in plain C++ with vectors as wide as a register (GCC's vector
+// extensions, compiled for AVX-512 and for AVX2) and OpenMP. Kept readable; the kernels are measured against it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "tools/lab/bench/measuring/instructions.h"
+
+namespace multum::bench {
+
+/// Samples and starts in the kernels' layouts (kernels/shared/movmf_fit.h), whole texels only (no weights).
+struct YardstickLevel {
+  int lobe_count;
+  int iteration_count;
+  int group_count;       // groups of 16 texels
+  int sample_count;      // a texel
+  const float* samples;  // [group][sample][3][16]; null: use the planes (one texel after another)
+  const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
+  float kappa_cap;
+  float kappa_cap_slope;
+  // Coarse levels: a texel is a rectangle of the planes.
+  const float* plane_x = nullptr;
+  const float* plane_y = nullptr;
+  const float* plane_z = nullptr;
+  int map_width = 0;
+  int level_width = 0;
+  int texel_count = 0;
+  int texel_side = 0;  // finest texels along a side
+};
+
+/// (r_x, r_y, r_z, a) of [lobe][texel slot]. The build for `instructions`, which the processor must have.
+std::vector<float> fit_with_yardstick(const YardstickLevel& level, Instructions instructions);
+
+}  // namespace multum::bench

@@ -1,0 +1,237 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes index.html into a folder that tools/demo has filled: pictures, errors, times. Standard library only.
+
+Reads steps.tsv (kind, name, milliseconds, command: one line a step), NAME.bake.json of each bake and NAME.view.json of
+each view; a view's pictures are NAME_reference.png, NAME_multum.png and so on. The page refers to nothing outside the
+folder.
+
+  tools/lab/demo_page.py FOLDER
+"""
+import argparse
+import json
+import pathlib
+import sys
+
+from report_page import STYLE, chart, key, machine, percent, table, text
+
+METHODS = {
+    "reference": ("reference", "the finest map, sampled many times a pixel: slow, and what the others aim at"),
+    "multum": ("multum", "the baked distribution of normals"),
+    "mip": ("averages", "averaged normals: the plain mip pyramid of most engines"),
+    "toksvig": ("Toksvig", "averaged normals with a wider highlight where they disagree"),
+    "lean-jacobian": ("LEAN", "one Gaussian of slopes a texel"),
+}
+BAKES = {
+    "white": "the four-quarter map (spheres, rings, grooves, noise)",
+    "coloured": "the same with its colours, one a lobe",
+    "terrain": "measured terrain: the Jacksboro fault, heights four times exaggerated",
+}
+VIEWS = {
+    "plain": ("A plain to the horizon", "Each side of a groove has its own colour; seen from one side, only that one "
+              "should show. Averaging mixes them before anyone looks."),
+    "ring": ("A ring, seen from all angles", "Highlights that split into arcs and stars have more than one direction: "
+             "one Gaussian, or one average, cannot say so."),
+    "near": ("Closer, without colour, sharp highlights", "Near the viewer all filtered pictures lose something to the "
+             "smooth magnification of texels, which the reference does not do."),
+    "terrain": ("Measured terrain", "Rough ground without a pattern: the hardest of these maps for four lobes a "
+                "texel."),
+}
+def errors_by_level(bake, brdf, points):
+    """The worst error of the points, by level; the 1 x 1 level has no neighbours to be midway between."""
+    found = {}
+    for one in bake["measured_error"]:
+        if one["brdf"] == brdf and one["point"] in points and one["samples"] > 0:
+            found[one["level"]] = max(found.get(one["level"], 0.0), one["relative_l1"])
+    return found
+
+
+def fit_parts(bake):
+    """Seconds of the fit by what they went into, (name, seconds): its levels, then what is of none. They add up to the
+    stage's."""
+    parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
+    if "start" in bake:
+        parts.append(("start", bake["start"]["seconds"]))
+    fit = sum(stage["seconds"] for stage in bake["stages"] if stage["name"] == "fit")
+    return parts + [("rest", max(0.0, fit - sum(seconds for _, seconds in parts)))]
+
+
+def bake_section(name, bake, step):
+    brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
+    # The lobes of a coloured bake are those of the white one: its colours are what is new.
+    coloured = [b for b in brdfs if b.endswith(" coloured")]
+    brdfs = coloured or brdfs
+    names = [b.removesuffix(" coloured") for b in brdfs]
+    what = "error with colours" if coloured else "error"
+    labels = [level["level"] for level in bake["levels"]]
+    rows = []
+    centre = {b: errors_by_level(bake, b, ("centre",)) for b in brdfs}
+    midway = {b: errors_by_level(bake, b, ("midway-x", "midway-y")) for b in brdfs}
+    for level in bake["levels"]:
+        cells = [f"{percent(centre[b].get(level['level'], 0))} | "
+                 f"{percent(midway[b][level['level']]) if level['level'] in midway[b] else '-'}" for b in brdfs]
+        rows.append([f"{level['level']}: {level['width']} x {level['height']}", *cells, f"{level['seconds']:.3f}"])
+    parts = fit_parts(bake)
+    rows += [[part, *["-"] * len(brdfs), f"{seconds:.3f}"] for part, seconds in parts[len(bake["levels"]):]]
+    rows.append(["together", *["-"] * len(brdfs), f"{sum(seconds for _, seconds in parts):.3f}"])
+    outside = step["seconds"] - sum(s["seconds"] for s in bake["stages"])
+    stages = ", ".join(f"{s['name']} {s['seconds']:.2f}" for s in
+                       [*bake["stages"], {"name": "starting and ending", "seconds": max(0.0, outside)}])
+    counts = bake["counts"]
+    percent_series = [(n, [100 * centre[b][l] if l in centre[b] else None for l in labels])
+                      for n, b in zip(names, brdfs)]
+    errors = chart(f"{name}: {what} by level, in percent", f"{what} at texel centres, %", labels, percent_series)
+    seconds = chart(f"{name}: seconds of the fit", f"fit, seconds: {sum(s for _, s in parts):.2f} together",
+                    [part for part, _ in parts], [("fit", [s for _, s in parts])], bars=True, axis="level")
+    return f"""<h3 id="bake-{text(name)}">{text(BAKES.get(name, name))}</h3>
+<p>Seconds: {text(stages)}; the whole command took {step["seconds"]:.2f}. {counts["lobes"]} lobes fitted,
+{counts["nonfinite"]} of them not finite, {counts["kappa_clamped"]} sharper than the cap, {counts["dead_lobes"]}
+without normals.</p>
+<p class="soft">Found: {text(bake["input"]["encoding"])}.</p>
+<div class="charts">
+<figure>{errors}
+{key(names)}</figure>
+<figure>{seconds}
+<figcaption>Start: the search for lobes that the coarsest level starts from. Rest: sorting normals into bins, compiling
+kernels and moving data.</figcaption></figure></div>
+<details><summary>the numbers</summary>
+<p>The {what}, relative L1, at texel centres | midway between texels (the worse of x and y), and seconds of the
+fit.</p>
+{table(["level", *names, "seconds"], rows)}</details>"""
+
+
+def picture(folder, name, method, caption, kind, size=""):
+    """`size`: attributes, so that a caption has its place before the picture is there."""
+    file = f"{name}_{method}{kind}.png"
+    if not (folder / file).is_file():
+        return ""
+    label = METHODS[method][0]
+    alt = f"{VIEWS.get(name, (name,))[0]}: {label}"
+    if kind:
+        alt += ", difference from the reference, four times as bright"
+    return (f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(alt)}"{size}></a>'
+            f"<figcaption>{caption}</figcaption></figure>")
+
+
+def view_section(folder, name, view, step):
+    title, what = VIEWS.get(name, (name, ""))
+    size = f' width="{view["width"]}" height="{view["height"]}"' if "width" in view else ""
+    shown, differences = [], []
+    for one in view["pictures"]:
+        method = one["name"]
+        error = f', <b>{percent(one["relative_l1"])}</b> off' if "relative_l1" in one else ""
+        label = text(METHODS[method][0])
+        shown.append(picture(folder, name, method, f"<b>{label}</b>{error}", "", size))
+        # In the order of the pictures above, whose columns have the reference too.
+        differences.append(picture(folder, name, method, f"<b>{label}</b> minus reference{error}", "_difference", size)
+                           if error else picture(folder, name, method, f"<b>{label}</b>", "", size))
+    errors = [one["relative_l1"] for one in view["pictures"] if "relative_l1" in one]
+    rows = [[METHODS[one["name"]][0],
+             (percent(one["relative_l1"]), "best" if one["relative_l1"] == min(errors) else "")
+             if "relative_l1" in one else "-",
+             f'{one["rmse"]:.4f}' if "rmse" in one else "-", f'{one["frame_time_ms"]:.0f}'] for one in view["pictures"]]
+    return f"""<h3 id="view-{text(name)}">{text(title)}</h3><p>{text(what)}</p>
+<div class="pictures">{"".join(shown)}</div>
+<details><summary>where they are off, and by how much</summary><div class="pictures">{"".join(differences)}</div>
+{table(["picture", "relative L1", "RMSE", "frame, ms"], rows)}
+<p>Differences are four times as bright as they are. Times are this machine's, one frame each.</p></details>
+<details><summary>the command</summary><pre>{text(step["command"])}</pre></details>"""
+
+
+def look_link(folder):
+    if not (folder / "look.html").is_file():
+        return ""
+    return """<p><a href="look.html">The map's lobes in this browser</a>, beside averaged normals, engines' rules and
+one lobe: turn the view, come nearer, move the light (WebGL 2).</p>
+"""
+
+
+def own_map():
+    return """<h2 id="own">The same with your own map</h2>
+<pre>build/release/bin/multum bake bricks_normal.png -o bricks.ndf.exr
+build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
+    --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian
+build/release/bin/multum look bricks.ndf.exr --source bricks_normal.png</pre>
+<p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
+wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
+colours: <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
+<code>--lobes 2 --passes 1</code>. <code>multum bake --help</code> lists the rest.</p>"""
+
+
+def make_page(folder, steps, bakes, views):
+    first = next(iter(views), None)
+    hero = ""
+    if first:
+        shown = {one["name"]: one for one in views[first]["pictures"]}
+        hero = '<div class="pictures first">' + "".join(
+            picture(folder, first, m, f'<b>{text(METHODS[m][0])}</b>: {text(METHODS[m][1])}', "")
+            for m in ("reference", "multum", "mip") if m in shown) + "</div>"
+    methods = [m for m in METHODS if m != "reference"]
+    summary = []
+    for name, view in views.items():
+        error = {one["name"]: one["relative_l1"] for one in view["pictures"] if "relative_l1" in one}
+        summary.append([VIEWS.get(name, (name,))[0], *[
+            (percent(error[m]), "best" if error[m] == min(error.values()) else "") if m in error else "-"
+            for m in methods]])
+    total = [[f"{s['kind']} {s['name']}", f"{s['seconds']:.1f}"] for s in steps]
+    samples = sorted({one["samples"] for view in views.values() for one in view["pictures"] if "samples" in one})
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>multum: the demo</title><style>{STYLE}</style></head><body>
+<h1>multum: textures that look right at every distance</h1>
+<p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall.
+multum stores how they are distributed instead. Click a picture for its full size.</p>
+{hero}
+{look_link(folder)}<h2>How far off, in short</h2>
+<p>Relative L1: the sum of absolute differences from the reference, divided by the reference's sum, over the whole
+picture.</p>
+{table(["view", *[METHODS[m][0] for m in methods]], summary)}
+<h2>Pictures</h2>
+<p class="soft">The reference takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All
+pictures of a view have the same camera, light, material and texture filter.</p>
+{"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
+<h2>Bakes</h2>
+<p>The error of a bake is measured before it is written, on the rounded values, at random texels, for 12 fixed half
+vectors (4 lights for lambert), against a sum over every normal that the texel covers. blinn-phong:500 is a sharp
+highlight, lambert is matt.</p>
+{"".join(bake_section(name, bake, step_of(steps, "bake", name)) for name, bake in bakes.items())}
+<h2>Time</h2>
+<p>Seconds of each command, from start to end, on the machine below; a first run also compiles the kernels.</p>
+{table(["command", "seconds"], total)}
+{machine({b["device"] for b in bakes.values()}, {v["context"] for v in views.values()},
+         {v["software"].split()[-1] for v in views.values()})}
+{own_map()}
+</body></html>
+"""
+
+
+def step_of(steps, kind, name):
+    return next(s for s in steps if s["kind"] == kind and s["name"] == name)
+
+
+def read_folder(folder):
+    steps = []
+    for line in (folder / "steps.tsv").read_text().splitlines():
+        kind, name, milliseconds, command = line.split("\t")
+        steps.append({"kind": kind, "name": name, "seconds": int(milliseconds) / 1000, "command": command})
+    read = lambda kind: {s["name"]: json.loads((folder / f"{s['name']}.{kind}.json").read_text())
+                         for s in steps if s["kind"] == kind}
+    return steps, read("bake"), read("view")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    folder = parser.parse_args().folder
+    try:
+        page = make_page(folder, *read_folder(folder))
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"{folder}: {type(error).__name__}: {error}; expected what tools/demo leaves there")
+    target = folder / "index.html"
+    partial = folder / "index.html.tmp"
+    partial.write_text(page, encoding="utf-8")
+    partial.replace(target)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One paper's comparisons: runs multum and multum-view, keeps what they draw as arrays, and writes a page.
+
+Pictures are linear RGB, float32 [height, width, 3], as multum-view writes them to EXR files; those on the page are PNGs
+of the same numbers. Every figure of the page comes from a file that stays beside it.
+"""
+import json
+import pathlib
+import shlex
+import subprocess
+import sys
+import textwrap
+import time
+
+import numpy as np
+import OpenImageIO as oiio
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from report_page import STYLE, machine, machine_words, table, text  # noqa: E402
+
+# multum-view's name of the picture that others are held to: many samples of the finest normals a pixel.
+REFERENCE = "reference"
+# A filter of elongated footprints, of every method that can have one.
+ELONGATED_FILTER = ("--taps", "8")
+ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear
+
+
+class StepFailed(Exception):
+    """A program that was run said no: its command, exit code and last words."""
+
+
+def read_picture(path, subimage=0, miplevel=0):
+    """All channels, float32 [height, width, channels]."""
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        raise StepFailed(f"{path}: cannot be read: {oiio.geterror()}")
+    if not source.seek_subimage(subimage, miplevel):
+        raise StepFailed(f"{path}: has no part {subimage}, level {miplevel}")
+    pixels = source.read_image(subimage, miplevel, 0, source.spec().nchannels, oiio.FLOAT)
+    source.close()
+    return np.asarray(pixels, dtype=np.float32)
+
+
+def srgb(linear):
+    """Displayed values, 0..1."""
+    c = np.clip(linear, 0.0, 1.0)
+    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
+
+
+def write_picture(path, pixels, kind=oiio.UINT8):
+    """`pixels` as they are to be stored: 0..1 for integers."""
+    height, width, channels = pixels.shape
+    output = oiio.ImageOutput.create(str(path))
+    if output is None or not output.open(str(path), oiio.ImageSpec(width, height, channels, kind)):
+        raise StepFailed(f"{path}: cannot be written: {oiio.geterror()}")
+    output.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
+    output.close()
+
+
+def write_sky(path, width=256):
+    """A made latitude-longitude environment, linear: sky, ground, a sun of five degrees, three bright windows."""
+    height = width // 2
+    polar = (np.arange(height) + 0.5)[:, None] / height * np.pi
+    azimuth = (np.arange(width) + 0.5)[None, :] / width * 2 * np.pi
+    up = np.cos(polar) * np.ones_like(azimuth)
+    colour = lambda r, g, b: np.array([r, g, b], dtype=np.float32)
+    sky = np.where(up[:, :, None] > 0, colour(0.9, 0.95, 1.0) + up[:, :, None] * (colour(0.25, 0.45, 0.9) - 0.9),
+                   colour(0.22, 0.17, 0.12))
+    towards = np.dstack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), up])
+    sky[towards @ (np.array([0.5, 0.4, 0.768]) / np.linalg.norm([0.5, 0.4, 0.768])) > np.cos(np.radians(5))] = 120.0
+    for middle in (2.6, 3.6, 4.6):
+        sky[(np.abs(azimuth - middle) < 0.25) & (np.abs(polar - 1.2) < 0.3)] = colour(6.0, 5.0, 3.5)
+    write_picture(path, sky, oiio.FLOAT)
+
+
+def relative_l1(picture, reference):
+    """sum |picture - reference| / sum reference, linear: what multum-view and the bakes report."""
+    return float(np.abs(picture - reference).sum() / reference.sum())
+
+
+def box_reduced(picture, factor):
+    """Means of factor x factor pixels."""
+    height, width, channels = picture.shape
+    return picture.reshape(height // factor, factor, width // factor, factor, channels).mean(axis=(1, 3))
+
+
+def colour_distance(picture, reference):
+    """Tan et al.'s "normalized Euclidean color error per pixel", which they do not define: here the distance of the
+    displayed (sRGB, clamped) colours over that of black and white, its mean over the pixels that the object covers."""
+    covered = reference.max(axis=2) > 0
+    return float((np.linalg.norm(srgb(picture) - srgb(reference), axis=2) / np.sqrt(3))[covered].mean())
+
+
+def flicker(frames, references):
+    """How much frames change beyond what the reference's do: the mean over neighbours in time of
+    sum |(f' - f) - (r' - r)| / sum r. 0: as steady as the reference."""
+    changes = [np.abs((frames[i + 1] - frames[i]) - (references[i + 1] - references[i])).sum() / references[i].sum()
+               for i in range(len(frames) - 1)]
+    return float(np.mean(changes))
+
+
+class View:
+    """What one run of multum-view drew: pictures by name (REFERENCE, "multum", "toksvig", ...), and its report."""
+
+    def __init__(self, pictures, report):
+        self.pictures, self.report = pictures, report
+        self.frame_ms = {one["name"]: one["frame_time_ms"] for one in report["pictures"]}
+
+    def __getitem__(self, name):
+        return self.pictures[name]
+
+
+class Study:
+    def __init__(self, title, folder, programs, data, size, samples):
+        """`programs`: folder of multum and multum-view; `data`: folder of shared real data, or None; `size`: texels a
+        side of the maps that are made; `samples`: a pixel of the reference."""
+        self.title, self.folder, self.programs, self.data = title, folder, programs, data
+        self.size, self.samples, self.picture_count = size, samples, 0
+        self.has_made_maps = True
+        self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
+        self.strips = []  # (file of the folder, its name in docs/images)
+        self.markdown = []  # the same for docs/PAPERS.md: headings, paragraphs, tables and strips
+        folder.mkdir(parents=True, exist_ok=True)
+
+    # ---- steps
+
+    def run(self, program, *arguments):
+        """Runs a program to its end; its output is in commands.txt. Returns seconds."""
+        command = [str(self.programs / program), *map(str, arguments)]
+        shown = " ".join([program, *(shlex.quote(str(a).replace(f"{self.folder}/", "")) for a in arguments)])
+        print(f"  {shown[:150]}", flush=True)
+        begin = time.monotonic()
+        done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        seconds = time.monotonic() - begin
+        self.commands.append((shown, seconds))
+        if done.returncode != 0:
+            last = "\n".join((done.stdout + done.stderr).splitlines()[-20:])
+            raise StepFailed(f"exit code {done.returncode}: {shown}\n{last}")
+        return seconds
+
+    def path(self, name):
+        return self.folder / name
+
+    def testmap(self, name, *options, size=None):
+        """Makes NAME_normal.png and NAME_albedo.png; returns the first's path. Options of `multum testmap`."""
+        normal = self.path(f"{name}_normal.png")
+        self.run("multum", "testmap", self.path(name), "--size", size or self.size, *options)
+        return normal
+
+    def torus(self):
+        """A mesh that shows every angle; returns its path."""
+        mesh = self.path("torus.obj")
+        if not mesh.is_file():
+            subprocess.run([sys.executable, pathlib.Path(__file__).resolve().parents[2] / "torus_mesh.py", mesh],
+                           check=True)
+        return mesh
+
+    def bake(self, name, source, *options):
+        """Bakes NAME.ndf.exr. Returns the report."""
+        report = self.path(f"{name}.bake.json")
+        self.run("multum", "bake", source, "-o", self.path(f"{name}.ndf.exr"), "--report", report, "--quiet", "--force",
+                 *options)
+        loaded = json.loads(report.read_text())
+        self.devices.add(loaded["device"])
+        return loaded
+
+    def view(self, name, baked, *options, compare=(), samples=None):
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names. `samples`: of this reference."""
+        report = self.path(f"{name}.view.json")
+        command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
+                   "--report", report, *options]
+        if samples or self.samples:
+            command += ["--samples", samples or self.samples]
+        if compare:
+            command += ["--compare", ",".join(compare)]
+        self.run("multum-view", *command)
+        loaded = json.loads(report.read_text())
+        self.contexts.add(loaded["context"])
+        self.versions.add(loaded["software"].split()[-1])
+        names = [one["name"] for one in loaded["pictures"]]
+        return View({n: read_picture(self.path(f"{name}_{n}.exr"))[:, :, :3] for n in names}, loaded)
+
+    # ---- the page
+
+    def heading(self, words, level=2):
+        self.parts.append(f"<h{level}>{text(words)}</h{level}>")
+        self.markdown.append(f"{'#' * (level + 1)} {words}")
+
+    def paragraph(self, *words):
+        self.parts.append(f"<p>{text(' '.join(words))}</p>")
+        self.markdown.append(textwrap.fill(" ".join(words), 150, break_long_words=False, break_on_hyphens=False))
+
+    def table(self, head, rows):
+        self.parts.append(table(head, rows))
+        plain = lambda cell: str(cell[0] if isinstance(cell, tuple) else cell).replace("|", "\\|")
+        lines = [head, ["---"] * len(head), *rows]
+        self.markdown.append("\n".join("| " + " | ".join(map(plain, line)) + " |" for line in lines))
+
+    def html(self, markup):
+        self.parts.append(markup)
+
+    def figures(self, shown, exposure=1.0, name="figure", small=False):
+        """`shown`: (linear picture, caption) each, beside one another."""
+        files = []
+        for picture, caption in shown:
+            self.picture_count += 1
+            files.append((f"page_{self.picture_count:02d}_{name}.png", caption))
+            write_picture(self.path(files[-1][0]), srgb(exposure * picture))
+        self.picture_files(files, small)
+
+    def picture_files(self, files, small=False):
+        """Pictures that lie in the folder: (file, caption) each, beside one another; `small`: no larger than a tile."""
+        cells = [f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}"></a>'
+                 f"<figcaption>{text(caption)}</figcaption></figure>" for file, caption in files]
+        self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
+
+    def strip(self, name, shown, zoom=1, crop=None, kind="png"):
+        """One picture, NAME.png, of several beside one another. `shown`: (displayed values 0..1, caption) each, in
+        squares of `zoom` x `zoom`; `crop`: rows and columns, as slices, of each. docs/images has it as NAME.KIND."""
+        parts = [picture[crop] if crop else picture for picture, _ in shown]
+        enlarged = [part.repeat(zoom, 0).repeat(zoom, 1) for part in parts]
+        write_picture(self.path(f"{name}.png"), np.concatenate(enlarged, axis=1))
+        captions = "; ".join(caption for _, caption in shown)
+        self.picture_files([(f"{name}.png", captions)])
+        self.strips.append((f"{name}.png", f"{name}.{kind}"))
+        self.markdown.append(f"![{captions}](images/{name}.{kind})")
+
+    def write_page(self):
+        rows = [[command, f"{seconds:.1f}"] for command, seconds in self.commands]
+        page = f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>multum: {text(self.title)}</title><style>{STYLE}</style></head><body>
+<h1>{text(self.title)}</h1>
+{"".join(self.parts)}
+<h2>How it was made</h2>
+{machine(self.devices, self.contexts, self.versions)}
+<details><summary>every command, and its seconds</summary>{table(["command", "seconds"], rows)}</details>
+</body></html>
+"""
+        partial = self.path("index.html.tmp")
+        partial.write_text(page, encoding="utf-8")
+        partial.replace(self.path("index.html"))
+
+    def section(self):
+        """What docs/PAPERS.md has of this page."""
+        of_maps = f"Maps that are made: {self.size} x {self.size}. " if self.has_made_maps else ""
+        # What leads to a picture of the page alone says nothing here.
+        parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
+                 if not part.endswith(":") or behind.startswith(("|", "!"))]
+        return "\n\n".join([f"## {self.title}", of_maps + machine_words(self.devices, self.contexts, self.versions),
+                            *parts]) + "\n"
+
+    def write_document_pictures(self, folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for file, name in self.strips:
+            write_picture(folder / name, read_picture(self.path(file))[:, :, :3])

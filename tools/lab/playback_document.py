@@ -1,0 +1,549 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Makes docs/PLAYBACK.md: the size and error of packed animations beside those of video codecs, and what they take.
+
+    tools/lab/playback_document.py FIELD... --work DIR --rows docs/playback_rows.json -o docs/PLAYBACK.md [--bin DIR]
+        [--parts PART...] [--again PART...] [--measure-nothing]
+
+FIELD is a folder of ray-traced frames that `multum animation` understands (docs/ANIMATION.md); each gets a section.
+Where a parameter of it runs over two things at once, --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT tells them apart.
+Textures are inferred once, into DIR; every figure is a row of the file of rows as soon as it is there, with the commit
+that it is of, and is not measured again while it is, unless its part is named by --again: what no change of multum
+reaches, as videos of traced frames, need not be coded anew. --measure-nothing makes the page of the rows alone. Videos
+need Debian's ffmpeg, and
+playing dav1d's library; the browser's figures are left out where there is none.
+"""
+import argparse
+import datetime
+import json
+import math
+import pathlib
+import re
+import shutil
+import sys
+import zlib
+
+import committed_tree
+from debian_python import use_a_python_with
+
+PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder", "inference": "inference",
+         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # and the kinds of their rows
+RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
+GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
+# Name, options of `multum pack`, colour and dash of the curve.
+PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
+            ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
+# What each part of the encoder brings: its options, as the binary has them.
+CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
+              ("plain pyramid over parameters", ("--pyramid", "plain")),
+              ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
+              ("open loop", ("--loop", "open")), ("no object above 1.25 times the mean", ("--alpha", "1.25")),
+              ("blocks of 4 samples a parameter", ("--block", "4")), ("every sample by itself", ("--pyramid", "none")))
+# Changes of the job's `[texture]`, and options of `multum infer`.
+INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolution_scale": 1.5}, ()),
+              ("ten times the regularisation", {"pyramid_weight": 1}, ()),
+              ("textures of twice the side", {"resolution_scale": 2}, ()),
+              ("a tenth of the regularisation", {"pyramid_weight": 0.01}, ()),
+              ("solved ten times nearer", {}, ("--tolerance", "1e-4")))
+
+
+class Rows:
+    """What was measured: one row for each field, kind and name, written as it comes."""
+
+    def __init__(self, path, commit):
+        self.path, self.commit = path, commit
+        self.all = json.loads(path.read_text()) if path.exists() else []
+
+    def find(self, field, kind, name):
+        return next((row for row in self.all if (row["field"], row["kind"], row["name"]) == (field, kind, name)), None)
+
+    def of(self, field, kind):
+        return [row for row in self.all if (row["field"], row["kind"]) == (field, kind)]
+
+    def forget(self, fields, kinds):
+        """What is to be measured again."""
+        self.all = [row for row in self.all if row["field"] not in fields or row["kind"] not in kinds]
+
+    def measured(self, field, kind, name, measure):
+        """The row that is there, or what `measure` returns."""
+        row = self.find(field, kind, name)
+        if row is None:
+            begin = datetime.datetime.now()
+            row = {"field": field, "kind": kind, "name": name, "commit": self.commit, **measure()}
+            self.all.append(row)
+            partial = self.path.with_suffix(".tmp")
+            partial.write_text(json.dumps(self.all, indent=1))
+            partial.replace(self.path)
+            shown = ", ".join(f"{k} {v:.6g}" for k, v in row.items() if isinstance(v, (int, float)))
+            print(f"{field}: {kind}, {name}: {shown} ({(datetime.datetime.now() - begin).seconds} s)", flush=True)
+        return row
+
+
+class FieldMeasurement:
+    """One field: its frames, traced and drawn of the inferred textures, and what is measured of it."""
+
+    def __init__(self, name, job, inferred, programs, rows, stated):
+        """`stated`: the ratios of tables."""
+        from fields import Field
+        self.name, self.inferred, self.programs, self.rows = name, inferred, programs, rows
+        self.stated, self.main = stated, ["--ratio", f"{stated[len(stated) // 2]:g}"]
+        self.field, self.scratch = Field(job), inferred.parent
+        self.traced = self.field.traced_frames()
+        self.own = programs.drawn_frames(inferred, self.field)
+
+    def packed(self, options, inferred=None):
+        """Bytes, errors and costs of what `multum pack` makes with these options; why not, where it refuses them."""
+        from fields import mse
+        unknown = self.programs.unknown_option(options)
+        if unknown:
+            return {"refused": f"there is no {unknown}"}
+        file = self.scratch / "packed.mpt"
+        done = self.programs.pack(inferred or self.inferred, file, options)
+        if done.code != 0:
+            return {"refused": done.text.strip().splitlines()[-1]}
+        frames = self.programs.unpacked_frames(file, self.field, self.scratch / "unpacked")
+        size = file.stat().st_size
+        file.unlink()
+        return {"bytes": size, "ratio": self.field.raw_bytes / size, "mse": mse(frames, self.traced),
+                "mse_beside_inferred": mse(frames, self.own), "seconds": done.seconds,
+                "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
+
+    def packed_at_main(self, options):
+        """As packed(), at the main ratio; what a curve has of it is not packed again."""
+        curve = next((name for name, theirs, *_ in PACKINGS if theirs == tuple(options)), None)
+        row = self.rows.find(self.name, "pack", f"{curve}, {self.main[1]}:1")
+        if row:
+            return {key: value for key, value in row.items() if key not in ("field", "kind", "name", "commit", "curve")}
+        return self.packed([*self.main, *options])
+
+    def measure_curves(self, ratios, coders):
+        for name, options, *_ in PACKINGS:
+            if (options[-1] if options else "auto") not in coders:
+                continue
+            for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # those of tables first
+                self.rows.measured(self.name, "pack", f"{name}, {ratio:g}:1",
+                                   lambda: {"curve": name, "asked": ratio,
+                                            **self.packed(["--ratio", f"{ratio:g}", *options])})
+
+    def measure_videos(self, video_codecs, beginnings):
+        """`beginnings`: of the names of the codecs, or None for all."""
+        from fields import mse
+        for codec in video_codecs.CODECS:
+            if beginnings and not codec.name.startswith(tuple(beginnings)):
+                continue
+            for quality in codec.qualities:
+                def measure():
+                    size, frames = video_codecs.coded(codec, quality, self.traced)
+                    return {"curve": codec.name, "quality": quality, "bytes": size,
+                            "ratio": self.field.raw_bytes / size, "mse": mse(frames, self.traced),
+                            "encoder": video_codecs.version()}
+                self.rows.measured(self.name, "video", f"{codec.name}, crf {quality}", measure)
+
+    def measure_coder_sets(self):
+        for name, options in CODER_SETS:
+            row = self.rows.find(self.name, "coder", name)
+            if row and "refused" in row and self.programs.unknown_option(options) is None:
+                self.rows.all.remove(row)  # an older binary did not have it
+            self.rows.measured(self.name, "coder", name, lambda: {
+                "options": " ".join(options), **self.packed_at_main(options)})
+
+    def measure_costs(self):
+        for threads in (1, 2):
+            self.rows.measured(self.name, "cost", f"{threads} threads", lambda: {
+                "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
+
+    def measure_dimensions(self, video_codecs, ratios):
+        """The field's first two parameters alone, at the middle of the others, then one more each time."""
+        from parameter_grid import with_leading_parameters
+        names = self.field.parameters
+        for kept in range(2, len(names) + 1):
+            def measure():
+                part = self
+                if kept < len(names):
+                    job, inferred = self.scratch / f"leading{kept}.toml", self.scratch / f"leading{kept}"
+                    job.write_text(with_leading_parameters(self.field.path.read_text(), kept))
+                    shutil.rmtree(inferred, ignore_errors=True)
+                    self.programs.infer(job, inferred)
+                    part = FieldMeasurement(self.name, job, inferred, self.programs, self.rows, self.stated)
+                return {"counts": part.field.counts, "raw_bytes": part.field.raw_bytes,
+                        **part.errors_of_growth(video_codecs, ratios)}
+            self.rows.measured(self.name, "dimension", ", ".join(names[:kept]), measure)
+
+    def errors_of_growth(self, video_codecs, ratios):
+        """`at`: of each ratio, errors of what is packed, all and beside inferred textures, and of a video."""
+        from fields import mse
+        points = []
+        for ratio in ratios:
+            size, frames = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
+            packed = self.packed(["--ratio", f"{ratio:g}"])
+            points.append({"ratio": ratio, "pack": packed.get("mse"), "beside": packed.get("mse_beside_inferred"),
+                           "video": mse(frames, self.traced), "video_ratio": self.field.raw_bytes / size})
+        return {"own": mse(self.own, self.traced), "at": points}
+
+    def stated_errors(self, inferred):
+        """MSE at each stated ratio, and the processor seconds of packing at the main one; of a curve, where it has
+        them."""
+        result = {}
+        for ratio in self.stated:
+            row = self.rows.find(self.name, "pack", f"{PACKINGS[0][0]}, {ratio:g}:1") if inferred is None else None
+            packed = row or self.packed(["--ratio", f"{ratio:g}"], inferred)
+            result[f"mse_{ratio:g}"] = packed.get("mse")
+            if self.main[1] == f"{ratio:g}":
+                result["pack_seconds"] = packed.get("processor_seconds")
+        return result
+
+    def measure_playing(self, video_codecs):
+        from playing import measure_playing
+        packed = self.rows.find(self.name, "pack", f"{PACKINGS[0][0]}, {self.main[1]}:1")
+
+        def quality_of(codec):
+            known = [row for row in self.rows.of(self.name, "video") if row["curve"] == codec.name]
+            if packed is None or not known:
+                sys.exit("playing is compared at equal error: measure curves and video first")
+            return min(known, key=lambda row: abs(math.log(row["mse"] / packed["mse"])))["quality"]
+
+        measure_playing(self, video_codecs, quality_of)
+
+    def measure_inference(self, keeps, ways):
+        """`keeps`: textures of all ways stay in the work folder. `ways`: the first so many of INFERENCES."""
+        from fields import error_places, mse, squared_errors
+        numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
+        places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
+        for name, changes, options in INFERENCES[:ways]:
+            def measure():
+                if not changes and not options:
+                    row = self.rows.find(self.name, "field", "inferred")
+                    return {"own": mse(self.own, self.traced), "places": places(self.own),
+                            "infer_seconds": row["processor_seconds"], **self.stated_errors(None)}
+                job = self.field.path.with_name("changed.toml")
+                job.write_text(with_texture_settings(self.field.path.read_text(), changes))
+                inferred = self.scratch / "changed"
+                shutil.rmtree(inferred, ignore_errors=True)
+                done = self.programs.infer(job, inferred, options)
+                frames = self.programs.drawn_frames(inferred, self.field)
+                errors = self.stated_errors(inferred)
+                if not keeps:
+                    shutil.rmtree(inferred)
+                return {"own": mse(frames, self.traced), "places": places(frames),
+                        "infer_seconds": done.processor_seconds, **errors}
+            self.rows.measured(self.name, "inference", name, measure)
+
+
+def with_texture_settings(job, changes):
+    """The text of a job with other values of keys that `[texture]` has."""
+    head, texture, rest = re.split(r"^(\[texture\]\n(?:(?!\[).*\n)*)", job, maxsplit=1, flags=re.MULTILINE)
+    for key, value in changes.items():
+        texture, count = re.subn(rf"^{key} = [^\s#]+", f"{key} = {value}", texture, flags=re.MULTILINE)
+        if count != 1:
+            sys.exit(f"the job has no {key} in [texture]")
+    return head + texture + rest
+
+
+def prepared(folder, work, programs, rows, split):
+    """Makes the job and infers the textures, where that was not done. Name, job, folder of textures. `split`: a
+    parameter that is several, and these, as with_split_parameter has them; or None."""
+    from fields import Field, mse
+    from parameter_grid import with_split_parameter
+    name = folder.name
+    own = work / name
+    job, inferred = own / "animation.toml", own / "inferred"
+    own.mkdir(parents=True, exist_ok=True)
+    if not job.exists():
+        programs.job(folder, job)
+        if split:
+            job.write_text(with_split_parameter(job.read_text(), *split))
+
+    def measure():
+        if not (inferred / "inferred.json").exists():
+            shutil.rmtree(inferred, ignore_errors=True)  # of a run that was stopped: its seconds would not count
+        done = programs.infer(job, inferred)
+        field = Field(job)
+        geometry = field.geometry.read_bytes()
+        return {"width": field.width, "height": field.height, "counts": field.counts, "parameters": field.parameters,
+                "objects": [one["name"] for one in field.job["object"]], "raw_bytes": field.raw_bytes,
+                "geometry": field.geometry.name, "geometry_bytes": len(geometry),
+                "geometry_deflated_bytes": len(zlib.compress(geometry, 9)),
+                "own": mse(programs.drawn_frames(inferred, field), field.traced_frames()),
+                "processor_seconds": done.processor_seconds, "seconds": done.seconds,
+                "memory_bytes": done.memory_bytes}
+
+    if rows.find(name, "field", "inferred") is None:
+        shutil.rmtree(inferred, ignore_errors=True)  # all of it counts
+    rows.measured(name, "field", "inferred", measure)
+    return name, job, inferred
+
+
+# ---- the page
+
+def table(head, rows):
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in [head, ["---"] * len(head), *rows])
+
+
+def curve_points(rows, name, of):
+    return [(row["ratio"], row["mse"]) for row in of if row.get("curve") == name and "refused" not in row]
+
+
+def number(value, digits=1):
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def field_words(row):
+    counts = " x ".join(f"{count} of {name}" for count, name in zip(row["counts"], row["parameters"]))
+    return (f"{counts}, {row['width']} x {row['height']} pixels; {', '.join(row['objects'])}. "
+            f"Raw 24-bit frames: {row['raw_bytes']:,} bytes.")
+
+
+def curves_of(rows, name, codec_names):
+    """(name, colour, dash, points) of everything that was measured of a field."""
+    packs, videos = rows.of(name, "pack"), rows.of(name, "video")
+    curves = [(label, colour, dash, curve_points(rows, label, packs)) for label, _, colour, dash in PACKINGS]
+    looks = ((1, 0), (1, 1), (2, 0), (2, 1), (3, 0))
+    return curves + [(label, *look, curve_points(rows, label, videos)) for label, look in zip(codec_names, looks)]
+
+
+def at_ratios(rows, name, video_codecs, stated):
+    """The table at the stated ratios, and words on what multum pack reaches beside the leading codec."""
+    from curves import value_at
+    curves = [one for one in curves_of(rows, name, [one.name for one in video_codecs.CODECS]) if one[3]]
+    leading = {ratio: value_at(points, ratio) for label, _, _, points in curves if label == video_codecs.LEADING
+               for ratio in stated}
+    lines = []
+    for label, _, _, points in curves:
+        cells = []
+        for ratio in stated:
+            here, best = value_at(points, ratio), leading.get(ratio)
+            cells.append(f"{here:.1f} ({here / best:.2f})" if here and best else number(here))
+        lines.append([label, *cells])
+    head = ["MSE", *[f"{ratio:g}:1" for ratio in stated]]
+    words = []
+    own = next((points for label, _, _, points in curves if label == PACKINGS[0][0]), [])
+    for ratio in stated:
+        here, best = value_at(own, ratio), leading.get(ratio)
+        if here and best:
+            words.append(f"{ratio:g}:1: {100 * abs(1 - here / best):.0f} % {'less' if here < best else 'more'}")
+    said = f"`multum pack` beside {video_codecs.LEADING}, MSE: {'; '.join(words)}." if words else ""
+    return table(head, lines), said
+
+
+def curves_section(rows, name, video_codecs, stated, pictures):
+    from curves import picture
+    curves = curves_of(rows, name, [one.name for one in video_codecs.CODECS])
+    if not any(points for *_, points in curves):
+        return []
+    pictures.mkdir(parents=True, exist_ok=True)
+    file = pictures / f"playback_{name}.svg"
+    file.write_text(picture(f"Error over compression ratio of {name}", curves, stated))
+    at_stated, said = at_ratios(rows, name, video_codecs, stated)
+    points = [[row["name"], f"{row['bytes']:,}", f"{row['ratio']:.1f}", f"{row['mse']:.2f}",
+               number(row.get("mse_beside_inferred"), 2)]
+              for row in sorted(rows.of(name, "pack") + rows.of(name, "video"),
+                                key=lambda row: (row["kind"], row["curve"], row.get("ratio", 0)))
+              if "refused" not in row]
+    return [f"![MSE over compression ratio](images/{file.name})", at_stated,
+            f"In brackets: over {video_codecs.LEADING}. \"-\": the curve does not reach so far. " + said,
+            "<details><summary>Every point of the curves</summary>\n\n" +
+            table(["what", "bytes", "ratio", "MSE", "MSE beside inferred textures"], points) + "\n\n</details>"]
+
+
+def coder_section(rows, name, main):
+    found = {row["name"]: row for row in rows.of(name, "coder")}
+    done = [(label, found[label]) for label, _ in CODER_SETS if label in found and "refused" not in found[label]]
+    if not done:
+        return []
+    base = done[0][1]["mse"]
+    lines = [[label, f"`{row['options']}`" if row["options"] else "", f"{row['ratio']:.1f}", f"{row['mse']:.1f}",
+              f"{row['mse'] / base:.2f}", f"{row['mse_beside_inferred']:.1f}", f"{row['processor_seconds']:.0f}"]
+             for label, row in done]
+    left_out = [f"{label} ({found[label]['refused']})" for label, _ in CODER_SETS
+                if label in found and "refused" in found[label]]
+    return [f"### What each part of the coder brings, at {main:g}:1",
+            table(["", "options", "ratio", "MSE", "over the first", "MSE beside inferred textures", "processor, s"],
+                  lines), *([f"Left out: {'; '.join(left_out)}."] if left_out else [])]
+
+
+def inference_section(rows, name, stated):
+    found = rows.of(name, "inference")
+    if not found:
+        return []
+    parts = [f"### Where the error of inference lies",
+             "Frames drawn of the inferred textures, nothing coded, beside the traced ones. Silhouette: pixels with "
+             "another object beside them. Parts are of the MSE of all pixels."]
+    keys = [(one["object"], one["place"]) for one in found[0]["places"]]
+    lines = []
+    for row in found:
+        places = {(one["object"], one["place"]): one for one in row["places"]}
+        silhouette = sum(one["part"] for one in row["places"] if one["place"] == "silhouette")
+        lines.append([row["name"], f"{row['own']:.2f}", f"{silhouette:.2f}", f"{row['own'] - silhouette:.2f}",
+                      *[number(row.get(f"mse_{ratio:g}")) for ratio in stated], f"{row['infer_seconds']:.0f}",
+                      number(row.get("pack_seconds"), 0)])
+    main = stated[len(stated) // 2]
+    parts.append(table(["inferred", "MSE", "part of silhouettes", "part of interiors",
+                        *[f"MSE at {ratio:g}:1" for ratio in stated], "inference, processor s",
+                        f"packing at {main:g}:1"], lines))
+    lines = []
+    for key in keys:
+        cells = []
+        for row in found:
+            one = next((p for p in row["places"] if (p["object"], p["place"]) == key), None)
+            cells.append(f"{one['mse']:.1f} ({one['part']:.2f})" if one else "-")
+        share = next(p["pixels"] for p in found[0]["places"] if (p["object"], p["place"]) == key)
+        lines.append([f"{key[0] or 'nothing'}, {key[1]}", f"{100 * share:.1f}", *cells])
+    parts.append(table(["MSE there (part of all)", "% of pixels", *[row["name"] for row in found]], lines))
+    return parts
+
+
+def costs_section(rows, name, main):
+    found, field = rows.of(name, "cost"), rows.find(name, "field", "inferred")
+    found = [row for row in found if "refused" not in row]
+    if not found:
+        return []
+    samples = math.prod(field["counts"])
+    line = lambda what, row: [what, f"{row['seconds']:.0f}", f"{row['processor_seconds']:.0f}",
+                              f"{row['processor_seconds'] / samples:.2f}", f"{row['memory_bytes'] / 2 ** 20:.0f}"]
+    return ["### What it takes",
+            table(["", "seconds", "processor, s", "processor, s a sample", "memory, MiB"],
+                  [line("`multum infer`, no frames, no comparison", field),
+                   *[line(f"`multum pack --ratio {main:g} --threads {row['threads']}`", row) for row in found]]),
+            f"Packing takes {found[-1]['processor_seconds'] / field['processor_seconds']:.2f} of the processor seconds "
+            "of inference. Seconds are of a machine that may have done other work beside; memory is the most that one "
+            "process held."]
+
+
+def dimensions_section(rows, name, leading):
+    found = rows.of(name, "dimension")
+    if len(found) < 2:
+        return []
+    lines = []
+    for row in found:
+        cells = [cell for at in row["at"] for cell in (
+            number(at["pack"]), number(at["beside"]), f"{at['video']:.1f} ({at['video_ratio']:.0f}:1)")]
+        lines.append([row["name"], math.prod(row["counts"]), f"{row['raw_bytes']:,}", number(row["own"]), *cells])
+    head = ["parameters", "samples", "raw bytes", "MSE of inferred textures"]
+    for at in found[0]["at"]:
+        head += [f"MSE at {at['ratio']:g}:1", "beside inferred textures", leading]
+    before, after = found[-2]["at"][-1], found[-1]["at"][-1]
+    words = ""
+    if after["beside"] and before["beside"]:
+        words = (f" With `{found[-1]['name'].split(', ')[-1]}` as one parameter more, what packing adds at "
+                 f"{after['ratio']:g}:1 is {after['beside'] / before['beside']:.2f} times as much, and the error of "
+                 f"{leading} {after['video'] / before['video']:.2f} times.")
+    return ["### What another parameter costs",
+            table(head, lines),
+            "The first parameters alone are at the middle samples of the others. At one ratio a field of more samples "
+            "has as many times the bytes." + words]
+
+
+def document(rows, names, video_codecs, stated, machine, pictures):
+    from playing import playing_section
+    main = stated[len(stated) // 2]
+    parts = ["# Packed animations beside video codecs",
+             f"Generated by `tools/lab/playback_document.py` ({machine}). Do not edit.",
+             "Each field names the commits that it was measured at: what no change since has reached is not measured "
+             "again.",
+             "Fields of ray-traced frames over some parameters ([ANIMATION](ANIMATION.md)): their textures inferred by "
+             "`multum infer`, packed by `multum pack`, unpacked and drawn by `multum-view sample`. MSE: mean squared "
+             "error of red, green and blue in 8-bit values at gamma 2.2, over all pixels of all samples, silhouettes "
+             "included, beside the traced frames. A ratio is that of raw 24-bit frames to all that is stored but the "
+             "scene's geometry, whose bytes each section names.",
+             "Videos are of the traced frames, the last parameter fastest, to and fro, so that neighbours differ by "
+             "one step of one parameter; AV1 by `libaom-av1 -cpu-used 4`, x265 by `-preset slow`, both at constant "
+             "quality, BT.709 4:4:4, 10 bit, full range; AVIF is its coding of each frame by itself, `-usage "
+             "allintra`. Bytes are of the stream, without container. With a key frame every 64 a random sample costs "
+             "up to 64 decoded frames; a chunk of `multum pack` is read by itself. Between measured points values are "
+             "taken from a line in logarithms of ratio and MSE."]
+    for name in names:
+        row = rows.find(name, "field", "inferred")
+        if row is None:
+            continue
+        commits = ", ".join(sorted({one["commit"].removeprefix("commit ") for one in rows.all if one["field"] == name}))
+        parts += [f"## {name}", f"{field_words(row)} Measured at {commits}.",
+                  f"Not counted, and needed beside every packed file: the geometry, `{row['geometry']}`, "
+                  f"{row['geometry_bytes']:,} bytes, {row['geometry_deflated_bytes']:,} deflated. Frames drawn of the "
+                  f"inferred textures, nothing packed, have an MSE of {row['own']:.1f}.",
+                  *curves_section(rows, name, video_codecs, stated, pictures), *coder_section(rows, name, main),
+                  *inference_section(rows, name, stated), *costs_section(rows, name, main),
+                  *dimensions_section(rows, name, video_codecs.LEADING),
+                  *playing_section(rows, name, table)]
+    return "\n\n".join(parts) + "\n"
+
+
+def split_parameter(parser, text):
+    """("PARAMETER", [("NAME", COUNT), ...]) of PARAMETER=NAME:COUNT,..."""
+    found = re.fullmatch(r"(\w+)=(\w+:[1-9]\d*(?:,\w+:[1-9]\d*)+)", text)
+    if not found:
+        parser.error(f"--split: '{text}' is not PARAMETER=NAME:COUNT,NAME:COUNT")
+    parts = [one.split(":") for one in found.group(2).split(",")]
+    return found.group(1), [(name, int(count)) for name, count in parts]
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("fields", nargs="+", type=pathlib.Path, metavar="FIELD")
+    parser.add_argument("--bin", default="build/release/bin", type=pathlib.Path, help="folder of multum, multum-view")
+    parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of textures and packed files")
+    parser.add_argument("--rows", type=pathlib.Path, help="file of what was measured (default: WORK/rows.json)")
+    parser.add_argument("--parts", nargs="+", default=[*PARTS], choices=PARTS, help="what is measured (default: all)")
+    parser.add_argument("--again", nargs="+", default=[], choices=PARTS, help="parts whose rows are measured again")
+    parser.add_argument("--split", nargs=2, action="append", default=[], metavar=("FIELD", "PARAMETER=NAME:COUNT,..."),
+                        help="a field's parameter that is several, the last of which runs fastest")
+    parser.add_argument("--ratios", nargs="+", type=float, default=[48, 96, 192, 384, 768, 1000],
+                        help="of the curves of multum pack")
+    parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"), help="of the curves of multum pack")
+    parser.add_argument("--videos", nargs="+", help="codecs by their names' beginnings, as 'AV1' (default: all)")
+    parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
+                        help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
+    parser.add_argument("--growth", nargs="+", type=float, default=GROWTH_RATIOS,
+                        help="ratios at which more and more parameters are compared (default: 96 192)")
+    parser.add_argument("--measure-nothing", action="store_true", help="make the page of the rows that are there")
+    parser.add_argument("--context", default="auto", help="GL that draws: auto, egl, osmesa")
+    parser.add_argument("--inferences", type=int, default=len(INFERENCES),
+                        help="ways to infer that are compared, the first so many")
+    parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
+    parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
+    committed_tree.add_option(parser)
+    given = parser.parse_args()
+    given.split = [(field, split_parameter(parser, text)) for field, text in given.split]
+    return given
+
+
+def main():
+    given = arguments()
+    commit = committed_tree.stated_commit(given.allow_dirty)
+    use_a_python_with("numpy", "OpenImageIO")
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "playback"))
+    import video_codecs
+    from programs import Programs
+    if {"video", "dimensions"} & set(given.parts) and not given.measure_nothing:
+        video_codecs.require_ffmpeg()
+    given.work.mkdir(parents=True, exist_ok=True)
+    programs, rows = Programs(given.bin, given.context), Rows(given.rows or given.work / "rows.json", commit)
+    if not given.measure_nothing:
+        rows.forget([folder.name for folder in given.fields], [PARTS[part] for part in given.again])
+    for folder in [] if given.measure_nothing else given.fields:
+        split = next((one for name, one in given.split if name == folder.name), None)
+        field = FieldMeasurement(*prepared(folder, given.work, programs, rows, split), programs, rows, given.stated)
+        if "curves" in given.parts:
+            field.measure_curves(given.ratios, given.coders)
+        if "video" in given.parts:
+            field.measure_videos(video_codecs, given.videos)
+        if "coder" in given.parts:
+            field.measure_coder_sets()
+        if "costs" in given.parts:
+            field.measure_costs()
+        if "dimensions" in given.parts and len(field.field.parameters) > 2:
+            field.measure_dimensions(video_codecs, given.growth)
+        if "playing" in given.parts:
+            field.measure_playing(video_codecs)
+        if "inference" in given.parts:
+            field.measure_inference(given.keep, given.inferences)
+    names = [folder.name for folder in given.fields]
+    used = [row for row in rows.all if row["field"] in names]
+    machine = "; ".join([programs.version(), f"on {programs.devices()}",
+                         *sorted({row["encoder"] for row in used if "encoder" in row})])
+    given.output.parent.mkdir(parents=True, exist_ok=True)
+    given.output.write_text(document(rows, names, video_codecs, given.stated, machine, given.output.parent / "images"))
+    print(f"the document: {given.output}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

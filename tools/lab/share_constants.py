@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Processor times of the shares of a map beside what `multum plan --shards N` predicts by the constants of
+host/bakes/scene/share_cost.cpp.
+
+    tools/lab/share_constants.py --multum build/release/bin/multum  # a table of settings and counts
+    tools/lab/share_constants.py --multum build/release/bin/multum --check --size 1024
+                                                                           # exit code 1: off by over a third
+
+What other machines are faster or slower by is no error of the model: --check compares each part's share of the whole.
+"""
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+from measured_run import succeed
+
+SETTINGS = (("--lobes", "4"), ("--lobes", "2"), ("--lobes", "4", "--first-level", "2"),
+            ("--lobes", "4", "--albedo", "@_albedo.png"), ("--lobes", "4", "--no-measure"))
+ALLOWED = 1.0 / 3.0
+
+
+class Shares:
+    """Bakes of the four-quarter map of one size, timed."""
+
+    def __init__(self, multum, folder, size, repeat):
+        self.multum, self.size, self.repeat = multum, size, repeat
+        self.path = os.path.join(folder, f"q{size}")
+        subprocess.run([multum, "testmap", "--size", str(size), self.path], check=True, capture_output=True)
+
+    def words(self, options):
+        return [self.path + "_normal.png", "--quiet", *(option.replace("@", self.path) for option in options)]
+
+    def seconds(self, *options):
+        """Processor time of a bake and its children: the least of some runs, since other work only adds."""
+        least = float("inf")
+        for _ in range(self.repeat):
+            words = [self.multum, "bake", *self.words(options), "-o", self.path + ".ndf.exr", "--force"]
+            least = min(least, succeed(words).processor_seconds)
+        return least
+
+    def merge_seconds(self, count, *options):
+        """Merging takes the shares away: once."""
+        repeat, self.repeat = self.repeat, 1
+        seconds = self.seconds(*options, "--merge", str(count))
+        self.repeat = repeat
+        return seconds
+
+    def measured(self, count, options):
+        """Of one process, share 0, the band with the most rows around it, and the merge."""
+        whole = self.seconds(*options)
+        times = [self.seconds(*options, "--shard", f"{i}/{count}") for i in range(count + 1)]
+        return [whole, times[0], max(times[1:]), self.merge_seconds(count, *options)]
+
+    def predicted(self, count, options):
+        plan = json.loads(subprocess.run(
+            [self.multum, "plan", *self.words(options), "--shards", str(count), "--json"], check=True,
+            capture_output=True, text=True).stdout)
+        return [plan["processor_seconds"], plan["coarse_seconds"], max(plan["band_seconds"]), plan["merge_seconds"]]
+
+
+PARTS = ("one process", "share 0", "band", "merge")
+
+
+def check(shares, counts):
+    """Whether all parts are within the bound."""
+    is_within = True
+    for count in counts:
+        measured, predicted = shares.measured(count, SETTINGS[0]), shares.predicted(count, SETTINGS[0])
+        speed = predicted[0] / measured[0]
+        for part, m, p in zip(PARTS, measured, predicted):
+            ratio = p / m / speed
+            is_within = is_within and 1.0 - ALLOWED <= ratio <= 1.0 + ALLOWED
+            print(f"{shares.size} x {shares.size}, {count} bands, {part:<12} measured {m:7.2f} s, predicted "
+                  f"{p:7.2f} s, to one process {ratio:.2f}")
+    return is_within
+
+
+def table(shares, counts):
+    """All settings: measured and predicted."""
+    for options in SETTINGS:
+        for count in counts:
+            measured, predicted = shares.measured(count, options), shares.predicted(count, options)
+            print(f"{shares.size} {count} {' '.join(options):<32} "
+                  + "  ".join(f"{m:6.2f}/{p:6.2f}={p / m:4.2f}" for m, p in zip(measured, predicted)), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--multum", default="build/release/bin/multum")
+    parser.add_argument("--size", type=int, default=2048)
+    parser.add_argument("--counts", type=int, nargs="+", default=[2, 8])
+    parser.add_argument("--repeat", type=int, default=1)
+    parser.add_argument("--check", action="store_true")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        shares = Shares(options.multum, folder, options.size, options.repeat)
+        if not options.check:
+            table(shares, options.counts)
+        elif not check(shares, options.counts):
+            sys.exit(f"a part is off by more than {ALLOWED:.2f}")
+
+
+if __name__ == "__main__":
+    main()

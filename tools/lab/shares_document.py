@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Makes docs/SHARES.md: what one map takes in shares, beside one bake of it and beside what `multum plan` predicts.
+
+    tools/lab/shares_document.py --multum build/release/bin/multum --folder FOLDER -o docs/SHARES.md
+
+FOLDER is on the disk that is measured; some 8 GB are needed there for a map of 16384 x 16384, and half an hour of two
+cores, which should have nothing else to do. Runs that are in the file of --state are not made again; the plan is.
+"""
+
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import platform
+import sys
+
+import committed_tree
+import report_page
+from measured_run import succeed
+
+PARTS = (("coarse", "share 0"), ("band", "bands"), ("merge", "merge"))
+
+
+def machine_words():
+    model = report_page.first_value("/proc/cpuinfo", "model name") or platform.machine()
+    memory = int(report_page.first_value("/proc/meminfo", "MemTotal").split()[0]) / 2 ** 20
+    system = report_page.first_value("/etc/os-release", "PRETTY_NAME")
+    return f"{os.cpu_count()} cores of {model}, {memory:.0f} GiB of memory, {system}"
+
+
+def sha256(path):
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+class Bakes:
+    """One map, baked whole and in shares."""
+
+    def __init__(self, multum, folder, size, count):
+        self.multum, self.count = multum, count
+        self.map = folder / f"q{size}_normal.png"
+        if not self.map.exists():
+            succeed([multum, "testmap", "--size", size, folder / f"q{size}"])
+        self.output = folder / "out.ndf.exr"
+
+    def bake(self, *options):
+        done = succeed([self.multum, "bake", self.map, "-o", self.output, "--quiet", *options])
+        return {"processor_s": done.processor_seconds, "memory": done.memory_bytes}
+
+    def whole(self):
+        self.output.unlink(missing_ok=True)
+        run = self.bake()
+        return {**run, "sha256": sha256(self.output)}
+
+    def shared(self, processes):
+        """Share 0, then bands so many at a time, then the merge. What a stopped run left is not taken for theirs."""
+        for old in self.output.parent.glob(self.output.name + "*"):
+            old.unlink()
+        coarse = self.bake("--shard", f"0/{self.count}")
+        with concurrent.futures.ThreadPoolExecutor(processes) as pool:
+            bands = list(pool.map(lambda i: self.bake("--shard", f"{i}/{self.count}"), range(1, self.count + 1)))
+        merge = self.bake("--merge", str(self.count))
+        return {"coarse": [coarse], "band": bands, "merge": [merge], "sha256": sha256(self.output)}
+
+    def plan(self):
+        plan = json.loads(succeed([self.multum, "plan", self.map, "--shards", self.count, "--json", "--quiet"]).text)
+        return {"whole": plan["processor_seconds"], "coarse": [plan["coarse_seconds"]], "band": plan["band_seconds"],
+                "merge": [plan["merge_seconds"]]}
+
+
+def seconds(runs):
+    return sum(run["processor_s"] for run in runs)
+
+
+def total(run):
+    return sum(seconds(run[key]) for key, _ in PARTS)
+
+
+def whole_seconds(one):
+    """Of a round: the mean of the bakes before and after its shares."""
+    return seconds(one["wholes"]) / len(one["wholes"])
+
+
+def mib(runs):
+    return max(run["memory"] for run in runs) >> 20
+
+
+def span(values, form):
+    low, high = form.format(min(values)), form.format(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def section(size, rounds, processes, plan):
+    """One size: what was taken, and how parts compare with the plan, each as a part of its own whole."""
+    wholes = [run for one in rounds for run in one["wholes"]]
+    hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
+    if len(hashes) != 1:
+        sys.exit(f"{size}: shares made another file than one bake: {sorted(hashes)}")
+    rows = [f"| one bake | | | | {span([w['processor_s'] for w in wholes], '{:.1f}')} | | {mib(wholes)} |"]
+    for count in processes:
+        runs = [one[str(count)] for one in rounds]
+        ratios = [total(one[str(count)]) / whole_seconds(one) for one in rounds]
+        cells = " | ".join(span([seconds(run[key]) for run in runs], "{:.1f}") for key, _ in PARTS)
+        memory = ", ".join(f"{max(mib(run[key]) for run in runs)} ({name})" for key, name in PARTS)
+        rows.append(f"| {count} at a time | {cells} | {span([total(run) for run in runs], '{:.1f}')} | "
+                    f"{span(ratios, '{:.2f}')} | {memory} |")
+    predicted = plan["whole"]
+    parts = []
+    for key, name in PARTS:
+        asked = [100 * p / predicted for p in plan[key]]
+        found = [100 * run["processor_s"] / whole_seconds(one)
+                 for one in rounds for count in processes for run in one[str(count)][key]]
+        off = [want * whole_seconds(one) / run["processor_s"] - 100 for one in rounds
+               for count in processes for run, want in zip(one[str(count)][key], asked)]
+        name = "a band" if key == "band" else name
+        parts.append(f"| {name} | {span(asked, '{:.1f}')} | {span(found, '{:.1f}')} | {span(off, '{:+.0f}')} |")
+    return f"""## {size} x {size}
+
+Processor seconds, and MiB of memory of the largest process of each kind{
+    "" if len(rounds) == 1 else f", of {len(rounds)} rounds"}. One bake before all of
+them and one after: what shares take is divided by their mean. The same SHA-256 each time.
+
+| | share 0 | bands, in all | merge | in all | times one bake | MiB |
+|---|---|---|---|---|---|---|
+{chr(10).join(rows)}
+
+Parts in % of one bake, as `multum plan --shards` has them and as they were measured, and how far the plan is off:
+
+| | plan | measured | off, % of the measured |
+|---|---|---|---|
+{chr(10).join(parts)}
+"""
+
+
+def page_text(state, count, processes, planned):
+    sections = [section(size, found["rounds"], processes, found["plan"])
+                for size, found in sorted(state["sizes"].items(), key=lambda item: int(item[0]))]
+    return f"""# What shares of one map take
+
+Generated by `tools/lab/shares_document.py`. Do not edit. Measured: {state["source"]},
+on {state["machine"]}; plan: {planned}.
+
+The four-quarter map of `multum testmap` as PNG, four lobes, defaults, in {count} bands ([FARMS](FARMS.md), "Shares of
+one map"): share 0, then the bands, so many processes at a time, then the merge, all on one machine, with all its
+threads each.
+
+{chr(10).join(sections)}"""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--multum", default="build/release/bin/multum")
+    parser.add_argument("--folder", type=pathlib.Path, required=True, help="for maps and shares")
+    parser.add_argument("--sizes", type=int, nargs="+", default=[8192, 16384])
+    parser.add_argument("--shards", type=int, default=8)
+    parser.add_argument("--processes", type=int, nargs="+", default=[1, 2, 4])
+    parser.add_argument("--rounds", type=int, nargs="+", default=[1, 1], help="for each size")
+    parser.add_argument("--state", type=pathlib.Path, help="JSON of runs, written after each")
+    committed_tree.add_option(parser)
+    parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
+    options = parser.parse_args()
+    if len(options.rounds) != len(options.sizes):
+        parser.error(f"--rounds has {len(options.rounds)} numbers, expected {len(options.sizes)}, one for each size")
+    options.folder.mkdir(parents=True, exist_ok=True)
+    state = {"sizes": {}}
+    if options.state and options.state.exists():
+        state = json.loads(options.state.read_text())
+    planned = committed_tree.stated_commit(options.allow_dirty)
+    state["source"] = state.get("source") or planned
+    state["machine"] = state.get("machine") or machine_words()
+
+    def keep():
+        if options.state:
+            options.state.write_text(json.dumps(state, indent=1) + "\n")
+
+    for size, rounds in zip(options.sizes, options.rounds):
+        found = state["sizes"].setdefault(str(size), {"rounds": []})
+        bakes = Bakes(options.multum, options.folder, size, options.shards)
+        found["plan"] = bakes.plan()
+        while len(found["rounds"]) < rounds:
+            one = {"wholes": [bakes.whole()]}
+            print(f"{size}: one bake {whole_seconds(one):.1f} s", flush=True)
+            for count in options.processes:
+                run = one[str(count)] = bakes.shared(count)
+                print(f"{size}: {count} at a time {total(run):.1f} s", flush=True)
+            one["wholes"].append(bakes.whole())
+            print(f"{size}: one bake {whole_seconds(one):.1f} s", flush=True)
+            found["rounds"].append(one)
+            keep()
+    options.output.write_text(page_text(state, options.shards, options.processes, planned))
+
+
+if __name__ == "__main__":
+    main()
