@@ -75,7 +75,8 @@ MomentMaterial::MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap
 }
 
 ShaderParts moment_shader_parts(MomentShading shading) {
-  ShaderParts parts{{}, {shader_brdf_blinn_phong_glsl, shader_common_moment_shading_glsl, shader_surface_normals_glsl}};
+  ShaderParts parts{
+      {}, {brdf_shader_text("blinn_phong.glsl"), shader_common_moment_shading_glsl, shader_surface_normals_glsl}};
   parts.flags.push_back(shading == MomentShading::kToksvig ? "MULTUM_TOKSVIG" : "MULTUM_LEAN");
   if (shading == MomentShading::kLeanJacobian) parts.flags.push_back("MULTUM_JACOBIAN");
   return parts;

@@ -15,31 +15,20 @@
 namespace multum::gl {
 namespace {
 
-std::string terms_flag(const Brdf& brdf) { return "MULTUM_TERM_COUNT " + std::to_string(brdf.term_count); }
-
 std::vector<glm::vec3> to_floats(const std::vector<glm::dvec3>& values) { return {values.begin(), values.end()}; }
 
-ShaderParts parts_of_kind(const Brdf& brdf) {
-  switch (brdf.kind) {
-    case BrdfKind::kLambert: return {{"MULTUM_LAMBERT"}, {}};
-    case BrdfKind::kBlinnPhong: return {{"MULTUM_BLINN_PHONG"}, {shader_brdf_blinn_phong_glsl}};
-    case BrdfKind::kTorranceSparrow: return {{"MULTUM_TORRANCE_SPARROW"}, {shader_brdf_torrance_sparrow_glsl}};
-    case BrdfKind::kCookTorrance:
-      return {{"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"},
-              {shader_brdf_torrance_sparrow_glsl, shader_brdf_cook_torrance_glsl}};
-    case BrdfKind::kGgx:
-      return {{"MULTUM_GGX", "MULTUM_VISIBILITY"},
-              {shader_brdf_cook_torrance_glsl, shader_brdf_ggx_glsl, shader_brdf_ggx_lobe_glsl}};
-    case BrdfKind::kMeasured:
-      return {{"MULTUM_MEASURED", terms_flag(brdf)}, {shader_brdf_measured_glsl, shader_brdf_terms_glsl}};
-  }
-  return {};
+ShaderParts parts_of_family(const Brdf& brdf) {
+  const BrdfFamily& family = family_of(brdf);
+  ShaderParts parts{{family.shader_flags.begin(), family.shader_flags.end()}, {}};
+  if (family.shader_takes_terms) parts.flags.push_back("MULTUM_TERM_COUNT " + std::to_string(brdf.term_count));
+  for (const std::string_view file : family.shader_files) parts.texts.push_back(brdf_shader_text(file));
+  return parts;
 }
 
 }  // namespace
 
 ShaderParts brdf_shader_parts(const Brdf& brdf) {
-  ShaderParts parts = parts_of_kind(brdf);
+  ShaderParts parts = parts_of_family(brdf);
   if (brdf.fixed_fresnel) return parts;
   if (has_fresnel(brdf)) parts.flags.push_back("MULTUM_FRESNEL");
   if (has_diffuse_fresnel(brdf)) parts.flags.push_back("MULTUM_FRESNEL_DIFFUSE");
@@ -48,7 +37,7 @@ ShaderParts brdf_shader_parts(const Brdf& brdf) {
 
 BrdfShading::Numbers BrdfShading::numbers_of(const Brdf& brdf) {
   Numbers numbers{static_cast<float>(equivalent_exponent(brdf)), glm::vec3(facet_total(brdf)), {}, {}, {}};
-  if (brdf.kind != BrdfKind::kMeasured) return numbers;
+  if (!family_of(brdf).shader_takes_terms) return numbers;
   for (const VmfTerm& term : vmf_terms(brdf)) {
     numbers.weights.emplace_back(term.weight);
     numbers.spreads.push_back(static_cast<float>(term.spread));

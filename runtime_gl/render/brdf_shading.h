@@ -32,7 +32,7 @@ class BrdfShading {
   struct Numbers {
     float exponent;
     glm::vec3 total;
-    std::vector<glm::vec3> weights;               // of terms; none but for measurements
+    std::vector<glm::vec3> weights;               // of terms, where the shader takes them
     std::vector<float> spreads;                   // as many
     std::map<int, std::vector<glm::vec3>> zonal;  // by order
   };

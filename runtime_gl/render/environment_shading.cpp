@@ -59,8 +59,8 @@ ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_ligh
   }
   parts.texts = {shader_common_vmf_zonal_glsl, shader_light_environment_frame_glsl, shader_light_environment_glsl};
   if (scene.brdf.kind == BrdfKind::kLambert) return parts;
-  const bool has_sum = scene.brdf.kind == BrdfKind::kGgx || scene.brdf.kind == BrdfKind::kMeasured;
-  parts.flags.push_back("MULTUM_ENVIRONMENT_TERMS " + std::to_string(has_sum ? scene.brdf.term_count : 1));
+  parts.flags.push_back("MULTUM_ENVIRONMENT_TERMS " +
+                        std::to_string(is_vmf_sum(scene.brdf) ? scene.brdf.term_count : 1));
   const bool is_harmonic = scene.environment_mode == EnvironmentMode::kHarmonics;
   parts.flags.push_back(is_harmonic ? "MULTUM_ENVIRONMENT_SH" : "MULTUM_ENVIRONMENT_LEVELS");
   parts.texts.push_back(is_harmonic ? shader_light_environment_sh_glsl : shader_light_environment_levels_glsl);

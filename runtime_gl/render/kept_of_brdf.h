@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <iterator>
 #include <list>
 #include <utility>
 
@@ -13,8 +14,9 @@ namespace multum::gl {
 
 /// Whether light is reflected alike but for colours.
 inline bool same_reflection(const Brdf& a, const Brdf& b) {
-  return a.kind == b.kind && a.exponent == b.exponent && a.sigma == b.sigma && a.roughness == b.roughness &&
-         a.f0 == b.f0 && a.term_count == b.term_count && a.measured == b.measured;
+  return a.kind == b.kind && a.f0 == b.f0 && a.term_count == b.term_count && a.measured == b.measured &&
+         std::all_of(std::begin(kBrdfNumbers), std::end(kBrdfNumbers),
+                     [&](float Brdf::*number) { return a.*number == b.*number; });
 }
 
 template <typename Value>

@@ -2,7 +2,16 @@
 // Texts of the files in this folder, put into the program at build time; none has a version line.
 #pragma once
 
+#include <map>
+#include <string>
+#include <string_view>
+
 namespace multum::gl {
+
+/// Those of brdf/, by file, "ggx.glsl"; each ends with a 0 beyond its view.
+const std::map<std::string, std::string_view>& brdf_shaders();
+/// The file must be there.
+inline const char* brdf_shader_text(std::string_view file) { return brdf_shaders().at(std::string(file)).data(); }
 
 extern const char* const shader_common_movmf_shading_glsl;
 extern const char* const shader_common_gmm_shading_glsl;
@@ -14,13 +23,6 @@ extern const char* const shader_common_sh_shading_glsl;
 extern const char* const shader_common_texture_filter_glsl;
 extern const char* const shader_common_pyramid_glsl;
 extern const char* const shader_common_vmf_zonal_glsl;
-extern const char* const shader_brdf_blinn_phong_glsl;
-extern const char* const shader_brdf_torrance_sparrow_glsl;
-extern const char* const shader_brdf_cook_torrance_glsl;
-extern const char* const shader_brdf_ggx_glsl;
-extern const char* const shader_brdf_ggx_lobe_glsl;
-extern const char* const shader_brdf_measured_glsl;
-extern const char* const shader_brdf_terms_glsl;
 extern const char* const shader_surface_lobes_glsl;
 extern const char* const shader_surface_gmm_glsl;
 extern const char* const shader_surface_movmf_glsl;

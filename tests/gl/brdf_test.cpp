@@ -8,12 +8,14 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "host/formats/brdf/vmf_terms.h"
 #include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
 #include "runtime_gl/render/renderer.h"
+#include "runtime_gl/shaders/embedded_shaders.h"
 #include "tests/gl/shader_harness.h"
 #include "tests/gl/test_context.h"
 #include "tests/gl/test_maps.h"
@@ -188,6 +190,16 @@ bool holds(const ShaderSources& sources, const std::string& word) {
   for (const std::string& text : sources.fragment)
     if (text.find("\n" + word) != std::string::npos) return true;
   return std::find(sources.flags.begin(), sources.flags.end(), word) != sources.flags.end();
+}
+
+// A row of the table names files of brdf/, and all of them belong to some row.
+TEST_F(BrdfTest, RowsNameTheShadersThatThereAre) {
+  std::set<std::string> named;
+  for (const BrdfFamily& family : brdf_families())
+    for (const std::string_view file : family.shader_files) named.emplace(file);
+  std::set<std::string> there;
+  for (const auto& [file, text] : brdf_shaders()) there.insert(file);
+  EXPECT_EQ(named, there);
 }
 
 TEST_F(BrdfTest, AVariantHoldsWhatItNeeds) {

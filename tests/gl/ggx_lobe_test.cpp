@@ -36,7 +36,7 @@ class GgxLobeTest : public testing::Test {
   /// Of MULTUM_GGX, roughness squared in `alpha`.
   std::vector<double> evaluate(ShaderHarnessInput& input, float alpha) {
     input.flags = {"MULTUM_GGX"};
-    input.formulas = shader_brdf_ggx_lobe_glsl;
+    input.formulas = brdf_shader_text("ggx_lobe.glsl");
     input.set_uniforms = [&](const ShaderProgram& program) {
       program.set("u_alpha", alpha);
       program.set("u_ggx_lobe_table", 3);

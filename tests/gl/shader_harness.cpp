@@ -28,10 +28,10 @@ std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnes
       input.expression + ";\n}\n";
   const std::string formulas =
       edited_source(std::string(shader_common_movmf_shading_glsl) + shader_common_texture_filter_glsl +
-                        shader_common_reflection_glsl + shader_brdf_blinn_phong_glsl +
-                        shader_brdf_torrance_sparrow_glsl + shader_brdf_cook_torrance_glsl + shader_brdf_ggx_glsl +
-                        shader_brdf_terms_glsl + shader_common_vmf_zonal_glsl + shader_common_gmm_shading_glsl +
-                        shader_common_moment_shading_glsl + input.formulas,
+                        shader_common_reflection_glsl + brdf_shader_text("blinn_phong.glsl") +
+                        brdf_shader_text("torrance_sparrow.glsl") + brdf_shader_text("cook_torrance.glsl") +
+                        brdf_shader_text("ggx.glsl") + brdf_shader_text("terms.glsl") + shader_common_vmf_zonal_glsl +
+                        shader_common_gmm_shading_glsl + shader_common_moment_shading_glsl + input.formulas,
                     kGlslFormulas, input.edits);
   const ShaderProgram program(gl, {"harness", input.flags, {shader_full_screen_vert}, {inputs, formulas, main}});
   program.set("u_a", 0);

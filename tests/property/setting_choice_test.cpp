@@ -71,12 +71,13 @@ TEST(TargetBrdf, IsNamedAsRowsAre) {
   EXPECT_EQ(parse_target_brdf("blinn-phong:33.5").brdf.exponent, 33.5f);
   EXPECT_FALSE(parse_target_brdf("lambert").has_highlight());
   EXPECT_EQ(parse_target_brdf("ggx:0.4").id.text(), "ggx:0.4");
+  EXPECT_EQ(parse_target_brdf("charlie:0.6").id.text(), "charlie:0.6");
   // What every bake measures is not measured again.
   EXPECT_TRUE(parse_target_brdf("blinn-phong:500").more_highlights().empty());
   EXPECT_EQ(parse_target_brdf("torrance-sparrow:0.1").more_highlights().size(), 1u);
   for (const char* text :
        {"", "phong", "blinn-phong", "blinn-phong:", "blinn-phong:0.5", "blinn-phong:nan", "blinn-phong:100x",
-        "blinn-phong:2e5", "lambert:3", "ggx:0", "ggx:1.1", "torrance-sparrow:2"})
+        "blinn-phong:2e5", "lambert:3", "ggx:0", "ggx:1.1", "torrance-sparrow:2", "charlie:0.59", "charlie:0.5,0.04"})
     EXPECT_THROW(parse_target_brdf(text), Error) << text;
 }
 

@@ -9,6 +9,7 @@
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/processes/machine.h"
 #include "host/foundation/base/shown_text.h"
+#include "host/foundation/brdf_families/brdf_forms.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
@@ -92,9 +93,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->check(CLI::PositiveNumber);
   CLI::Option* const brdf =
       command
-          ->add_option("--brdf", o->brdf,
-                       "BRDF of the errors: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
-                       "cook-torrance:SIGMA or the file of a measured BRDF")
+          ->add_option("--brdf", o->brdf, "BRDF of the errors: " + brdf_forms("") + " or the file of a measured BRDF")
           ->capture_default_str();
   CLI::Option* quick = command->add_flag("--quick", o->quick, "run a dozen bakes instead of some forty");
   command

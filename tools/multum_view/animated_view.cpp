@@ -23,9 +23,7 @@ float between(float from, float to, double t) {
 Brdf brdf_between(const Brdf& from, const Brdf& to, double t) {
   const auto share = static_cast<float>(t);
   Brdf brdf = from;
-  brdf.exponent = between(from.exponent, to.exponent, t);
-  brdf.sigma = between(from.sigma, to.sigma, t);
-  brdf.roughness = between(from.roughness, to.roughness, t);
+  for (float Brdf::*const number : kBrdfNumbers) brdf.*number = between(from.*number, to.*number, t);
   brdf.f0 = glm::mix(from.f0, to.f0, share);
   brdf.diffuse = glm::mix(from.diffuse, to.diffuse, share);
   brdf.specular = glm::mix(from.specular, to.specular, share);

@@ -106,13 +106,13 @@ const char* held_by(Representation representation) {
 
 // Tan's model is of one BRDF, and of lights that come from somewhere.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
-  const auto refuse = [&](const char* found) {
+  const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected it for files of lobes "
                                                "(--ndf vmf) or harmonics (--ndf sh)",
                                                file, found));
   };
-  if (brdf.kind == BrdfKind::kGgx) refuse("--brdf ggx");
-  if (brdf.kind == BrdfKind::kMeasured) refuse("a measured --brdf");
+  const BrdfFamily& family = family_of(brdf);
+  if (is_vmf_sum(brdf)) refuse(family.is_file ? "a measured --brdf" : fmt::format("--brdf {}", family.name));
   if (!options.light.environment.empty()) refuse("--environment");
   if (options.shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "host/foundation/brdf_families/brdf_forms.h"
 #include "tools/command_line/choices.h"
 
 namespace multum {
@@ -116,14 +117,14 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
   using CLI::MultiOptionPolicy;
   app.add_option(
          "--brdf", options.brdfs,
-         "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA[,F0], ggx:ROUGHNESS[,F0], or the file of "
-         "a measured one (.brdf text, .binary of MERL, .json of a fit); several times: basis BRDFs, which the "
-         "file's weights blend; files with roughness in have their own (default: blinn-phong:100)")
+         brdf_forms("", true) +
+             ", or the file of a measured one (.brdf text, .binary of MERL, .json of a fit); several times: basis "
+             "BRDFs, which the file's weights blend; files with roughness in have their own (default: blinn-phong:100)")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "vMF densities that measured facets, and GGX under an environment, are a sum of over lobes: more is "
-                 "nearer and slower")
+                 "vMF densities that measured facets are a sum of over lobes, and under an environment all facets that "
+                 "one is not near: more is nearer and slower")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,

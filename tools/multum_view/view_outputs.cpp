@@ -65,21 +65,14 @@ void write_each(const OutputOptions& options, const std::vector<NamedPicture>& p
 nlohmann::json colour_json(const glm::vec3& colour) { return {colour.x, colour.y, colour.z}; }
 
 nlohmann::json brdf_json(const Brdf& brdf) {
-  switch (brdf.kind) {
-    case BrdfKind::kLambert: return {{"brdf", "lambert"}};
-    case BrdfKind::kBlinnPhong: return {{"brdf", "blinn-phong"}, {"exponent", brdf.exponent}};
-    case BrdfKind::kTorranceSparrow: return {{"brdf", "torrance-sparrow"}, {"sigma", brdf.sigma}};
-    case BrdfKind::kCookTorrance:
-      return {{"brdf", "cook-torrance"}, {"sigma", brdf.sigma}, {"f0", colour_json(brdf.f0)}};
-    case BrdfKind::kGgx:
-      return {{"brdf", "ggx"}, {"roughness", brdf.roughness}, {"f0", colour_json(brdf.f0)}, {"terms", brdf.term_count}};
-    case BrdfKind::kMeasured:
-      return {{"brdf", "measured"},
-              {"name", brdf.measured->name},
-              {"terms", brdf.term_count},
-              {"factors_relative_error", brdf.measured->relative_error}};
-  }
-  return {};
+  const BrdfFamily& family = family_of(brdf);
+  nlohmann::json json = {{"brdf", family.name}};
+  if (family.has_width()) json[std::string(family.members[0].key)] = width_of(brdf);
+  if (family.has_f0()) json["f0"] = colour_json(brdf.f0);
+  if (is_vmf_sum(brdf)) json["terms"] = brdf.term_count;
+  if (family.is_file)
+    json.update({{"name", brdf.measured->name}, {"factors_relative_error", brdf.measured->relative_error}});
+  return json;
 }
 
 // One sample has no measure of its noise.

@@ -49,7 +49,12 @@ void set_lights(const LightOptions& options, const glm::vec3& up, gl::RenderScen
   scene.environment_turn = options.environment_turn.value_or(0.0f);
 }
 
-std::vector<Brdf> make_basis(const MaterialOptions& options) {
+void check_under_environment(const std::string& option, const Brdf& brdf) {
+  const std::string refusal = environment_refusal(brdf);
+  if (!refusal.empty()) throw Error(ErrorCode::kUsage, option + ": " + refusal);
+}
+
+std::vector<Brdf> make_basis(const MaterialOptions& options, bool has_environment) {
   if (options.brdfs.size() > kWeightCountMax) throw Error(ErrorCode::kUsage, "--brdf: at most 4, a weight each");
   const std::vector<std::string> brdfs =
       options.brdfs.empty() ? std::vector<std::string>{"blinn-phong:100"} : options.brdfs;
@@ -64,6 +69,7 @@ std::vector<Brdf> make_basis(const MaterialOptions& options) {
     const auto of_this = [&](const std::vector<glm::vec3>& colours) { return colours[colours.size() > 1 ? k : 0]; };
     if (!options.diffuse.empty()) brdf.diffuse = of_this(options.diffuse);
     if (!options.specular.empty()) brdf.specular = of_this(options.specular);
+    if (has_environment) check_under_environment("--brdf", brdf);
     if (options.fixed_fresnel) brdf.fixed_fresnel = *options.fixed_fresnel;
     basis.push_back(brdf);
   }
@@ -103,7 +109,7 @@ ViewScenes make_scenes(const PictureOptions& options) {
   if (options.camera.place) place_camera(*options.camera.place, scenes.first.camera);
   set_up(options, scenes);
   set_lights(options.light, scenes.up, scenes.first);
-  scenes.basis = make_basis(options.material);
+  scenes.basis = make_basis(options.material, !options.light.environment.empty());
   scenes.first.brdf = scenes.basis[0];
   scenes.first.filter = options.shading.filter;
   scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));

@@ -143,7 +143,7 @@ class EffectRows {
   std::string why_not_tried(Representation representation) const {
     if (plan_.is_constant) return "one lobe stands for all";
     if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights take vMF lobes";
-    if (needs_.takes_vmf) return "GGX and measured BRDFs take vMF lobes";
+    if (needs_.takes_vmf) return "the BRDF is a sum of vMFs, which takes vMF lobes";
     if (needs_.environment_highlight || representation == Representation::kGmm)
       return !scene_.environment.empty() ? "an environment takes vMF lobes" : "one vMF lobe does";
     return "one or several lobes do";

@@ -22,7 +22,7 @@ void add_material(const SceneDescription& scene, const SceneMaterial& material, 
     needs.add_highlight(material.width_in_map ? std::numeric_limits<double>::infinity() : equivalent_exponent(brdf),
                         weight);
     needs.environment_highlight |= !scene.environment.empty();
-    needs.takes_vmf |= brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured;
+    needs.takes_vmf |= is_vmf_sum(brdf);
   }
 }
 

@@ -15,7 +15,7 @@ namespace multum {
 struct MapNeeds {
   bool diffuse = false, specular = false;
   bool width_in_map = false, weighted = false;
-  bool environment_highlight = false, takes_vmf = false;  // GGX and what was measured are sums of vMFs
+  bool environment_highlight = false, takes_vmf = false;  // of BRDFs that are sums of vMFs
   double exponent_min = 0.0, exponent_max = 0.0;          // of highlights that have one
   int first_seen = 0, last_seen = 0;
   std::vector<ShadedBy> diffuse_by, highlights_by;

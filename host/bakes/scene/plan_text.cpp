@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "host/bakes/settings_search/setting_choice.h"
+#include "host/formats/brdf/brdf_text.h"
 #include "host/formats/brdf/fresnel.h"
 #include "host/foundation/base/path_text.h"
 
@@ -184,20 +185,6 @@ std::string outcome_text(const MapPlan& map) {
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
 
-// As --brdf of multum-view has it.
-std::string brdf_text(const Brdf& brdf, const std::string& measured_file) {
-  if (!has_highlight(brdf) && !has_fresnel(brdf)) return "lambert";
-  switch (brdf.kind) {
-    case BrdfKind::kLambert: return "lambert";
-    case BrdfKind::kBlinnPhong: return fmt::format("blinn-phong:{:.7g}", brdf.exponent);
-    case BrdfKind::kTorranceSparrow: return fmt::format("torrance-sparrow:{:.7g}", brdf.sigma);
-    case BrdfKind::kCookTorrance: return fmt::format("cook-torrance:{:.7g},{}", brdf.sigma, colour_text(brdf.f0));
-    case BrdfKind::kGgx: return fmt::format("ggx:{:.7g},{}", brdf.roughness, colour_text(brdf.f0));
-    case BrdfKind::kMeasured: return measured_file;
-  }
-  return "";
-}
-
 // A service publishes the folder of results from another place: paths against it would lead elsewhere.
 std::string absolute(const std::string& path) {
   return path.empty() ? "" : fs::absolute(path).lexically_normal().generic_string();
@@ -231,7 +218,9 @@ Json view_json(const SceneDescription& scene, const SceneObject& object, const O
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
     const std::string measured = absolute(material.measured_file);
-    if (!material.width_in_map) brdfs.push_back(brdf_text(material.brdfs.front(), measured));
+    const Brdf& brdf = material.brdfs.front();
+    const bool is_diffuse = !has_highlight(brdf) && !has_fresnel(brdf);
+    if (!material.width_in_map) brdfs.push_back(is_diffuse ? "lambert" : brdf_text(brdf, measured));
     if (!measured.empty()) view["measured"] = true;
   }
   if (!brdfs.empty()) view["brdf"] = brdfs;

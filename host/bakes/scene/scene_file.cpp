@@ -10,10 +10,11 @@
 #include <map>
 
 #include "host/bakes/bake/job_parameters.h"
-#include "host/formats/brdf/measured_file.h"
+#include "host/formats/brdf/brdf_text.h"
 #include "host/formats/image/material_maps.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/nearest_name.h"
+#include "host/foundation/brdf_families/brdf_forms.h"
 #include "host/foundation/toml/parameter_keys.h"
 #include "host/foundation/toml/strict_toml.h"
 
@@ -96,28 +97,30 @@ SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJo
   return map;
 }
 
-// A family of BRDFs, and the key of its width.
-struct BrdfFamily {
-  BrdfKind kind;
-  const char* width_key;  // null: has none
-  float Brdf::*width = nullptr;
-  NumberRange range = {};
-  bool has_f0 = false;
+// What a material's brdf may be.
+struct NamedFamily {
+  const BrdfFamily* family;
+  bool width_in_map = false;
 };
 
-const Choices<BrdfFamily> kFamilies = {
-    {"lambert", {BrdfKind::kLambert, nullptr}},
-    {"blinn-phong",
-     {BrdfKind::kBlinnPhong, "exponent", &Brdf::exponent, {1.0, 1e5, false, false, "a number from 1 to 100000"}}},
-    {"torrance-sparrow",
-     {BrdfKind::kTorranceSparrow, "sigma", &Brdf::sigma, {0.002, 1.0, false, false, "radians from 0.002 to 1"}}},
-    {"cook-torrance",
-     {BrdfKind::kCookTorrance, "sigma", &Brdf::sigma, {0.002, 1.0, false, false, "radians from 0.002 to 1"}, true}},
-    {"ggx",
-     {BrdfKind::kGgx, "roughness", &Brdf::roughness, {0.05, 1.0, false, false, "a number from 0.05 to 1"}, true}},
-    {"measured", {BrdfKind::kMeasured, nullptr}},
-    {"roughness-map", {BrdfKind::kBlinnPhong, nullptr}},
-};
+const Choices<NamedFamily>& named_families() {
+  static const Choices<NamedFamily> all = [] {
+    Choices<NamedFamily> choices;
+    for (const BrdfFamily& family : brdf_families()) choices.push_back({std::string(family.name), {&family}});
+    choices.push_back({"roughness-map", {&brdf_family(BrdfKind::kBlinnPhong), true}});
+    return choices;
+  }();
+  return all;
+}
+
+// Of all families' members, each once.
+std::vector<std::string> member_keys() {
+  std::vector<std::string> keys;
+  for (const BrdfFamily& family : brdf_families())
+    for (const BrdfMember& member : family.members)
+      if (std::find(keys.begin(), keys.end(), member.key) == keys.end()) keys.emplace_back(member.key);
+  return keys;
+}
 
 glm::vec3 read_colour(const StrictTable& table, const std::string& key, const NumberRange& range,
                       const glm::vec3& fallback) {
@@ -129,26 +132,39 @@ glm::vec3 read_colour(const StrictTable& table, const std::string& key, const Nu
 
 // One width, or the ends of a range.
 std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family, const Brdf& brdf) {
-  if (family.width_key == nullptr) return {brdf};
-  const std::vector<double> ends = table.numbers(family.width_key, family.range, 2);
-  if (ends.empty()) table.refuse("", fmt::format("has no {}, which is required", family.width_key));
+  const BrdfMember& width = family.members[0];
+  const std::string key(width.key);
+  const std::vector<double> ends = table.numbers(key, {width.low, width.high, false, false, range_text(width)}, 2);
+  if (ends.empty()) table.refuse("", fmt::format("has no {}, which is required", key));
   if (ends.size() == 2 && !(ends[0] < ends[1]))
-    table.refuse(family.width_key, fmt::format("is [{:g}, {:g}], expected the lower end first", ends[0], ends[1]));
+    table.refuse(key, fmt::format("is [{:g}, {:g}], expected the lower end first", ends[0], ends[1]));
   std::vector<Brdf> brdfs;
-  for (const double width : ends) {
+  for (const double end : ends) {
     brdfs.push_back(brdf);
-    brdfs.back().*family.width = static_cast<float>(width);
+    width_of(family, brdfs.back()) = static_cast<float>(end);
   }
   return brdfs;
 }
 
-void check_keys_of_family(const StrictTable& table, const BrdfFamily& family, const std::string& name) {
-  for (const char* key : {"exponent", "sigma", "roughness"})
-    if (table.has(key) && (family.width_key == nullptr || std::string(family.width_key) != key))
-      table.refuse(key, fmt::format("is for another brdf, found brdf = \"{}\"", name));
-  if (table.has("f0") && !family.has_f0)
-    table.refuse("f0", fmt::format("is for brdf = \"cook-torrance\" and \"ggx\", found brdf = \"{}\"", name));
-  if (table.has("file") != (family.kind == BrdfKind::kMeasured))
+// "brdf = "cook-torrance" and "ggx"": of the families that have the member.
+std::string families_with(const std::string& key) {
+  std::vector<std::string> names;
+  for (const BrdfFamily& family : brdf_families())
+    for (const BrdfMember& member : family.members)
+      if (member.key == key) names.push_back(fmt::format("\"{}\"", family.name));
+  return fmt::format("brdf = {}", fmt::join(names, " and "));
+}
+
+void check_keys_of_family(const StrictTable& table, const NamedFamily& named, const std::string& name) {
+  const std::span<const BrdfMember> members =
+      named.width_in_map ? std::span<const BrdfMember>() : named.family->members;
+  for (const std::string& key : member_keys()) {
+    if (!table.has(key)) continue;
+    if (std::any_of(members.begin(), members.end(), [&](const BrdfMember& member) { return member.key == key; }))
+      continue;
+    table.refuse(key, fmt::format("is for {}, found brdf = \"{}\"", families_with(key), name));
+  }
+  if (table.has("file") != named.family->is_file)
     table.refuse(table.has("file") ? "file" : "",
                  table.has("file") ? fmt::format("is for brdf = \"measured\", found brdf = \"{}\"", name)
                                    : "has no file, which brdf = \"measured\" must have");
@@ -156,34 +172,30 @@ void check_keys_of_family(const StrictTable& table, const BrdfFamily& family, co
 
 // `reads_files`: of a measured BRDF not its name alone.
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
-  const StrictTable table(path, toml, "material",
-                          {"name", "brdf", "exponent", "sigma", "roughness", "f0", "diffuse", "specular", "file"},
-                          kWholeFile);
+  std::vector<std::string> keys = member_keys();
+  keys.insert(keys.end(), {"name", "brdf", "diffuse", "specular", "file"});
+  const StrictTable table(path, toml, "material", keys, kWholeFile);
   SceneMaterial material;
   material.name = names.add(table);
   const std::string name = table.text("brdf");
-  const std::optional<BrdfFamily> family = table.choice("brdf", kFamilies);
-  check_keys_of_family(table, *family, name);
+  const std::optional<NamedFamily> named = table.choice("brdf", named_families());
+  check_keys_of_family(table, *named, name);
+  const BrdfFamily& family = *named->family;
   Brdf brdf;
-  brdf.kind = family->kind;
-  if (family->has_f0) brdf.specular = glm::vec3(1.0f);  // Schlick's term is in their specular part
-  if (brdf.kind == BrdfKind::kLambert) brdf.specular = glm::vec3(0.0f);
-  if (brdf.kind == BrdfKind::kMeasured) {
+  set_family(family, brdf);
+  if (family.is_file) {
     material.measured_file = path_beside(path, table.path("file"));
     if (reads_files) check_file(table, "file", material.measured_file);
-  }
-  if (brdf.kind == BrdfKind::kMeasured && reads_files) {
-    brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(material.measured_file));
-    brdf.diffuse = glm::vec3(brdf.measured->diffuse);
-    brdf.specular = glm::vec3(1.0f);
+    if (reads_files) set_measured(material.measured_file, brdf);
   }
   brdf.f0 = read_colour(table, "f0", kFromZeroToOne, brdf.f0);
   brdf.diffuse = read_colour(table, "diffuse", kFromZero, brdf.diffuse);
-  if (brdf.kind == BrdfKind::kLambert && table.has("specular"))
-    table.refuse("specular", "is for BRDFs with a highlight, found brdf = \"lambert\"");
+  if (family.fit == BrdfFit::kNone && table.has("specular"))
+    table.refuse("specular", fmt::format("is for BRDFs with a highlight, found brdf = \"{}\"", name));
   brdf.specular = read_colour(table, "specular", kFromZero, brdf.specular);
-  material.width_in_map = name == "roughness-map";
-  material.brdfs = with_widths(table, *family, brdf);
+  material.width_in_map = named->width_in_map;
+  const bool takes_width = family.has_width() && !named->width_in_map;
+  material.brdfs = takes_width ? with_widths(table, family, brdf) : std::vector<Brdf>{brdf};
   return material;
 }
 
@@ -303,6 +315,11 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
   const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWholeFile);
   if (root.has("environment")) scene.environment = path_beside(path, environment.path("file"));
   if (reads_files) check_file(environment, "file", scene.environment);
+  for (const SceneMaterial& material : scene.materials) {
+    const std::string refusal = environment_refusal(material.brdfs.front());
+    if (!scene.environment.empty() && !refusal.empty())
+      root.refuse("environment", fmt::format("does not go with material \"{}\": {}", material.name, refusal));
+  }
   if (scene.lights.empty() && scene.environment.empty())
     root.refuse("", "has no light, expected [[light]] or [environment]");
 }

@@ -22,6 +22,8 @@ constexpr int kFinestFitted = 1;  // level 0 has one direction a texel
 
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option) {
   const Brdf brdf = parse_brdf(option, text, Brdf().term_count);
+  if (const std::string refusal = measuring_refusal(brdf); !refusal.empty())
+    throw Error(ErrorCode::kUsage, option + ": " + refusal);
   switch (brdf.kind) {
     case BrdfKind::kLambert: return {AccuracyBrdf::lambert(), text, brdf};
     case BrdfKind::kBlinnPhong:

@@ -23,7 +23,7 @@ struct TargetBrdf {
 
   bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
   /// Is it shaded as a sum of vMFs? Planar Gaussians know none of these.
-  bool is_sum() const { return brdf.kind == BrdfKind::kGgx || brdf.kind == BrdfKind::kMeasured; }
+  bool is_sum() const { return is_vmf_sum(brdf); }
   /// Its highlight, unless every bake measures it.
   std::vector<Highlight> more_highlights() const;
 };

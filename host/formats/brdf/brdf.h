@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes the reflection of a smooth point of the surface, as plain settings. Times the cosine it is
-//   k_d / pi (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0),
-// f the density of facets, F what depends on v.h alone, V shadowing and masking over 4 n.l n.v.
+// Describes the reflection of a smooth point of the surface, as plain settings: a family of the table
+// (host/foundation/brdf_families) with values of its members.
 #pragma once
 
 #include <memory>
@@ -9,26 +8,18 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/foundation/brdf_families/brdf_families.h"
+
 namespace multum {
 
 struct MeasuredBrdf;
 
-enum class BrdfKind {
-  kLambert,          // no highlight
-  kBlinnPhong,       // f = (s + 1) / (2 pi) (n.h)^s, F = V = 1
-  kTorranceSparrow,  // f = vMF of kappa 1 / (2 sigma^2); F = V = 1: Fresnel and shadowing are left to `specular`
-  kCookTorrance,     // the same f, Schlick's F, V of V-shaped grooves
-  kGgx,              // as in glTF: alpha = roughness^2, Schlick's F, Smith's V
-  kMeasured,         // f(n.h) and F(v.h) of `measured`, V = 1
-};
-
 struct Brdf {
   BrdfKind kind = BrdfKind::kBlinnPhong;
-  float exponent = 100.0f;   // s, 1..1e5
-  float sigma = 0.1f;        // radians, 0.002..1
-  float roughness = 0.5f;    // 0.05..1
-  glm::vec3 f0{0.04f};       // F at normal incidence, of kCookTorrance and kGgx
-  int term_count = 4;        // vMFs that f of kGgx and kMeasured is a sum of, over lobes: 1..4
+  // Members of families, those of other families unused.
+  float exponent = 100.0f, sigma = 0.1f, roughness = 0.5f;
+  glm::vec3 f0{0.04f};       // F at normal incidence
+  int term_count = 4;        // vMFs that f of BrdfFit::kSum is a sum of, over lobes: 1..4
   glm::vec3 diffuse{0.5f};   // k_d
   glm::vec3 specular{0.1f};  // k_s
   // In the place of F: of surfaces whose v.h differs little (host/formats/brdf/fresnel.h). Lights alone, no
@@ -39,11 +30,29 @@ struct Brdf {
 
 constexpr int kBrdfTermCountMax = 4;
 
+/// The numbers among the members, in the order of BrdfField, of which kF0, the colour, is the last.
+constexpr float Brdf::*kBrdfNumbers[] = {&Brdf::exponent, &Brdf::sigma, &Brdf::roughness};
+
+inline const BrdfFamily& family_of(const Brdf& brdf) { return brdf_family(brdf.kind); }
+
+/// Of a family that has one.
+inline float& width_of(const BrdfFamily& family, Brdf& brdf) {
+  return brdf.*kBrdfNumbers[static_cast<std::size_t>(family.members[0].field)];
+}
+/// 0 where it has none.
+inline float width_of(const Brdf& brdf) {
+  const BrdfFamily& family = family_of(brdf);
+  return family.has_width() ? brdf.*kBrdfNumbers[static_cast<std::size_t>(family.members[0].field)] : 0.0f;
+}
+
+/// Over lobes f is a fitted sum of vMFs: no single one, or Gaussian, is near it.
+inline bool is_vmf_sum(const Brdf& brdf) { return family_of(brdf).fit == BrdfFit::kSum; }
+
 inline float ggx_alpha(const Brdf& brdf) { return brdf.roughness * brdf.roughness; }
 
 /// Its specular part is not black.
 inline bool has_highlight(const Brdf& brdf) {
-  return brdf.kind != BrdfKind::kLambert && brdf.specular != glm::vec3(0.0f);
+  return family_of(brdf).fit != BrdfFit::kNone && brdf.specular != glm::vec3(0.0f);
 }
 
 }  // namespace multum

@@ -6,33 +6,15 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "host/formats/brdf/measured_file.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/brdf_families/brdf_forms.h"
 
 namespace multum {
 namespace {
-
-constexpr std::string_view kExpected =
-    "lambert, blinn-phong:S with S 1..100000, torrance-sparrow:SIGMA or cook-torrance:SIGMA[,F0] with SIGMA 0.002..1 "
-    "radians, ggx:ROUGHNESS[,F0] with ROUGHNESS 0.05..1 (F0 0..1, grey or r,g,b), or a measured BRDF's file";
-
-struct Family {
-  std::string_view name;
-  BrdfKind kind;
-  float Brdf::*parameter;
-  float low, high;
-  bool has_f0;
-};
-constexpr Family kFamilies[] = {
-    {"blinn-phong", BrdfKind::kBlinnPhong, &Brdf::exponent, 1.0f, 1e5f, false},
-    {"torrance-sparrow", BrdfKind::kTorranceSparrow, &Brdf::sigma, 0.002f, 1.0f, false},
-    {"cook-torrance", BrdfKind::kCookTorrance, &Brdf::sigma, 0.002f, 1.0f, true},
-    {"ggx", BrdfKind::kGgx, &Brdf::roughness, 0.05f, 1.0f, true},
-};
 
 // Nothing where one of them is no number.
 std::vector<float> numbers_of(std::string_view text) {
@@ -48,13 +30,13 @@ std::vector<float> numbers_of(std::string_view text) {
   }
 }
 
-// Its first number, then F0 where it has one; false: not so.
-bool read_parameters(const Family& family, std::string_view text, Brdf& brdf) {
+// Its width, then F0 where it has one; false: not so.
+bool read_members(const BrdfFamily& family, std::string_view text, Brdf& brdf) {
+  const BrdfMember& width = family.members[0];
   const std::vector<float> n = numbers_of(text);
-  if (n.empty() || !(n[0] >= family.low && n[0] <= family.high)) return false;
-  if (n.size() != 1 && !(family.has_f0 && (n.size() == 2 || n.size() == 4))) return false;
-  brdf.kind = family.kind;
-  brdf.*family.parameter = n[0];
+  if (n.empty() || !(n[0] >= static_cast<float>(width.low) && n[0] <= static_cast<float>(width.high))) return false;
+  if (n.size() != 1 && !(family.has_f0() && (n.size() == 2 || n.size() == 4))) return false;
+  width_of(family, brdf) = n[0];
   if (n.size() == 1) return true;
   brdf.f0 = n.size() == 2 ? glm::vec3(n[1]) : glm::vec3(n[1], n[2], n[3]);
   for (int i = 0; i < 3; ++i)
@@ -62,37 +44,68 @@ bool read_parameters(const Family& family, std::string_view text, Brdf& brdf) {
   return true;
 }
 
-const Family* find_family(std::string_view text) {
-  for (const Family& family : kFamilies)
-    if (text.starts_with(family.name) && text.substr(family.name.size()).starts_with(':')) return &family;
-  return nullptr;
+// Of a text that names one: a name alone, or "NAME:".
+const BrdfFamily* family_of_text(std::string_view text) {
+  const std::size_t name = text.find(':');
+  const BrdfFamily* const family = find_brdf_family(text.substr(0, name));
+  const bool is_named = family != nullptr && !family->is_file && family->has_width() == (name != text.npos);
+  return is_named ? family : nullptr;
 }
+
+std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
 
 }  // namespace
 
-bool is_brdf_file(const std::string& text) { return text != "lambert" && find_family(text) == nullptr; }
+bool is_brdf_file(const std::string& text) { return family_of_text(text) == nullptr; }
+
+std::string measuring_refusal(const Brdf& brdf) {
+  const BrdfFamily& family = family_of(brdf);
+  if (!is_vmf_sum(brdf) || width_of(brdf) >= static_cast<float>(family.sum_from)) return "";
+  return fmt::format(
+      "found {}, which no sum of vMFs is near, as errors are measured with: expected {} of at least {:g}",
+      brdf_text(brdf, ""), family.members[0].symbol, family.sum_from);
+}
+
+std::string environment_refusal(const Brdf& brdf) {
+  if (!family_of(brdf).lights_alone) return "";
+  return fmt::format("found {} and an environment: expected lights, or another BRDF", brdf_text(brdf, ""));
+}
+
+void set_family(const BrdfFamily& family, Brdf& brdf) {
+  brdf.kind = family.kind;
+  brdf.specular = glm::vec3(family.specular);
+}
+
+void set_measured(const std::string& path, Brdf& brdf) {
+  brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(path));
+  brdf.diffuse = glm::vec3(brdf.measured->diffuse);
+}
 
 Brdf parse_brdf(const std::string& option, const std::string& text, int term_count) {
   Brdf brdf;
   brdf.term_count = term_count;
   const auto refuse = [&] {
-    throw Error(ErrorCode::kUsage, fmt::format("{} '{}': expected {}", option, text, kExpected));
+    throw Error(ErrorCode::kUsage, fmt::format("{} '{}': expected {}", option, text, expected_brdf()));
   };
-  if (text == "lambert") {
-    brdf.kind = BrdfKind::kLambert;
-    brdf.specular = glm::vec3(0.0f);
-  } else if (const Family* family = find_family(text)) {
-    if (!read_parameters(*family, std::string_view(text).substr(family->name.size() + 1), brdf)) refuse();
-    if (family->has_f0) brdf.specular = glm::vec3(1.0f);  // Schlick's term is in their specular part already
+  if (const BrdfFamily* family = family_of_text(text)) {
+    set_family(*family, brdf);
+    if (family->has_width() && !read_members(*family, std::string_view(text).substr(family->name.size() + 1), brdf))
+      refuse();
   } else if (std::filesystem::exists(text)) {
-    brdf.kind = BrdfKind::kMeasured;
-    brdf.measured = std::make_shared<const MeasuredBrdf>(read_measured_brdf(text));
-    brdf.diffuse = glm::vec3(brdf.measured->diffuse);
-    brdf.specular = glm::vec3(1.0f);
+    set_family(brdf_family(BrdfKind::kMeasured), brdf);
+    set_measured(text, brdf);
   } else {
     refuse();
   }
   return brdf;
+}
+
+std::string brdf_text(const Brdf& brdf, const std::string& measured_file) {
+  const BrdfFamily& family = family_of(brdf);
+  if (family.is_file) return measured_file;
+  std::string text(family.name);
+  if (family.has_width()) text += fmt::format(":{:.7g}", width_of(brdf));
+  return text + (family.has_f0() ? "," + colour_text(brdf.f0) : "");
 }
 
 }  // namespace multum

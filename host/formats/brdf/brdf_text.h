@@ -16,4 +16,17 @@ Brdf parse_brdf(const std::string& option, const std::string& text, int term_cou
 /// Does `text` name a file?
 bool is_brdf_file(const std::string& text);
 
+/// What parse_brdf() reads, F0 in it where the family has one; `measured_file`: the text of a measurement.
+std::string brdf_text(const Brdf& brdf, const std::string& measured_file);
+
+/// Why errors of it cannot be measured, or an environment cannot light it: what was found and what was expected; empty
+/// where they can.
+std::string measuring_refusal(const Brdf& brdf);
+std::string environment_refusal(const Brdf& brdf);
+
+/// The family, and the specular part that it has where nothing else is said.
+void set_family(const BrdfFamily& family, Brdf& brdf);
+/// A measurement, and its diffuse part. Throws Error(kInput).
+void set_measured(const std::string& path, Brdf& brdf);
+
 }  // namespace multum

@@ -14,57 +14,27 @@ namespace {
 constexpr double kNodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr double kWeights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
 
-double blinn_phong(double s, double e) {
-  return e < 1.0 ? (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e)) : 0.0;
-}
-
-double vmf(double kappa, double e) {
-  return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
-}
-
 }  // namespace
 
-double ggx_density(double alpha, double e) {
-  if (e >= 1.0) return 0.0;
-  const double square = alpha * alpha, t = 1.0 - e, y = square * t * t + e * (2.0 - e);
-  return square / (std::numbers::pi * y * y);
-}
-
 glm::dvec3 facet_density(const Brdf& brdf, double e) {
-  switch (brdf.kind) {
-    case BrdfKind::kBlinnPhong: return glm::dvec3(blinn_phong(static_cast<double>(brdf.exponent), e));
-    case BrdfKind::kTorranceSparrow:
-    case BrdfKind::kCookTorrance: return glm::dvec3(vmf(equivalent_exponent(brdf), e));
-    case BrdfKind::kGgx: return glm::dvec3(ggx_density(static_cast<double>(ggx_alpha(brdf)), e));
-    case BrdfKind::kMeasured: return measured_facets(*brdf.measured, e);
-    case BrdfKind::kLambert: break;
-  }
-  return glm::dvec3(0.0);
+  const BrdfFamily& family = family_of(brdf);
+  if (family.is_file) return measured_facets(*brdf.measured, e);
+  return glm::dvec3(family.density != nullptr ? family.density(width_of(brdf), e) : 0.0);
 }
 
 double equivalent_exponent(const Brdf& brdf) {
-  switch (brdf.kind) {
-    case BrdfKind::kBlinnPhong: return static_cast<double>(brdf.exponent);
-    case BrdfKind::kTorranceSparrow:
-    case BrdfKind::kCookTorrance: {
-      const auto sigma = static_cast<double>(brdf.sigma);
-      return 0.5 / (sigma * sigma);
-    }
-    case BrdfKind::kGgx:
-    case BrdfKind::kMeasured: {
-      // Of equal peak: (s + 1) / (2 pi) = f(0) / integral of f.
-      return std::max(2.0 * std::numbers::pi * mean_channel(facet_density(brdf, 0.0)) /
-                              std::max(mean_channel(facet_total(brdf)), 1e-30) -
-                          1.0,
-                      1.0);
-    }
-    case BrdfKind::kLambert: break;
-  }
-  return 1.0;
+  const BrdfFamily& family = family_of(brdf);
+  if (family.exponent != nullptr) return family.exponent(width_of(brdf));
+  if (family.fit == BrdfFit::kNone) return 1.0;
+  // Of equal peak: (s + 1) / (2 pi) = f(0) / integral of f.
+  return std::max(2.0 * std::numbers::pi * mean_channel(facet_density(brdf, 0.0)) /
+                          std::max(mean_channel(facet_total(brdf)), 1e-30) -
+                      1.0,
+                  1.0);
 }
 
 glm::dvec3 facet_total(const Brdf& brdf) {
-  if (brdf.kind != BrdfKind::kGgx && brdf.kind != BrdfKind::kMeasured) return glm::dvec3(1.0);
+  if (family_of(brdf).is_normalised) return glm::dvec3(1.0);
   return integrate_zonal([&](double e) { return facet_density(brdf, e); });
 }
 

@@ -17,9 +17,6 @@ inline double mean_channel(const glm::dvec3& channels) { return (channels.x + ch
 /// f per solid angle, of e = 1 - n.h, 0..2, which narrow f need: n.h would round.
 glm::dvec3 facet_density(const Brdf& brdf, double e);
 
-/// GGX of alpha, alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), t = 1 - e, e as above.
-double ggx_density(double alpha, double e);
-
 /// The exponent of the Blinn-Phong that is as wide: 1 / it is the variance of slopes along each axis.
 double equivalent_exponent(const Brdf& brdf);
 

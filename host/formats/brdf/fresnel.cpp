@@ -10,16 +10,14 @@
 
 namespace multum {
 
-bool has_diffuse_fresnel(const Brdf& brdf) {
-  return brdf.kind == BrdfKind::kCookTorrance || brdf.kind == BrdfKind::kGgx;
-}
+bool has_diffuse_fresnel(const Brdf& brdf) { return family_of(brdf).has_f0(); }
 
-bool has_fresnel(const Brdf& brdf) { return has_diffuse_fresnel(brdf) || brdf.kind == BrdfKind::kMeasured; }
+bool has_fresnel(const Brdf& brdf) { return has_diffuse_fresnel(brdf) || family_of(brdf).is_file; }
 
 double schlick_part(double v_h) { return std::pow(std::clamp(1.0 - v_h, 0.0, 1.0), 5.0); }
 
 glm::dvec3 fresnel(const Brdf& brdf, double v_h) {
-  if (brdf.kind == BrdfKind::kMeasured) return glm::dvec3(measured_differences(*brdf.measured, v_h));
+  if (family_of(brdf).is_file) return glm::dvec3(measured_differences(*brdf.measured, v_h));
   if (!has_diffuse_fresnel(brdf)) return glm::dvec3(1.0);
   const glm::dvec3 f0(brdf.f0);
   return f0 + (glm::dvec3(1.0) - f0) * schlick_part(v_h);

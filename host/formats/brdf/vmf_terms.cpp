@@ -212,15 +212,20 @@ double relative_difference(const std::vector<Fitted>& channels) {
   return sum;
 }
 
-// A ladder of kappas below that of the peak, each `ratio` of the one before.
+// A ladder of kappas below that of the peak, each `ratio` of the one before. A density that is 0 at e = 0, as sheens
+// are, has no peak: differences of broad terms make its rise.
 std::vector<double> ladder(const std::vector<Sample>& samples, int count, double ratio) {
   double total = 0.0;
   for (const Sample& s : samples) total += s.value * s.value * s.scale * s.scale;  // the integral of f
   const double peak = 2.0 * std::numbers::pi * samples[0].value / total;
+  double largest = 0.0;
+  for (const Sample& s : samples) largest = std::max(largest, s.value);
+  const bool has_peak = samples[0].value > 1e-3 * largest;
   std::vector<double> kappas;
   for (int i = 0; i < count; ++i)
     kappas.push_back(
-        std::clamp((count == 1 ? 0.7 : 1.7) * peak * std::pow(ratio, i), 0.1 * std::pow(1.5, -i), kKappaMax));
+        has_peak ? std::clamp((count == 1 ? 0.7 : 1.7) * peak * std::pow(ratio, i), 0.1 * std::pow(1.5, -i), kKappaMax)
+                 : 20.0 * ratio * std::pow(0.5, i));
   return kappas;
 }
 
@@ -275,19 +280,17 @@ std::vector<VmfTerm> fit_vmf_terms(const std::function<glm::dvec3(double)>& dens
 }
 
 std::vector<VmfTerm> vmf_terms(const Brdf& brdf) {
-  switch (brdf.kind) {
-    case BrdfKind::kLambert: return {};
-    case BrdfKind::kBlinnPhong: {
-      const double spread = 1.0 / (static_cast<double>(brdf.exponent) + 2.0);  // A = (s + 1) / (s + 2)
+  switch (family_of(brdf).fit) {
+    case BrdfFit::kNone: return {};
+    case BrdfFit::kEqualMean: {
+      const double spread = 1.0 / (equivalent_exponent(brdf) + 2.0);  // A = (s + 1) / (s + 2)
       return {{glm::dvec3(1.0), vmf_kappa(spread), spread}};
     }
-    case BrdfKind::kTorranceSparrow:
-    case BrdfKind::kCookTorrance: {
+    case BrdfFit::kOne: {
       const double kappa = equivalent_exponent(brdf);
       return {{glm::dvec3(1.0), kappa, vmf_spread(kappa)}};
     }
-    case BrdfKind::kGgx:
-    case BrdfKind::kMeasured: return fit_vmf_terms([&](double e) { return facet_density(brdf, e); }, brdf.term_count);
+    case BrdfFit::kSum: return fit_vmf_terms([&](double e) { return facet_density(brdf, e); }, brdf.term_count);
   }
   return {};
 }

@@ -39,14 +39,9 @@ glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) 
   return (1.0 - e) * axis + sine * (std::cos(phi) * side + std::sin(phi) * glm::cross(axis, side));
 }
 
-// V of shaders/brdf, with the same bounds at grazing angles.
 double visibility(const Brdf& brdf, double n_l, double n_v, double n_h, double v_h) {
-  if (brdf.kind == BrdfKind::kCookTorrance)
-    return 0.25 *
-           std::min(1.0 / std::max(n_l * n_v, 1e-8), 2.0 * n_h / std::max(v_h, 1e-4) / std::max({n_l, n_v, 1e-4}));
-  if (brdf.kind != BrdfKind::kGgx) return 1.0;
-  const double x = std::pow(static_cast<double>(ggx_alpha(brdf)), 2.0);
-  return 0.5 / std::max(n_l * std::sqrt(n_v * n_v * (1.0 - x) + x) + n_v * std::sqrt(n_l * n_l * (1.0 - x) + x), 1e-6);
+  const auto of_family = family_of(brdf).visibility;
+  return of_family == nullptr ? 1.0 : of_family(width_of(brdf), n_l, n_v, n_h, v_h);
 }
 
 ReflectionEntry integrate(const Brdf& brdf, const VmfTerm& term, double lobe_kappa, double cosine) {

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "host/foundation/brdf_families/brdf_forms.h"
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
@@ -334,8 +335,7 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "brdf",
            .kind = Kind::kBrdf,
-           .help = "BRDF of a target's error: lambert, blinn-phong:S, ggx:ROUGHNESS, torrance-sparrow:SIGMA, "
-                   "cook-torrance:SIGMA or, except in jobs, the file of a measured BRDF",
+           .help = "BRDF of a target's error: " + brdf_forms("") + " or, except in jobs, the file of a measured BRDF",
            .default_text = "blinn-phong:100",
            .surfaces = kJob},
           {.name = "best_effort",

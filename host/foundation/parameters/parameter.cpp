@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/brdf_families/brdf_forms.h"
 
 namespace multum {
 namespace {
@@ -87,8 +88,7 @@ std::string expected_text(const Parameter& parameter) {
       return "one of " +
              (parameter.unit.empty() ? fmt::format("{}", fmt::join(parameter.choices, ", ")) : parameter.unit);
     case ParameterKind::kText: return "a text";
-    case ParameterKind::kBrdf:
-      return "lambert, blinn-phong:S, torrance-sparrow:SIGMA, cook-torrance:SIGMA or ggx:ROUGHNESS";
+    case ParameterKind::kBrdf: return brdf_forms("or");
     case ParameterKind::kFile: return "a file's path";
   }
   return "";

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/formats/brdf/ggx_lobe.h"
+#include "host/lab/reference/charlie.h"
 #include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/ggx_lobe_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -199,7 +200,7 @@ void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& wors
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
   FacetsOf f{{"MULTUM_MEASURED", "MULTUM_TERM_COUNT 2"}, "0.0", "0.0", 20.0};
-  f.formulas = shader_brdf_measured_glsl;  // its table stays black
+  f.formulas = brdf_shader_text("measured.glsl");  // its table stays black
   f.facets = nothing;
   f.lobe_facets = [=](double spread, double theta) {
     double sum = 0.0;
@@ -221,7 +222,7 @@ void ggx_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const float alpha : {0.01f, 0.4f, 1.0f}) {
     const auto a = static_cast<double>(alpha);
     FacetsOf f{{"MULTUM_GGX"}, "multum_visibility(b.w, 0.7, 0.9, 0.8)", "0.0", reference::ggx(a, 0.0)};
-    f.formulas = shader_brdf_ggx_lobe_glsl;
+    f.formulas = brdf_shader_text("ggx_lobe.glsl");
     f.facets = [=](double theta) { return theta < 0.5 * M_PI ? reference::ggx(a, theta) : 0.0; };
     f.lobe_facets = [=](double spread, double theta) {
       return ggx_lobe_density(ggx_lobe_shape(a, spread), a, spread, 1.0 - std::cos(theta));
@@ -257,7 +258,7 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
         c.inputs.push_back({{alpha, kappa, e, 0.0f}, {static_cast<float>(value), 0.0f, 0.0f, 0.0f}});
       }
   c.exact = [](const glm::dvec4&, const glm::dvec4&) { return glm::dvec4(1.0, 0.0, 0.0, 0.0); };
-  c.variant.formulas = shader_brdf_ggx_lobe_glsl;
+  c.variant.formulas = brdf_shader_text("ggx_lobe.glsl");
   compare_glsl(gl, edits, c, worst);
 }
 
@@ -358,12 +359,90 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
       return glm::dvec4(highlight, highlight * 0.5 / std::max(masking + shadowing, 1e-6), 0.0, 0.0);
     };
     c.variant.flags = {"MULTUM_GGX"};
-    c.variant.formulas = shader_brdf_ggx_lobe_glsl;
+    c.variant.formulas = brdf_shader_text("ggx_lobe.glsl");
     c.variant.set_uniforms = [&](const ShaderProgram& program) {
       program.set("u_alpha", alpha);
       program.set("u_ggx_lobe_table", 3);
       table.bind(3);
     };
+    compare_glsl(gl, edits, c, worst);
+  }
+}
+
+// As brdf/charlie.glsl has it of a lobe of amplitude 1: mean and variance of n . h.
+struct LobeProjection {
+  double mean, variance;
+};
+
+double kappa_of_spread(double spread) {
+  return spread == 0.0 ? 1e12 : spread == 1.0 ? 0.0 : reference::vmf_kappa(spread);
+}
+
+LobeProjection lobe_projection(double spread, double theta) {
+  const double r = 1.0 - spread, t = std::cos(theta), across = r > 1e-3 ? r / kappa_of_spread(spread) : 1.0 / 3.0;
+  const double along = std::max(1.0 - r * r - 2.0 * across, 0.0);
+  return {r * t, across + (along - across) * t * t};
+}
+
+double charlie_over_lobe(double p, double spread, double theta) {
+  const double r = 1.0 - spread, w = r > 0.1 ? std::min(3.0 * r / kappa_of_spread(spread), 1.0) : 1.0 - 0.6 * r * r;
+  const double wide = 3.0 * (1.0 - w) * p / (3.0 + 2.0 * p * w);
+  const LobeProjection n_h = lobe_projection(spread, theta);
+  const double x =
+      std::clamp(n_h.mean / std::sqrt(std::max(n_h.variance * (1.0 + 2.0 * p * n_h.variance), 1e-12)), -8.0, 8.0);
+  return (1.0 + p) / M_PI * std::sqrt((wide + 0.7854) / (p + 0.7854)) *
+         std::pow(std::max(std::pow(std::sin(theta), 2.0), 1e-30), wide) * 0.5 * std::erfc(-x / std::sqrt(2.0));
+}
+
+double charlie_facet_kappa(double p, double spread, double theta) {
+  const LobeProjection n_h = lobe_projection(spread, theta);
+  return -2.0 * p * n_h.mean / (1.0 + 2.0 * p * n_h.variance);
+}
+
+void charlie_facets(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  for (const float alpha : {0.0025f, 0.25f, 1.0f}) {
+    const auto a = static_cast<double>(alpha);
+    FacetsOf f{{"MULTUM_CHARLIE"}, "multum_visibility(b.w, 0.7, 0.9, 0.8)", "0.0", reference::charlie(a, 1.57)};
+    f.formulas = brdf_shader_text("charlie.glsl");
+    f.facets = [=](double theta) { return reference::charlie(a, theta); };
+    f.lobe_facets = [=](double spread, double theta) { return charlie_over_lobe(0.5 / a, spread, theta); };
+    f.exact_visibility = [](double n_l) { return reference::sheen_visibility(n_l, 0.7); };
+    f.set_uniforms = [=](const ShaderProgram& program) { program.set("u_alpha", alpha); };
+    compare_facets(gl, edits, f, worst);
+  }
+}
+
+// Both cosines 0, one of them, and none.
+void sheen_grazing(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison c{"vec4(multum_sheen_visibility(a.x, a.y) * a.x, 0.0, 0.0, 0.0)", {}, {}};
+  for (const float n_l : {0.0f, 1e-6f, 1e-3f, 0.5f, 1.0f})
+    for (const float n_v : {0.0f, 1e-6f, 1e-3f, 0.5f, 1.0f}) c.inputs.push_back({{n_l, n_v, 0.0f, 0.0f}, {}});
+  c.exact = [](const glm::dvec4& a, const glm::dvec4&) {
+    return glm::dvec4(a.x > 0.0 ? a.x * reference::sheen_visibility(a.x, a.y) : 0.0, 0.0, 0.0, 0.0);
+  };
+  c.variant.formulas = brdf_shader_text("charlie.glsl");
+  compare_glsl(gl, edits, c, worst);
+}
+
+void charlie_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  const glm::dvec3 l = glm::normalize(glm::dvec3(0.6, 0.3, 0.8)), up(0.0, 0.0, 1.0);
+  for (const float alpha : {0.0025f, 0.25f, 1.0f}) {
+    const double p = 0.5 / static_cast<double>(alpha);
+    GlslComparison c;
+    c.expression = fmt::format("vec4(multum_lobe_highlight(a, b.xyz, vec3({}, {}, {})).x) * {:.9e}", l.x, l.y, l.z,
+                               M_PI / (1.0 + p));
+    for (const glm::vec4& lobe : kHardLobes)
+      for (const double theta : {0.0, 1e-4, 0.1, 0.5, 1.0, 1.57, 1.58, 2.5})
+        c.inputs.push_back({lobe, {glm::vec3(std::sin(theta), 0.0, std::cos(theta)), 0.0f}});
+    c.exact = [=](const glm::dvec4& a, const glm::dvec4& b) {
+      if (a.w <= 1e-6) return glm::dvec4(0.0);
+      const double theta = angle_between(glm::dvec3(b), up), spread = std::clamp((a.w - a.z) / a.w, 0.0, 1.0);
+      const glm::dvec3 sum = charlie_facet_kappa(p, spread, theta) * glm::dvec3(b) + kappa_of_spread(spread) * up;
+      return glm::dvec4(a.w * charlie_over_lobe(p, spread, theta) * highlight_cosine(sum, l) * M_PI / (1.0 + p));
+    };
+    c.variant.flags = {"MULTUM_CHARLIE"};
+    c.variant.formulas = brdf_shader_text("charlie.glsl");
+    c.variant.set_uniforms = [=](const ShaderProgram& program) { program.set("u_alpha", alpha); };
     compare_glsl(gl, edits, c, worst);
   }
 }
@@ -381,7 +460,7 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
                       (kDifferences - 1) * std::acos(std::clamp(b.w, 0.0, 1.0)) / half, 0.0, 0.0);
   };
   c.variant.flags = {"MULTUM_MEASURED", "MULTUM_FRESNEL"};
-  c.variant.formulas = shader_brdf_measured_glsl;
+  c.variant.formulas = brdf_shader_text("measured.glsl");
   c.variant.set_uniforms = [](const ShaderProgram& program) {
     std::vector<glm::vec3> facets;
     std::vector<float> differences;
@@ -398,6 +477,8 @@ std::vector<GlslCase> facet_cases() {
                     unit = "of the peak; absolute, of V and F",
                     reason = "2.3e-4 of kappa's inverse, in the peak and in the exponent";
   const SourceEdit unclamped = glsl_unclamped_spread();
+  const std::string of_all_directions = "normals of all directions alike: |r| / kappa is 0 / 0";
+  const SourceEdit a_third = glsl_edit("r > 1e-3 ? r / kappa : 1.0 / 3.0", "r / kappa");
   return {
       {{"glsl-facets-of-blinn-phong", "blinn_phong.glsl", longer, "the spread is held within 0 and 1", 6e-4, unit,
         reason},
@@ -426,6 +507,21 @@ std::vector<GlslCase> facet_cases() {
        {unclamped},
        ggx_highlights,
        {"multum_lobe_highlight", "multum_movmf_ggx", "multum_movmf_ggx_facet_kappa", "multum_movmf_ggx_specular"}},
+      {{"glsl-facets-of-charlie", "charlie.glsl", of_all_directions, "1 - 3/5 r^2 below r = 0.1", 6e-4, unit, reason},
+       {glsl_edit("r > 0.1 ? min(3.0 * r / kappa, 1.0) : 1.0 - 0.6 * r * r", "3.0 * r / kappa")},
+       charlie_facets,
+       {"multum_charlie", "multum_facets", "multum_lobe_facets", "multum_movmf_charlie", "multum_lobe_projection",
+        "multum_visibility"}},
+      {{"glsl-sheens-at-grazing-angles", "charlie.glsl", "both cosines 0: 0.25 / 0, and inf times the cosine",
+        "the denominator is at least 1e-6", 2e-6, "absolute", "a sum of floats"},
+       {glsl_edit("0.25 / max(n_l + n_v - n_l * n_v, 1e-6)", "0.25 / (n_l + n_v - n_l * n_v)")},
+       sheen_grazing,
+       {"multum_sheen_visibility"}},
+      {{"glsl-highlights-of-charlie", "charlie.glsl", of_all_directions, "a third", 2.5e-3, "of the peak",
+        "0.22 % of the cosine's model"},
+       {a_third},
+       charlie_highlights,
+       {"multum_lobe_highlight", "multum_movmf_charlie_facet_kappa"}},
       {{"glsl-facets-of-terms", "terms.glsl", "terms of negative weight darken what is far from the peak",
         "their sum is held at 0 and above; nothing turned away", 6e-4, unit, reason},
        {glsl_edit("return lobe.w * max(sum, 0.0);", "return lobe.w * sum;")},

@@ -322,6 +322,8 @@ TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   EXPECT_EQ(row({"--brdf", "lambert"}), "lambert");
   EXPECT_EQ(row({"--brdf", "cook-torrance:0.3,0.5", "--light", "0.2,0.4,1"}), "cook-torrance");
   EXPECT_EQ(row({"--brdf", "ggx:0.6,0.9,0.6,0.2", "--point-light", "0,20,9,80"}), "ggx");
+  EXPECT_EQ(row({"--brdf", "charlie:0.3", "--light", "0.2,0.4,1"}), "charlie");
+  EXPECT_EQ(row({"--brdf", "charlie:0.8", "--point-light", "0,20,9,80"}), "charlie");
   EXPECT_EQ(row({"--brdf", path("fit.json"), "--light", "0.2,0.4,1"}), "measured");
   EXPECT_EQ(row({"--brdf", "blinn-phong:12", "--environment", path("sky.hdr")}), "blinn-phong");
   EXPECT_EQ(row({"--brdf", "ggx:0.6", "--environment", path("sky.hdr"), "--environment-mode", "sh"}), "ggx");

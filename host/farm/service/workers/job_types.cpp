@@ -17,6 +17,7 @@
 #include "host/foundation/base/files/udim_set.h"
 #include "host/foundation/base/nearest_name.h"
 #include "host/foundation/base/path_text.h"
+#include "host/foundation/brdf_families/brdf_forms.h"
 
 namespace multum {
 namespace {
@@ -25,9 +26,6 @@ using Json = nlohmann::json;
 using Kind = ParameterKind;
 
 constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";  // what is_plain_text() takes
-
-// A BRDF of a family: no file's name, which would be looked for beyond the folders that jobs may read.
-constexpr const char* kBrdfPattern = "^(lambert|(blinn-phong|torrance-sparrow|cook-torrance|ggx):[0-9.,eE+-]{1,60})$";
 
 std::vector<JobType>& registered_types() {
   static std::vector<JobType> types;
@@ -61,7 +59,8 @@ bool is_accepted(const Parameter& parameter, const Json& json) {
   const auto* const text = std::get_if<std::string>(&*value);
   switch (parameter.kind) {
     case Kind::kText: return is_plain_text(*text);
-    case Kind::kBrdf: return text->size() < 100 && std::regex_match(*text, std::regex(kBrdfPattern));
+    // Of a family: no file's name, which would be looked for beyond the folders that jobs may read.
+    case Kind::kBrdf: return text->size() < 100 && std::regex_match(*text, std::regex(brdf_pattern()));
     case Kind::kFile: return !text->empty() && text->size() < 4096 && text->find('\0') == std::string::npos;
     default: return true;
   }
@@ -91,7 +90,7 @@ Json value_schema(const Parameter& parameter) {
     }
     case Kind::kChoice: return {{"type", "string"}, {"enum", parameter.choices}};
     case Kind::kText: return {{"type", "string"}, {"maxLength", 1000}, {"pattern", kPlainPattern}};
-    case Kind::kBrdf: return {{"type", "string"}, {"pattern", kBrdfPattern}};
+    case Kind::kBrdf: return {{"type", "string"}, {"pattern", brdf_pattern()}};
     case Kind::kFile: return {{"type", "string"}, {"minLength", 1}, {"maxLength", 4095}, {"pattern", "^[^\\u0000]*$"}};
   }
   return {};

@@ -135,7 +135,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf", "\"phong\"", "lambert, blinn-phong"}},
       {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower", "first"}},
       {"exponent = [20, 100]", "exponent = 0.5", 13, {"material.exponent", "0.5", "1 to 100000"}},
-      {"exponent = [20, 100]", "sigma = 0.1", 13, {"material.sigma", "another brdf"}},
+      {"exponent = [20, 100]", "sigma = 0.1", 13, {"material.sigma", "\"torrance-sparrow\"", "\"cook-torrance\""}},
       {"exponent = [20, 100]", "exponent = 20\nf0 = 0.1", 14, {"material.f0", "\"cook-torrance\""}},
       {"map = \"wall\"", "map = \"wal\"", 16, {"object.map", "\"wal\"", "\"wall\""}},
       {"material = \"paint\"",
@@ -407,7 +407,28 @@ TEST_F(SceneTest, SumsOfVmfsTakeLobes) {
   const MapPlan map =
       plan(with(kScene, "brdf = \"blinn-phong\"\nexponent = [20, 100]\n", "brdf = \"ggx\"\nroughness = 0.4\n")).maps[0];
   for (const BakeCandidate& c : map.candidates) EXPECT_EQ(c.shape.representation, Representation::kMovmf) << c.name;
-  expect_says(effect(map.effects, "moments of slopes (LEAN)").why, {"GGX", "measured", "vMF"});
+  expect_says(effect(map.effects, "moments of slopes (LEAN)").why, {"sum of vMFs", "vMF lobes"});
+}
+
+TEST_F(SceneTest, ASheenIsLitByLights) {
+  const auto sheen = [](const std::string& roughness) {
+    return with(kScene, "brdf = \"blinn-phong\"\nexponent = [20, 100]\n",
+                "brdf = \"charlie\"\nroughness = " + roughness + "\n");
+  };
+  const std::string lit = "[environment]\nfile = \"wall.exr\"\n";
+  const SceneMaterial material = read(sheen("[0.3, 0.6]")).materials[0];
+  ASSERT_EQ(material.brdfs.size(), 2u);
+  EXPECT_EQ(material.brdfs[0].kind, BrdfKind::kCharlie);
+  EXPECT_EQ(material.brdfs[0].roughness, 0.3f);
+  EXPECT_EQ(material.brdfs[1].specular, glm::vec3(1.0f));
+  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected lights"},
+               [&] { read(sheen("[0.3, 0.6]") + lit); });
+  expect_error(ErrorCode::kInput, {path(), "material.roughness", "0.04", "0.05 to 1"}, [&] { read(sheen("0.04")); });
+  write_map(64, noise);
+  const ScenePlan found = plan(sheen("0.1"));
+  expect_says(effect(found.objects[0].effects, "highlight").why, {"s = 100"});
+  for (const BakeCandidate& c : found.maps[0].candidates)
+    EXPECT_EQ(c.shape.representation, Representation::kMovmf) << c.name;
 }
 
 TEST_F(SceneTest, DiffuseLightTakesOneLobe) {

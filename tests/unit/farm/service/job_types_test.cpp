@@ -23,7 +23,7 @@ using Json = nlohmann::json;
 TEST(JobTypes, TakeBrdfsOfFamiliesAlone) {
   const JobType& bake = find_job_type("bake");
   const auto parameters = [](const char* brdf) { return Json{{"input", "a.png"}, {"brdf", brdf}}; };
-  for (const char* brdf : {"lambert", "blinn-phong:1e2", "ggx:0.4,0.04", "torrance-sparrow:.1"})
+  for (const char* brdf : {"lambert", "blinn-phong:1e2", "ggx:0.4,0.04", "torrance-sparrow:.1", "charlie:0.5"})
     EXPECT_NO_THROW(check_parameters(bake, parameters(brdf))) << brdf;
   for (const char* brdf : {"", "/etc/passwd", "gold.brdf", "ggx:../x", "ggx:", "lambert\n", "ggx:0.4\n/x"})
     EXPECT_THROW(check_parameters(bake, parameters(brdf)), Error) << brdf;

@@ -76,6 +76,22 @@ TEST(VmfTerms, ChannelsShareTheirKappas) {
   EXPECT_LT(terms[0].weight.z, 0.1);
 }
 
+// A sheen is 0 at the normal and brightest beside the horizon: broad terms of both signs are near it.
+TEST(VmfTerms, FitADensityThatHasNoPeak) {
+  for (const double power : {0.5, 1.0, 1.4}) {
+    const auto sheen = [&](double e) { return glm::dvec3(e < 1.0 ? std::pow(e * (2.0 - e), power) : 0.0); };
+    const std::vector<VmfTerm> terms = fit_vmf_terms(sheen, 4);
+    const auto off = [&](double e) {
+      double sum = 0.0;
+      for (const VmfTerm& term : terms)
+        sum += term.weight.x * term.kappa / (-2.0 * std::numbers::pi * std::expm1(-2.0 * term.kappa)) *
+               std::exp(-term.kappa * e);
+      return glm::dvec3(e < 1.0 ? std::abs(std::max(sum, 0.0) - sheen(e).x) : 0.0);
+    };
+    EXPECT_LT(integrate_zonal(off).x / integrate_zonal(sheen).x, 0.085) << power;
+  }
+}
+
 TEST(Environment, DirectionsAndCoordinatesAreInverse) {
   for (const double s : {0.01, 0.3, 0.5, 0.99})
     for (const double t : {0.02, 0.5, 0.9}) {
