@@ -16,13 +16,12 @@
 #include "host/farm/openjd/openjd_bundle.h"
 #include "host/farm/openjd/openjd_limits.h"
 #include "host/fields/inference/job/animation_job_reading.h"
-#include "host/fields/inferred/field_files.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/files/udim_set.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/base/work_shard.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/farm/farm_commands.h"
 
 namespace multum {
 namespace {
@@ -232,7 +231,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   return command;
 }
 
-int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std::string>& words)) {
+int run_openjd(const OpenJdOptions& o, CheckWords check_words) {
   apply(o.common);
   if (o.words.empty())
     throw Error(ErrorCode::kUsage, "found no command, expected one: multum openjd -o FOLDER bake ...");
@@ -255,7 +254,7 @@ int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std
 
 }  // namespace
 
-void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words)) {
+void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   auto options = std::make_shared<OpenJdOptions>();
   CLI::App* openjd = app.add_subcommand(
       "openjd",
