@@ -225,6 +225,8 @@ ProgramResult CliTest::multum(const std::vector<std::string>& arguments) {
   return result;
 }
 
+bool CliTest::has_command(const std::string& name) { return multum({name, "--help"}).exit_code == 0; }
+
 void CliTest::make_map(const std::string& prefix, int size) {
   const ProgramResult made = multum({"testmap", path(prefix), "--size", std::to_string(size)});
   ASSERT_EQ(made.exit_code, 0) << made.err;

@@ -7,6 +7,7 @@
 
 #include "tests/cli/program.h"
 #include "tests/unit/formats/image/image_test_files.h"
+#include "tools/multum/absent_commands.h"
 
 namespace multum::testing {
 namespace {
@@ -245,12 +246,12 @@ TEST_F(RefusalTest, TomlFilesBeyondTheLimits) {
   for (int i = 1; i < 32'000; ++i) key += ".a";
   const std::string file = path("deep.toml");
   write_bytes(file, "# one line\n" + key + " = 1\n");
-  const std::vector<std::vector<std::string>> commands = {
+  std::vector<std::vector<std::string>> commands = {
       {"plan", file},
       {"bake", "--manifest", file},
       {"infer", file, "-o", path("out/inferred")},
-      {"serve", "--data", path("out/data"), "--config", file},
   };
+  if (has_command("serve")) commands.push_back({"serve", "--data", path("out/data"), "--config", file});
   for (const std::vector<std::string>& command : commands) {
     SCOPED_TRACE(command[0]);
     expect_refusal(multum_program(command), kInput, {file + ":2:", "dotted key", "32", "expected"});
@@ -263,7 +264,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
       multum({}), kUsage,
       {"no command",
        "bake export gltf plan tradeoff info verify devices selftest testmap mip reflectance lod materials parameters "
-       "animation infer openjd pack unpack player look shaders serve rescue submit",
+       "animation infer pack unpack player look shaders",
        "--help"});
   expect_failure(multum({"cook"}), kUsage, {"unknown command 'cook'", ": bake"});
   expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});
@@ -280,6 +281,28 @@ TEST_F(RefusalTest, WrongCommandLines) {
   expect_failure(multum({"testmap", path("t"), "--size", "17"}), kUsage, {"--size", "17", "even"});
   expect_failure(multum({"testmap", path("t"), "--size", "8"}), kUsage, {"--size", "16 to 32768"});
   EXPECT_EQ(out_names(), std::set<std::string>());
+}
+
+TEST_F(RefusalTest, CommandsThatABuildLacks) {
+  CLI::App app;
+  add_absent_commands(app, {"serve"}, "farm", "MULTUM_FARM");
+  EXPECT_EQ(app.help().find("serve"), std::string::npos);
+  for (const std::string words : {"serve", "serve --data x --config y", "serve --help"}) {
+    try {
+      app.parse(words);
+      FAIL() << words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      EXPECT_EQ(std::string(error.what()),
+                "serve: this build of multum has no farm; expected one that was configured with the CMake option "
+                "-DMULTUM_FARM=ON");
+    }
+  }
+  for (const char* name :
+       {"openjd", "serve", "rescue", "submit", "list", "show", "tail", "wait", "cancel", "retry", "purge"}) {
+    if (has_command(name)) continue;
+    expect_failure(multum({name, "x", "--json"}), kUsage, {name, "no farm", "-DMULTUM_FARM=ON"});
+  }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the service takes from requests: bodies of JSON, queries, paths, addresses.
+// What the service takes from requests: bodies of JSON, queries, paths, addresses; and its settings file.
 // tests/service/fault_injection/fuzz.py sends whole requests to a running one.
 #include <nlohmann/json.hpp>
 
@@ -25,6 +25,19 @@ void submit(const nlohmann::json& body) {
   job_arguments(find_job_type(asked.job.type), parameters, "out");
 }
 
+constexpr char kSettingsFile[] = R"(data = "jobs"
+listen = "127.0.0.1:0"
+workers = 2
+roots = ["/tmp"]
+memory_max = "8G"
+lease_s = 10
+[[queue]]
+name = "default"
+jobs = 2
+memory_max = "1G"
+priority = -3
+)";
+
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
@@ -39,14 +52,15 @@ std::vector<std::string> fuzz::seeds() {
           "\2{\"finished_before_s\":60}",
           "\3state=queued&limit=10&before=7&queue=default",
           "\4/v1/jobs/7/result",
-          "\5[::1]:8470"};
+          "\5[::1]:8470",
+          std::string("\6") + kSettingsFile};
 }
 
 }  // namespace multum
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace multum;
-  const auto input = fuzz::split(data, size, 6);
+  const auto input = fuzz::split(data, size, 7);
   HttpRequest request;
   request.body = input.bytes;
   const std::string text(input.bytes);
@@ -71,7 +85,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           for (const std::string& part : split_path(text)) parse_integer(part);
           check_upload_name(text);
           break;
-        default: parse_listen_address(text);
+        case 5: parse_listen_address(text); break;
+        default: {
+          ServiceSettings settings;
+          read_service_settings(fuzz::input_file("input.toml", input.bytes), settings);
+        }
       }
     } catch (const Refusal& refusal) {
       MULTUM_CHECK(refusal.status >= 400 && refusal.status < 500);

@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that people write: manifests of bakes, jobs of texture inference, settings of the service, scenes; and what a
-// killed bake has left. A reader of another such file is another line of kReaders.
+// Files that people write: manifests of bakes, jobs of texture inference, scenes; and what a killed bake has left. A
+// reader of another such file is another line of kReaders.
 #include <filesystem>
 #include <functional>
 
 #include "host/bakes/manifest/bake_manifest.h"
 #include "host/bakes/movmf/bake_checkpoint.h"
 #include "host/bakes/scene/scene_file.h"
-#include "host/farm/service/service_settings.h"
-#include "host/farm/service/workers/job_types.h"
 #include "host/fields/inference/job/animation_job_reading.h"
 #include "tests/fuzz/fuzz.h"
-#include "tools/multum/farm/multum_job_types.h"
 
 namespace multum {
 namespace {
-
-[[maybe_unused]] const bool kHasJobTypes = (register_job_types(multum_job_types()), true);  // settings name them
 
 void read_checkpoint(const std::string& path) {
   const std::string folder = fuzz::scratch_folder() + "/.multum-partial-out.ndf.exr";
@@ -33,10 +28,6 @@ void read_checkpoint(const std::string& path) {
 const std::vector<std::function<void(const std::string&)>> kReaders = {
     [](const std::string& path) { read_bake_manifest(path, BakeJob()); },
     [](const std::string& path) { read_animation_job(path); },
-    [](const std::string& path) {
-      ServiceSettings settings;
-      read_service_settings(path, settings);
-    },
     read_checkpoint,
     [](const std::string& path) { read_scene(path, BakeJob()); },
 };
@@ -83,19 +74,6 @@ at = [0]
 camera = "v0"
 radiance = "rad.exr"
 geometry = "geom.exr"
-)";
-
-constexpr char kSettings[] = R"(data = "jobs"
-listen = "127.0.0.1:0"
-workers = 2
-roots = ["/tmp"]
-memory_max = "8G"
-lease_s = 10
-[[queue]]
-name = "default"
-jobs = 2
-memory_max = "1G"
-priority = -3
 )";
 
 constexpr char kScene[] = R"([camera]
@@ -146,11 +124,14 @@ std::vector<std::string> fuzz::seeds() {
   std::string deep_key = "a", deep_array = "a = ";  // a key of 32,000 parts ended the program
   for (int i = 1; i < 32'000; ++i) deep_key += ".a";
   for (int i = 0; i < 300; ++i) deep_array += i % 2 == 0 ? "[" : "{b.c = ";
-  return {std::string(1, '\0') + kManifest, std::string("\1") + kJob,
-          std::string("\2") + kSettings,    "\3" + checkpoint,
-          std::string("\4") + kScene,       std::string("\4") + kScene + kMeasured,
-          std::string("\4") + kNested,      std::string(1, '\0') + deep_key + " = 1\n",
-          std::string("\2") + deep_array};
+  return {std::string(1, '\0') + kManifest,
+          std::string("\1") + kJob,
+          "\2" + checkpoint,
+          std::string("\3") + kScene,
+          std::string("\3") + kScene + kMeasured,
+          std::string("\3") + kNested,
+          std::string(1, '\0') + deep_key + " = 1\n",
+          std::string("\3") + deep_array};
 }
 
 }  // namespace multum

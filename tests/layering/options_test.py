@@ -87,7 +87,10 @@ class OptionsTest(unittest.TestCase):
                 if not (programs / words[0]).is_file():
                     self.skipTest(f"{words[0]} was not built")
                 done = subprocess.run([programs / words[0], *words[1:], "--help"], capture_output=True, text=True,
-                                      check=True)
+                                      check=False)
+                if "this build of multum has no" in done.stderr:
+                    self.skipTest(done.stderr)
+                self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(re.findall(r"^  (\d+) ", done.stdout.split("\nExit codes:\n")[1], re.MULTILINE), codes)
 
     def test_what_is_read_of_help(self):

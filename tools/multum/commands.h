@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,6 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 /// Of a long command: a bar on a terminal; under a service, what the worker passes on.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
-/// Hands the farm the jobs of multum's commands. Once, before any command.
-void register_jobs();
-
 /// Does what a command line says and returns its exit code. Throws Error, Cancelled.
 int run_command(int argc, char** argv);
 /// The same of the words behind the program's name; `callback` hears of the progress. One at a time.
@@ -41,8 +39,6 @@ std::string find_viewer();
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
 void add_gltf_command(CLI::App& app, int* exit_code);
-/// Another command's words as a bundle for farms; `check_words` throws Error(kUsage) where they are none.
-void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words));
 /// A page that shows lobes in a browser.
 void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
@@ -59,9 +55,17 @@ void add_pyramid_commands(CLI::App& app, int* exit_code);
 /// The table of all parameters.
 void add_parameters_command(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);
-/// serve, the worker that it starts, and rescue.
-void add_serve_commands(CLI::App& app, int* exit_code);
-/// submit, list, show, tail, wait, cancel, retry, purge: a service's clients.
-void add_client_commands(CLI::App& app, int* exit_code);
+
+// The farm: tools/multum/farm, or no_farm.cpp in a build without it.
+
+/// Throws Error(kUsage) where a command line's words are none of this program.
+using CheckWords = void (*)(const std::vector<std::string>& words);
+
+/// Hands the farm the jobs of multum's commands. Once, before any command.
+void register_jobs();
+/// openjd, serve, the clients of a service, and a line for each in the text of `app` itself.
+void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
+/// The schemas of the jobs' parameters, by their names in docs/openapi.json.
+nlohmann::json job_schemas();
 
 }  // namespace multum

@@ -6,7 +6,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/farm/service/workers/job_types.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/parameters/parameter_page.h"
 #include "tools/multum/commands.h"
@@ -51,14 +50,9 @@ Json row_json(const Parameter& row) {
 
 // Of all tables, and the schemas of jobs that follow from them (docs/openapi.json).
 Json all_json() {
-  Json json = {{"commands", Json::object()}, {"schemas", Json::object()}};
+  Json json = {{"commands", Json::object()}, {"schemas", job_schemas()}};
   for (const ParameterTable* table : parameter_tables())
     for (const Parameter& row : table->rows()) json["commands"][table->command()].push_back(row_json(row));
-  for (const JobType& type : job_types()) {
-    std::string name = type.name;
-    name[0] = static_cast<char>(name[0] - 'a' + 'A');
-    json["schemas"][name + "Parameters"] = parameters_schema(type);
-  }
   return json;
 }
 

@@ -15,7 +15,6 @@
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum/commands.h"
-#include "tools/multum/farm/multum_job_types.h"
 #include "tools/multum/fields/field_commands.h"
 #include "tools/multum/openjd_lines.h"
 
@@ -64,11 +63,9 @@ void add_commands(CLI::App& app, int* exit_code) {
   add_materials_command(app, exit_code);
   add_parameters_command(app, exit_code);
   add_field_commands(app, exit_code);
-  add_openjd_command(app, exit_code, check_words);
   add_look_command(app, exit_code);
   add_shaders_command(app, exit_code);
-  add_serve_commands(app, exit_code);
-  add_client_commands(app, exit_code);
+  add_farm_commands(app, exit_code, check_words);
 }
 
 // Parses the words of a command, and runs nothing. Throws Error(kUsage).
@@ -87,8 +84,6 @@ void check_words(const std::vector<std::string>& words) {
 
 }  // namespace
 
-void register_jobs() { register_job_types(multum_job_types()); }
-
 int run_command(int argc, char** argv) {
   CLI::App app(
       "multum bakes normal maps into textures that look right at every distance:\n"
@@ -105,8 +100,7 @@ int run_command(int argc, char** argv) {
       "  multum materials helmet.glb -o helmet               list the normal maps of a model as a manifest to bake\n"
       "  multum selftest                                     check that this machine's OpenCL driver computes "
       "correctly\n"
-      "  multum animation renders -o animation.toml          write a folder of ray-traced pictures as a job\n"
-      "  multum serve --data jobs                            run a service that bakes what clients submit",
+      "  multum animation renders -o animation.toml          write a folder of ray-traced pictures as a job",
       "multum");
   app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
   app.require_subcommand(1);

@@ -77,6 +77,9 @@ class SweepTest(unittest.TestCase):
 
     def commands(self):
         """What each writes is in the folder out; run a second time it goes on, or begins again."""
+        farm = [["openjd", "-o", "out/a", "bake", "map.png", "-o", "b.ndf.exr"]]
+        if self.run_multum(["openjd", "--help"]).returncode != 0:
+            farm = []  # a build without it
         return [["bake", "map.png", "-o", "out/a.ndf.exr", "--report", "out/a.json"],
                 ["bake", "map.png", "-o", "out/a.ndf.exr", "--ndf", "sh"],
                 ["bake", "map.png", "other.png", "-o", "out"],
@@ -87,7 +90,7 @@ class SweepTest(unittest.TestCase):
                 ["testmap", "out/a", "--size", "64"],
                 ["look", "lobes.ndf.exr", "-o", "out/a.html"],
                 ["shaders", "-o", "out/a"],
-                ["openjd", "-o", "out/a", "bake", "map.png", "-o", "b.ndf.exr"],
+                *farm,
                 ["infer", "renders/animation.toml", "-o", "out/a"],
                 ["pack", "inferred", "-o", "out/a.mpt", "--ratio", "1", "--resume"]]
 

@@ -6,7 +6,7 @@ bytes changed, closed or reset at any moment. Each answer must be HTTP, of a sta
 daemon must live, and have no more memory, files or threads than before. Of a daemon that is built with sanitizers, what
 they find is a failure.
 
-  fault_injection/conversations.py MULTUM [--seconds 60 | --conversations 1000] [--seed N]
+  fault_injection/conversations.py MULTUM_DRILL [--seconds 60 | --conversations 1000] [--seed N]
 """
 import argparse
 import collections
@@ -23,7 +23,7 @@ import time
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from fuzz import Fuzzer  # noqa: E402
 from openapi_check import OpenapiCheck  # noqa: E402
-from service_harness import Service, fail, process_state  # noqa: E402
+from service_harness import Service, fail, process_state, with_drill  # noqa: E402
 
 STATUSES = {100, 200, 201, 202, 206, 304, 400, 401, 403, 404, 405, 408, 409, 413, 416, 431, 501, 503, 507}
 HEADERS = (b"Host: localhost", b"Host: evil", b"Host:", b"Origin: http://localhost", b"Origin: null",
@@ -186,7 +186,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         service = Service(options.multum, folder, config='connections_max = 64\nrequest_memory_max = "16M"\n'
                           'data_max = "64M"\n[[queue]]\nname = "default"\npaused = true\n').start()
-        check = OpenapiCheck(service.ask("GET", "/openapi.json")[1])
+        check = OpenapiCheck(with_drill(service.ask("GET", "/openapi.json")[1], service.ask("GET", "/v1/types")[1]))
         fuzzer = Fuzzer(check.document, check, options.seed)
         choose, statuses, count, before = fuzzer.random, collections.Counter(), 0, None
         begun = last = time.monotonic()

@@ -11,9 +11,7 @@ namespace {
 constexpr std::int64_t kMiB = 1 << 20;
 constexpr std::size_t kLooksMax = 16;  // pages that are kept; one of the largest map that they show is 37 MB
 
-const RefusedInput kNoScene = {".toml", "a map; a scene is baked by a job of type scene"};
-// Images of strangers are decoded by a child without rights, baked files by the worker itself.
-const RefusedInput kNoBakedFile = {".ndf.exr", "a map, not a baked file"};
+constexpr const char* kNoScene = "a map; a scene is baked by a job of type scene";
 
 JobType bake_type() {
   return {.name = "bake",
@@ -21,7 +19,7 @@ JobType bake_type() {
           .command = "bake",
           .input = "input",
           .input_is_one_map = true,
-          .refused_inputs = {kNoScene},
+          .refused_inputs = {{".toml", kNoScene}},
           .output_extension = ".ndf.exr",
           .memory_bytes = 1024 * kMiB,
           .table = &bake_parameters(),
@@ -59,7 +57,8 @@ JobType export_type() {
           .input = "input",
           .output_is_folder = true,
           .input_is_one_map = true,
-          .refused_inputs = {kNoBakedFile, kNoScene},
+          // Images of strangers are decoded by a child without rights, baked files by the worker itself.
+          .refused_inputs = {{".ndf.exr", "a map, not a baked file"}, {".toml", kNoScene}},
           .refused_extensions = {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"},
           .memory_bytes = 1024 * kMiB,
           .table = &export_parameters()};

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/files/path_roots.h"
 #include "host/fields/player/player_output.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/shown_text.h"
+#include "host/foundation/sandbox/path_roots.h"
 #include "tools/multum/fields/commands.h"
 
 namespace multum {

@@ -10,9 +10,10 @@
 #include <mutex>
 #include <string>
 
-#include "host/farm/service/files/path_roots.h"
+#include "host/farm/service/files/result_seal.h"
 #include "host/farm/service/http/upload_file.h"
 #include "host/farm/service/ledger/queue_thread.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 namespace multum {
 

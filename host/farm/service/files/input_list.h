@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/files/path_roots.h"
 #include "host/farm/service/workers/job_types.h"
 #include "host/foundation/sandbox/confinement.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 namespace multum {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host/farm/service/files/path_roots.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 namespace multum {
 

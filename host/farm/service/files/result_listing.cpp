@@ -19,11 +19,11 @@
 #include <sstream>
 #include <vector>
 
-#include "host/farm/service/files/path_roots.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/open_file.h"
 #include "host/foundation/base/files/own_folder.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 namespace multum {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/files/path_roots.h"
 #include "host/farm/service/files/result_listing.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 namespace multum {
 

@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "host/farm/service/files/data_folder.h"
-#include "host/farm/service/files/path_roots.h"
+#include "host/farm/service/files/job_roots.h"
 #include "host/farm/service/http/http_server.h"
 #include "host/farm/service/ledger/job.h"
 #include "host/farm/service/ledger/queue_thread.h"

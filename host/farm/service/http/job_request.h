@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/files/path_roots.h"
+#include "host/farm/service/files/job_roots.h"
 #include "host/farm/service/http/http_server.h"
 #include "host/farm/service/ledger/job_queue.h"
 

@@ -12,11 +12,11 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/farm/service/files/path_roots.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/path_text.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 namespace multum {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "host/farm/service/files/data_folder.h"
-#include "host/farm/service/files/path_roots.h"
+#include "host/farm/service/files/job_roots.h"
 #include "host/farm/service/files/staging.h"
 #include "host/farm/service/http/event_hub.h"
 #include "host/farm/service/ledger/job_queue.h"

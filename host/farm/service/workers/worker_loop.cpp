@@ -18,13 +18,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "host/farm/service/files/path_roots.h"
 #include "host/farm/service/files/result_copy.h"
 #include "host/farm/service/files/staging.h"
 #include "host/farm/service/workers/job_types.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/open_file.h"
 #include "host/foundation/base/path_text.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 namespace multum {
 namespace {

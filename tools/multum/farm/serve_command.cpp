@@ -19,7 +19,7 @@
 #include "host/foundation/base/processes/machine.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/sandbox/confinement.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/farm/farm_commands.h"
 
 namespace multum {
 namespace {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Confines jobs to files below the configured roots, by whatever name or link they come, and whatever becomes of a name
-// after it was looked at: a file is opened beneath its root's descriptor by a name without links (openat2), or not at
-// all.
+// Confines whoever reads and writes to files below some folders, by whatever name or link they come, and whatever
+// becomes of a name after it was looked at: a file is opened beneath its root's descriptor by a name without links
+// (openat2), or not at all.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "host/farm/service/files/result_seal.h"
 #include "host/foundation/base/files/open_file.h"
 
 namespace multum {
@@ -42,14 +41,6 @@ class PathRoots {
   OpenFile open_beneath(const std::string& canonical, int flags) const;
   std::vector<std::string> roots_;
   std::vector<std::shared_ptr<const OpenFile>> descriptors_;
-};
-
-/// Folders that jobs may touch.
-struct JobRoots {
-  PathRoots inputs;   // the configured roots, uploads and results
-  PathRoots outputs;  // the configured roots and results
-  PathRoots results;  // the daemon's own place for results
-  ResultSeal seal;    // of folders that the daemon publishes
 };
 
 }  // namespace multum

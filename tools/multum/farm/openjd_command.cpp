@@ -20,7 +20,7 @@
 #include "host/foundation/base/files/udim_set.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/base/work_shard.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/farm/farm_commands.h"
 #include "tools/multum/fields/field_commands.h"
 
 namespace multum {
@@ -227,7 +227,7 @@ FarmCommand farm_command(const OpenJdOptions& o) {
   return command;
 }
 
-int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std::string>& words)) {
+int run_openjd(const OpenJdOptions& o, CheckWords check_words) {
   apply(o.common);
   if (o.words.empty())
     throw Error(ErrorCode::kUsage, "found no command, expected one: multum openjd -o FOLDER bake ...");
@@ -250,7 +250,7 @@ int run_openjd(const OpenJdOptions& o, void (*check_words)(const std::vector<std
 
 }  // namespace
 
-void add_openjd_command(CLI::App& app, int* exit_code, void (*check_words)(const std::vector<std::string>& words)) {
+void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   auto options = std::make_shared<OpenJdOptions>();
   CLI::App* openjd = app.add_subcommand(
       "openjd",

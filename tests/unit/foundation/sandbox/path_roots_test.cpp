@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names below roots, and what is opened by them after they have changed.
-#include "host/farm/service/files/path_roots.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -21,7 +21,7 @@
 #include "host/foundation/base/files/regular_file.h"
 #include "host/foundation/base/path_text.h"
 #include "host/foundation/base/shown_text.h"
-#include "tools/multum/commands.h"
+#include "tools/multum/farm/farm_commands.h"
 
 namespace multum {
 namespace {

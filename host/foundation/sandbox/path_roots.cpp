@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/files/path_roots.h"
+#include "host/foundation/sandbox/path_roots.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// In place of tools/multum/farm, where the CMake option MULTUM_FARM is off.
+#include <nlohmann/json.hpp>
+
+#include "tools/multum/absent_commands.h"
+#include "tools/multum/commands.h"
+
+namespace multum {
+
+void register_jobs() {}
+
+void add_farm_commands(CLI::App& app, int*, CheckWords) {
+  add_absent_commands(
+      app, {"serve", "rescue", "submit", "list", "show", "tail", "wait", "cancel", "retry", "purge", "openjd"}, "farm",
+      "MULTUM_FARM");
+}
+
+nlohmann::json job_schemas() { return nlohmann::json::object(); }
+
+}  // namespace multum
