@@ -219,7 +219,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
       << "but for two to measure levels and pixels, the start's, binning's and the levels'";
   EXPECT_EQ(report["counts"]["lobes"], 4 * (4096 + 1024 + 256 + 64 + 16 + 4 + 1));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
-  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "unrepresentable", "beyond_storage"})
+  for (const char* count : {"kappa_clamped", "dead_lobes", "undirected_lobes", "unrepresentable"})
     EXPECT_TRUE(report["counts"][count].is_number_unsigned()) << count;
   for (const char* count : {"unused_texels", "nonfinite_repaired", "zero_length_repaired", "below_horizon_repaired"})
     EXPECT_EQ(report["input"][count], 0) << count;

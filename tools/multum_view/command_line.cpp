@@ -135,14 +135,16 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// " (an option of 'multum-view play')": the subcommands that have an option which the program itself has not; else "".
-std::string owners_of_option(const CLI::App& app) {
+/// For an option that subcommands have and the program itself has not: which have it; else "".
+std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
+    const std::string name = word.substr(0, word.find('='));
     std::vector<std::string> owners;
     for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
-      if (word.starts_with("--") && command->get_option_no_throw(word.substr(0, word.find('='))) != nullptr)
+      if (name.starts_with("--") && command->get_option_no_throw(name) != nullptr)
         owners.push_back("'" + app.get_name() + " " + command->get_name() + "'");
-    if (!owners.empty()) return fmt::format(" (an option of {})", fmt::join(owners, " and "));
+    if (!owners.empty())
+      return fmt::format("unknown option '{}', which is one of {}", name, fmt::join(owners, " and "));
   }
   return "";
 }
@@ -150,8 +152,9 @@ std::string owners_of_option(const CLI::App& app) {
 std::string view_usage_error(const CLI::App* app, const CLI::Error& error) {
   const std::vector<CLI::App*> chosen = app->get_subcommands();
   const std::string program = app->get_name() + (chosen.empty() ? "" : " " + chosen.front()->get_name());
-  const std::string owners = chosen.empty() ? owners_of_option(*app) : "";
-  return fmt::format("{}: {}{}\nSee '{} --help'.\n", program, parse_error_text(*app, error), owners, program);
+  std::string text = chosen.empty() ? option_of_subcommands(*app) : "";
+  if (text.empty()) text = parse_error_text(*app, error);
+  return fmt::format("{}: {}\nSee '{} --help'.\n", program, text, program);
 }
 
 /// The subcommand that runs; empty: a baked map is drawn. Options before a subcommand would be no part of it.
