@@ -120,12 +120,6 @@ int run_infer(InferOptions& o) {
 
 }  // namespace
 
-std::string find_viewer() {
-  std::error_code error;
-  const std::string beside = own_folder() + "/multum-view";
-  return std::filesystem::exists(beside, error) ? beside : "multum-view";
-}
-
 void add_infer_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<InferOptions>();
   InferOptions& o = *options;
