@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-struct Options {
+struct SelftestCommandOptions {
   std::string device;
   std::string json;
   std::string markdown;
@@ -34,13 +34,13 @@ NumericalRun read_run(const std::string& path) {
   return parse_case_json(*text, path);
 }
 
-void check(const Options& options) {
+void check(const SelftestCommandOptions& options) {
   if (!options.with.empty() && options.markdown.empty()) throw Error(ErrorCode::kUsage, "--with needs --markdown");
   if (!options.markdown.empty() && !options.selftest.filter.empty())
     throw Error(ErrorCode::kUsage, "--markdown and --filter exclude each other: the page has all cases");
 }
 
-int run_selftest_command(Options options) {
+int run_selftest_command(SelftestCommandOptions options) {
   check(options);
   apply(options.common);
   options.selftest.without_guards = options.selftest.without_guards || !options.markdown.empty();
@@ -72,7 +72,7 @@ int run_selftest_command(Options options) {
 }  // namespace
 
 void add_selftest_command(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SelftestCommandOptions>();
   CLI::App* selftest = app.add_subcommand(
       "selftest", "run the numerical hard cases on your device, to check that its driver keeps the guards");
   selftest->add_option("--device", options->device,
