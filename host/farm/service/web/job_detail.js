@@ -197,8 +197,10 @@ export class JobDetail {
 
   tick() {
     if (!this.job) return;
-    // Parts have no events of their own.
-    if (this.job.parts?.some((one) => one.state === "sent") && ++this.ticks % 3 === 0) this.refresh();
+    // Parts have no events of their own, neither when they are sent nor when they end.
+    const parts = this.job.parts ?? [];
+    const mayChange = parts.length === 0 ? this.job.state === "running" : parts.some((one) => one.state === "sent");
+    if (mayChange && ++this.ticks % 3 === 0) this.refresh();
     refreshTimes(this.root);
     this.showTook();
   }
