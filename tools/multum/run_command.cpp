@@ -99,8 +99,7 @@ int run_command(int argc, char** argv) {
       "  multum mip bricks.png -o bricks.exr                 average colours in linear light\n"
       "  multum materials helmet.glb -o helmet               list the normal maps of a model as a manifest to bake\n"
       "  multum selftest                                     check that this machine's OpenCL driver computes "
-      "correctly\n"
-      "  multum animation renders -o animation.toml          write a folder of ray-traced pictures as a job",
+      "correctly",
       "multum");
   app.set_version_flag("--version", std::string("multum ") + MULTUM_VERSION);
   app.require_subcommand(1);

@@ -10,6 +10,9 @@ namespace multum {
 
 void add_field_commands(CLI::App& app, int* exit_code) {
   register_field_cases();
+  app.description(
+      app.get_description() +
+      "\n  multum animation renders -o animation.toml          write a folder of ray-traced pictures as a job");
   add_animation_command(app, exit_code);
   add_infer_command(app, exit_code);
   add_pack_commands(app, exit_code);
