@@ -15,6 +15,6 @@ void add_farm_commands(CLI::App& app, int*, CheckWords) {
       "MULTUM_FARM");
 }
 
-nlohmann::json job_schemas() { return nlohmann::json::object(); }
+nlohmann::ordered_json job_schemas() { return nlohmann::ordered_json::object(); }
 
 }  // namespace multum

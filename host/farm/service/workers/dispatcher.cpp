@@ -73,9 +73,9 @@ TimeMs wall_clock_ms() {
       .count();
 }
 
-bool is_result_intact(JobQueue& queue, const JobRoots& roots, const Job& job) {
+bool is_result_intact(const JobRoots& roots, const Job& job) {
   try {
-    return job.output.empty() || is_as_made(roots.outputs, job.output, queue.result_identity(job.id), roots.seal);
+    return job.output.empty() || is_as_made(roots.outputs, job.output, job.result_identity, roots.seal);
   } catch (const Error&) {  // it cannot be looked at for now
     return false;
   }
@@ -137,9 +137,9 @@ void Dispatcher::recover() {
     with_slurm = recovered.with_slurm;
     parts = queue.slurm().sent();
     last_batch = queue.slurm().last_batch();
-    for (const auto& [job, identity] : recovered.publishing) {
+    for (const Job& job : recovered.publishing) {
       try {
-        publish(job, identity);
+        publish(job, job.result_identity);
         queue.published(job.id, wall_clock_ms());
         service_log(LogSeverity::kInfo, job.id, "published after a restart: " + job.output);
       } catch (const Error& error) {
@@ -301,7 +301,7 @@ void Dispatcher::end_drain_if_idle() {
 Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) const {
   Claimed claimed{std::move(job), ""};
   for (const Job& other : queue.succeeded_with_key(claimed.job.key)) {
-    if (other.output.empty() || !is_result_intact(queue, roots_, other)) continue;
+    if (other.output.empty() || !is_result_intact(roots_, other)) continue;
     claimed.copy_from = other.output;
     queue.set_reused_from(claimed.job.id, other.id);
     break;
