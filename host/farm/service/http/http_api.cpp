@@ -140,7 +140,7 @@ struct HttpApi::State {
       StagedResult(roots.outputs, submission.output, dispatcher.instance(), 0, roots.seal)
           .check_place(type.output_is_folder);
     if (type.input.empty()) return;
-    const InputList inputs = list_inputs_in_child(type, asked.parameters(), roots.inputs);
+    const InputList inputs = list_inputs_in_child(type, asked.parameters, roots.inputs);
     std::vector<std::string> file_hashes;
     for (const std::string& named : inputs.files) {
       const std::string file = roots.inputs.input(named);
@@ -150,7 +150,7 @@ struct HttpApi::State {
       file_hashes.push_back(hashes.hash(file, roots.inputs.open_input(file)));
     }
     submission.inputs = inputs.identity;
-    if (!asked.again) submission.key = idempotency_key(type, asked.parameters(), file_hashes);
+    if (!asked.again) submission.key = idempotency_key(type, asked.parameters, file_hashes);
   }
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {

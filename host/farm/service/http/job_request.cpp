@@ -132,8 +132,6 @@ Json parse_body(const HttpRequest& request) {
   return json;
 }
 
-Json SubmitRequest::parameters() const { return Json::parse(job.parameters); }
-
 SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimLimits& limits, TimeMs now) {
   std::vector<std::string> keys;
   for (const JobField& field : job_fields())
@@ -146,7 +144,7 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   if (!json.contains("type")) throw Refusal{400, "usage", "type is missing"};
   s.type = value_of<std::string>(json, "type", "", is_text, "a text");
   const JobType& type = find_job_type(s.type);
-  Json parameters = json.value("parameters", Json::object());
+  Json& parameters = request.parameters = json.value("parameters", Json::object());
   check_parameters(type, parameters);
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
@@ -216,7 +214,7 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
                               what, path, job.queue)};
   };
   if (!job.output.empty()) check("output", job.output);
-  const Json parameters = request.parameters();
+  const Json& parameters = request.parameters;
   for (const Parameter& parameter : find_job_type(job.type).table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
       check("parameters." + parameter.name, path_of_text(parameters[parameter.name].get<std::string>()));

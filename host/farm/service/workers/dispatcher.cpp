@@ -318,14 +318,18 @@ void Dispatcher::give_out(const std::vector<Claimed>& claimed) {
 }
 
 WorkOrder Dispatcher::order_of(const Job& job, std::string& made) const {
-  WorkOrder order{job.id, job.attempt, {}, "", "", log_path(job.id), job.type, job.parameters, job.inputs, "", ""};
+  WorkOrder order;
+  order.job = job.id;
+  order.attempt = job.attempt;
+  order.type = job.type;
+  order.parameters = Json::parse(job.parameters);
+  order.log = log_path(job.id);
+  order.inputs = job.inputs;
   if (!job.output.empty()) {
     order.output = job.output;
     order.folder = staging_folder(job.output, instance_, job.id);
     made = staged_path(job.output, instance_, job.id);
   }
-  const std::string name = job.output.empty() ? "" : staged_name(job.output);
-  order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), name);
   return order;
 }
 
