@@ -136,8 +136,7 @@ void check_job(const BakeJob& job) {
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);
-  const bool has_lobes = job.representation == Representation::kMovmf || job.representation == Representation::kGmm;
-  if ((job.shard || job.merged_shards > 0) && !has_lobes)
+  if ((job.shard || job.merged_shards > 0) && !holds_lobes(job.representation))
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} is given, expected lobes: of {} one pass over the map makes averages",
                             job.shard ? "--shard" : "--merge", representation_info(job.representation).name));

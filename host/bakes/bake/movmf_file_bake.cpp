@@ -14,6 +14,7 @@
 #include "host/bakes/movmf/gathered_shards.h"
 #include "host/bakes/movmf/map_shard.h"
 #include "host/bakes/movmf/movmf_bake.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/asset/lobes/movmf_verify.h"
 #include "host/formats/asset/lobes/movmf_writer.h"
 #include "host/foundation/base/error.h"
@@ -36,7 +37,8 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
     texels += static_cast<double>(header.levels[l].width) * header.levels[l].height;
   if (texels > 0.0) report.unrepresentable_share = report.unrepresentable_amplitude / texels;
   if (report.unrepresentable_share <= kUnrepresentableNoted) return;
-  const auto kappa_max = static_cast<double>(storage_kappa_max(header.header.representation, header.header.encoding));
+  const LobeFamily& family = lobe_family(header.header.representation);
+  const auto kappa_max = static_cast<double>(family.kappa_max(header.header.encoding));
   log_warning(
       job.input,
       fmt::format(
@@ -46,7 +48,7 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
           storage_encoding_name(header.header.encoding), kappa_max,
           header.header.encoding == StorageEncoding::kHalf
               ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
-                                   storage_kappa_max(header.header.representation, StorageEncoding::kSnorm16)))
+                                   family.kappa_max(StorageEncoding::kSnorm16)))
               : advice("; <data_format float> keeps them")));
 }
 

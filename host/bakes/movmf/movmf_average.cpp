@@ -8,6 +8,7 @@
 #include "host/bakes/movmf/lobe_rows.h"
 #include "host/bakes/pyramid/average_pass.h"
 #include "host/bakes/pyramid/feature_planes.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/size_of.h"
@@ -98,7 +99,7 @@ class NormalPlanes : public AveragedPlanes {
 }  // namespace
 
 bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settings) {
-  return settings.lobe_count == 1 && settings.representation == Representation::kMovmf && inputs.region == nullptr;
+  return settings.lobe_count == 1 && lobe_family(settings.representation).one_lobe_is_mean && inputs.region == nullptr;
 }
 
 void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,

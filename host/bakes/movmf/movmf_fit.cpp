@@ -14,6 +14,7 @@
 #include "host/bakes/movmf/movmf_start.h"
 #include "host/bakes/pyramid/finest_rows.h"
 #include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/background_task.h"
 #include "host/foundation/base/processes/parallel.h"
@@ -24,7 +25,7 @@ namespace {
 
 ProgramChoice level_zero_program(const MipSchedule& schedule, const MovmfSettings& settings) {
   return {"movmf_level_zero",
-          {settings.lobe_count, 1, schedule.weighted, settings.representation == Representation::kGmm}};
+          {settings.lobe_count, 1, schedule.weighted, lobe_family(settings.representation).is_planar}};
 }
 
 class MovmfFitter {

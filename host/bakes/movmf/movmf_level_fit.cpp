@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/opencl/launch_shape.h"
 #include "kernels/shared/vmf_lobe.h"
 
@@ -79,7 +80,7 @@ LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& le
       fit_(level.fit),
       inputs_(inputs),
       lobe_count_(settings.lobe_count),
-      gaussians_(settings.representation == Representation::kGmm),
+      gaussians_(lobe_family(settings.representation).is_planar),
       whole_(is_whole(level, settings, plan)),
       band_rows_(whole_ ? level.fit.height : plan.band_rows),
       em_steps_(em_steps(level, settings)),
