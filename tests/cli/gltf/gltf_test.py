@@ -404,13 +404,15 @@ class GltfTest(FolderCase):
         self.assertAlmostEqual(abs(2 * red / 255 - 1), 1.0, delta=0.02)  # along x, which the normals lean to
         self.assertAlmostEqual(2 * green / 255 - 1, 0.0, delta=0.05)
         self.assertGreater(blue, 150)
-        model = plain_model()
-        turned = {"extensions": {"KHR_texture_transform": {"rotation": 1.0}}}
-        model.json["materials"][0]["normalTexture"].update(turned)
-        model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(turned)
-        after, report = self.convert(model, "--anisotropy")
-        self.assertNotIn("extensions", after.json["materials"][0])
-        self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
+        for transform in ({"rotation": 1.0}, {"scale": [-1.0, 1.0]}, {"scale": [1.0, -1.0]}):
+            with self.subTest(transform):
+                model = plain_model()
+                turned = {"extensions": {"KHR_texture_transform": transform}}
+                model.json["materials"][0]["normalTexture"].update(turned)
+                model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(turned)
+                after, report = self.convert(model, "--anisotropy")
+                self.assertNotIn("extensions", after.json["materials"][0])
+                self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
 
     def test_png_has_level_0_alone_and_says_so(self):
         self.write("in.glb", plain_model().glb())
