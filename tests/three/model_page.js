@@ -138,8 +138,8 @@ function framed(model, { direction, distance, ...view }) {
 /**
  * `models`: [{ url, lobes, points, options }], the first the one whose unfiltered samples are the reference.
  * `asked`: { eye, target, angle, width, height, samples, frames, edges, light, intensity, room, crop, zoom }, or
- * direction and distance in place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom, strip }, the reference first
- * in the strip; `lobed`: how many materials draw lobes.
+ * direction and distance in place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom,
+ * strip }, the reference first in the strip; `lobed`: how many materials draw lobes.
  */
 async function pictures(models, asked) {
   const unfiltered = await load({ ...models[0], unfiltered: true });
