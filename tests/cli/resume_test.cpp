@@ -10,10 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "host/bakes/movmf/row_records.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 
 #include "host/formats/image/files/png_writer.h"
 #include "host/formats/image/normals/normal_map.h"
+#include "host/foundation/base/files/work_folder.h"
 #include "tests/cli/program.h"
 #include "tests/fixtures/test_maps.h"
 
@@ -29,25 +31,41 @@ class ResumeTest : public CliTest {
     return multum_command(arguments);
   }
   std::string partial() const { return path(".multum-partial-map.ndf.exr"); }
-  // Blocks of rows that are done.
-  int blocks_done() const {
-    std::ifstream in(partial() + "/progress");
-    int lines = -1;  // the first says what bake it is
-    for (std::string line; std::getline(in, line);) ++lines;
-    return lines;
+  // Records of rows that are done, and where their rows begin in the file.
+  struct Kept {
+    RowBlock rows;
+    std::uint64_t begin;
+  };
+  static std::vector<Kept> kept_rows(const std::string& partial) {
+    std::vector<Kept> found;
+    const std::string path = partial + "/progress";
+    if (!std::filesystem::exists(path)) return found;
+    const RecordFile file(path);
+    file.visit_records(nullptr, [&](const RecordFile::Place& place) {
+      Kept kept{{}, place.offset + sizeof(RowBlock)};
+      found.push_back(kept);
+      return file.read(place.offset, {reinterpret_cast<std::uint8_t*>(&found.back().rows), sizeof(RowBlock)});
+    });
+    return found;
   }
-  // Kills a bake when it has done some rows of the finest level that it fits.
+  static bool has_rows(const std::string& partial, int level) {
+    for (const Kept& kept : kept_rows(partial))
+      if (kept.rows.level == level) return true;
+    return false;
+  }
+  // Until some rows of a level are done.
+  static void wait_for_rows(Program& bake, const std::string& partial, int level) {
+    while (bake.running() && !has_rows(partial, level)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  // Kills a bake when it fits the finest level.
   void kill_a_bake(const std::vector<std::string>& more) const {
     std::vector<std::string> options = more;
     options.push_back("--resume");
     Program bake(command(options));
-    const std::string finest = partial() + "/level-1.lobes";
-    while (bake.running() && !std::filesystem::exists(finest))
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    wait_for_rows(bake, partial(), 2);
     bake.send(SIGKILL);
     ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
-    ASSERT_GT(blocks_done(), 0);
+    ASSERT_GT(kept_rows(partial()).size(), 0u);
   }
   std::uint64_t rows_resumed() const {
     std::ifstream in(path("report.json"));
@@ -80,19 +98,23 @@ TEST_F(ResumeTest, AKilledBakeGoesOnFromItsFinishedRows) {
 
 TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   make_map("map", 512);
-  for (const auto& [options, damaged] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{}, "/level-2.lobes"}, {{"--refine"}, "/level-4.refined"}}) {
+  for (const auto& [options, level] :
+       std::vector<std::pair<std::vector<std::string>, int>>{{{}, 2}, {{"--refine"}, 4}}) {
     ASSERT_EQ(run_program(command(options)).exit_code, 0);
     const std::string whole = content_hash();
     std::filesystem::remove(path("map.ndf.exr"));
     kill_a_bake(options);
-    ASSERT_TRUE(std::filesystem::exists(partial() + damaged));
+    std::uint64_t begin = 0;
+    for (const Kept& kept : kept_rows(partial()))
+      if (kept.rows.level == level && begin == 0)
+        begin = kept.begin + (level == 4 ? kept.rows.row_bytes[0] * static_cast<unsigned>(kept.rows.row_count) : 0);
+    ASSERT_GT(begin, 0u);
     {
-      std::fstream level(partial() + damaged, std::ios::in | std::ios::out | std::ios::binary);
-      level.seekp(10000);
-      level << "no lobes";
+      std::fstream file(partial() + "/progress", std::ios::in | std::ios::out | std::ios::binary);
+      file.seekp(static_cast<std::streamoff>(begin) + 1000);
+      file << "no lobes";
     }
-    std::ofstream(partial() + "/progress", std::ios::app) << "1 0 half a li";
+    std::ofstream(partial() + "/progress", std::ios::app) << "half a record";
     std::vector<std::string> again = options;
     again.emplace_back("--resume");
     ASSERT_EQ(run_program(command(again)).exit_code, 0);
@@ -120,9 +142,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
     std::vector<std::string> with_resume = options;
     with_resume.emplace_back("--resume");
     Program stopped(bake(with_resume));
-    const std::string finest = path(".multum-partial-" + name + "/level-1.lobes");
-    while (stopped.running() && !std::filesystem::exists(finest))
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    wait_for_rows(stopped, path(".multum-partial-" + name), 2);
     const auto asked = std::chrono::steady_clock::now();
     stopped.send(SIGTERM);
     EXPECT_EQ(stopped.wait().exit_code, 130) << name << ": it was quicker than the signal";
@@ -153,13 +173,12 @@ TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   const std::string whole = read_movmf_header(file).header.provenance.content_hash;
   std::filesystem::remove_all(path("out"));
   Program stopped(scene);
-  const std::string finest = path("out/.multum-partial-wall.ndf.exr/.multum-partial-chosen.exr/level-1.lobes");
-  while (stopped.running() && !std::filesystem::exists(finest))
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  const std::string partial_of_scene = path("out/.multum-partial-wall.ndf.exr/.multum-partial-chosen.exr");
+  wait_for_rows(stopped, partial_of_scene, 2);
   stopped.send(SIGTERM);
   EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
   EXPECT_FALSE(std::filesystem::exists(file));
-  ASSERT_TRUE(std::filesystem::exists(finest));
+  ASSERT_TRUE(has_rows(partial_of_scene, 2));
   ASSERT_EQ(run_program(scene).exit_code, 0);
   EXPECT_EQ(read_movmf_header(file).header.provenance.content_hash, whole);
   std::ifstream in(path("out/report.json"));
@@ -174,14 +193,12 @@ TEST_F(ResumeTest, ATerminatedSetGoesOn) {
   const std::vector<std::string> set = multum_command(
       {"bake", path("rock_<UDIM>.png"), "-o", path("rock_<UDIM>.ndf.exr"), "--no-measure", "--quiet", "--resume"});
   Program stopped(set);
-  const std::string finest = path(".multum-partial-rock_1002.ndf.exr/level-1.lobes");
-  while (stopped.running() && !std::filesystem::exists(finest))
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  wait_for_rows(stopped, path(".multum-partial-rock_1002.ndf.exr"), 2);
   stopped.send(SIGTERM);
   EXPECT_EQ(stopped.wait().exit_code, 130) << "the bake was quicker than the signal";
   ASSERT_TRUE(std::filesystem::exists(path("rock_1001.ndf.exr")));
   EXPECT_FALSE(std::filesystem::exists(path("rock_1002.ndf.exr")));
-  EXPECT_TRUE(std::filesystem::exists(finest));
+  EXPECT_TRUE(has_rows(path(".multum-partial-rock_1002.ndf.exr"), 2));
   const auto first = std::filesystem::last_write_time(path("rock_1001.ndf.exr"));
   ASSERT_EQ(run_program(set).exit_code, 0);
   EXPECT_EQ(std::filesystem::last_write_time(path("rock_1001.ndf.exr")), first);
@@ -196,15 +213,27 @@ TEST_F(ResumeTest, WhoDoesNotAskForItKeepsAllButTheFinestLevel) {
   const std::string whole = content_hash();
   std::filesystem::remove(path("map.ndf.exr"));
   Program bake(command({}));
-  while (bake.running() && !std::filesystem::exists(partial() + "/level-2.lobes"))
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  wait_for_rows(bake, partial(), 3);
   bake.send(SIGKILL);
   ASSERT_EQ(bake.wait().signal, SIGKILL) << "the bake was quicker than the kill";
-  EXPECT_FALSE(std::filesystem::exists(partial() + "/level-1.lobes"));
+  EXPECT_FALSE(has_rows(partial(), 1));
   const ProgramResult resumed = run_program(command({"--resume", "--report", path("report.json")}));
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_GT(rows_resumed(), 100u);
   EXPECT_EQ(content_hash(), whole);
+}
+
+TEST_F(ResumeTest, WhatAnotherVersionLeftIsRefusedAndStays) {
+  make_map("map", 32);
+  WorkFolder::take(partial())->leave();
+  write_bytes(partial() + "/progress", std::string(64, 'a') + "\n3 0 4 0123456789abcdef\n");
+  write_bytes(partial() + "/level-3.lobes", std::string(1024, ' '));
+  expect_refusal(run_program(command({"--resume"})), exit_code(ErrorCode::kEnvironment),
+                 {".multum-partial-map.ndf.exr/progress", "another version of multum", "delete it"});
+  EXPECT_TRUE(std::filesystem::exists(partial() + "/level-3.lobes"));
+  std::filesystem::remove(partial() + "/progress");
+  EXPECT_EQ(run_program(command({"--resume"})).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(partial()));
 }
 
 TEST_F(ResumeTest, WhatAnotherBakeLeftIsNotTaken) {
@@ -222,8 +251,7 @@ TEST_F(ResumeTest, TwoBakesOfOneOutputAtOnceAreEachWhole) {
   const std::string whole = content_hash();
   std::filesystem::remove(path("map.ndf.exr"));
   Program first(command({"--force"}));
-  while (first.running() && !std::filesystem::exists(partial() + "/level-3.lobes"))
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  wait_for_rows(first, partial(), 4);
   Program second(command({"--force", "--resume"}));
   const ProgramResult of_first = first.wait(), of_second = second.wait();
   EXPECT_EQ(of_first.exit_code, 0) << of_first.err;

@@ -2,10 +2,12 @@
 // Files that people write: manifests of bakes, jobs of texture inference, scenes; and what a killed bake has left. A
 // reader of another such file is another line of kReaders.
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 
 #include "host/bakes/manifest/bake_manifest.h"
-#include "host/bakes/movmf/bake_checkpoint.h"
+#include "host/bakes/movmf/row_origin.h"
 #include "host/bakes/scene/scene_file.h"
 #include "host/fields/inference/job/animation_job_reading.h"
 #include "tests/fuzz/fuzz.h"
@@ -13,22 +15,37 @@
 namespace multum {
 namespace {
 
-void read_checkpoint(const std::string& path) {
+void read_left_rows(const std::string& path) {
   const std::string folder = fuzz::scratch_folder() + "/.multum-partial-out.ndf.exr";
   std::filesystem::create_directory(folder);
   std::filesystem::copy_file(path, folder + "/progress", std::filesystem::copy_options::overwrite_existing);
-  const auto checkpoint = BakeCheckpoint::open(fuzz::scratch_folder() + "/out.ndf.exr", "key", true);
-  if (checkpoint == nullptr) return;
-  for (const int level : {0, 1}) {
-    const BakeCheckpoint::Level& opened = checkpoint->open_level(level, 8, {16, 0, level == 1});
-    MULTUM_CHECK(opened.rows_done >= 0 && opened.rows_done <= 8);
+  const auto rows = ResumedRows::open(nullptr, {}, fuzz::scratch_folder() + "/out.ndf.exr", "key", true, true);
+  if (rows == nullptr) return;
+  for (const int level : {1, 0}) {
+    const LevelTask task = rows->begin({level, 8, 16, 0, level == 1, true});
+    MULTUM_CHECK(task.rows_there >= 0 && task.rows_there <= 8);
+    std::vector<unsigned char> bytes(std::size_t{16} * 8);
+    rows->read(RowPart::kStored, 0, task.rows_there, bytes.data());
+    rows->end();
   }
+}
+
+// Records of three rows of level 1, as a killed bake leaves them.
+std::string left_rows() {
+  const std::string output = fuzz::scratch_folder() + "/seed.ndf.exr";
+  const std::vector<unsigned char> bytes(std::size_t{16} * 8, 1);
+  const auto rows = ResumedRows::open(nullptr, {}, output, "key", false, true);
+  rows->begin({1, 8, 16, 0, true, true});
+  rows->keep({0, 2, bytes.data(), nullptr, bytes.data()});
+  rows->keep({2, 1, bytes.data(), nullptr, bytes.data()});
+  std::ifstream file(partial_folder_of(output) + "/progress", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 const std::vector<std::function<void(const std::string&)>> kReaders = {
     [](const std::string& path) { read_bake_manifest(path, BakeJob()); },
     [](const std::string& path) { read_animation_job(path); },
-    read_checkpoint,
+    read_left_rows,
     [](const std::string& path) { read_scene(path, BakeJob()); },
 };
 
@@ -120,13 +137,12 @@ constexpr char kMeasured[] = "[[material]]\nname = \"metal\"\nbrdf = \"measured\
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
-  const std::string checkpoint = "key\n0 0 4 0123456789abcdef\n0 4 4 0123456789abcdef\n1 0 2 0123456789abcdef\n";
   std::string deep_key = "a", deep_array = "a = ";  // a key of 32,000 parts ended the program
   for (int i = 1; i < 32'000; ++i) deep_key += ".a";
   for (int i = 0; i < 300; ++i) deep_array += i % 2 == 0 ? "[" : "{b.c = ";
   return {std::string(1, '\0') + kManifest,
           std::string("\1") + kJob,
-          "\2" + checkpoint,
+          "\2" + left_rows(),
           std::string("\3") + kScene,
           std::string("\3") + kScene + kMeasured,
           std::string("\3") + kNested,

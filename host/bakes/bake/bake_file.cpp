@@ -85,7 +85,7 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   return from;
 }
 
-// The map as share 0 has it: decoded already. Nothing where that is not there, or damaged: GatheredShards lists what is
+// The map as share 0 has it: decoded already. Nothing where that is not there, or damaged: GatheredRows lists what is
 // missing, and the map is read where nothing is.
 std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
   try {

@@ -70,12 +70,10 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
   const BakeJob& job = run.job;
   const MapShard& shard = *job.shard;
   const std::string key = rows_key(run.header.provenance);
-  std::optional<ShardReader> coarse;
-  if (shard.index > 0) coarse.emplace(job.output, MapShard{0, shard.count}, key);
-  ShardWriter writer(report.shard, key, shard.index > 0 ? "" : shard_note(job, run.source));
+  ShareWriter writer(report.shard, key, shard.index > 0 ? "" : shard_note(job, run.source));
   if (shard.index == 0) write_map_rows(run.source, writer);
-  ShareRows rows(run.spill, shard, plan_shard(make_mip_schedule(*run.normals, run.fitting), run.fitting, shard), writer,
-                 coarse ? &*coarse : nullptr);
+  ShareRows rows(run.spill, shard, plan_shard(make_mip_schedule(*run.normals, run.fitting), run.fitting, shard),
+                 job.output, key, writer);
   const auto units = movmf_bake_units(run.header.width, run.header.height, job.fitting.first_level);
   progress_start(progress, shard.index == 0 ? units : units / static_cast<std::uint64_t>(shard.count));
   bake_movmf(run.device, run, run.fitting, rows, job.starts.get(), report.fit, progress);
@@ -89,15 +87,12 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
 std::unique_ptr<RowOrigin> make_rows(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output) {
   const BakeJob& job = run.job;
   const std::string key = rows_key(header.header.provenance);
-  if (job.merged_shards > 0)
-    return std::make_unique<GatheredRows>(
-        &output, GatheredShards(job.output, job.merged_shards, key, *run.normals, run.features, run.fitting));
+  if (job.merged_shards > 0) return std::make_unique<GatheredRows>(&output, job.output, job.merged_shards, key);
   if (!job.onto.empty()) return std::make_unique<RegionBake>(job.onto, header, *job.region, run.spill, output);
-  auto checkpoint = BakeCheckpoint::open(job.output, key, job.resume);
-  // Another process bakes the same output.
-  if (checkpoint == nullptr) return std::make_unique<RowOrigin>(&output, run.spill);
   const bool has_finest = job.resume || std::int64_t{run.header.width} * run.header.height > kQuickTexels;
-  return std::make_unique<ResumedRows>(&output, run.spill, std::move(checkpoint), has_finest);
+  if (auto rows = ResumedRows::open(&output, run.spill, job.output, key, job.resume, has_finest)) return rows;
+  // Another process bakes the same output.
+  return std::make_unique<RowOrigin>(&output, run.spill);
 }
 
 // A region alone, or all of the map.

@@ -27,13 +27,12 @@ namespace {
 
 using NoteJson = nlohmann::json;  // whose types of members NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE knows
 
-// In the place of levels: -1, -2 and -3 are planes of normals, -4 and so on features, of which a block has rows of
-// three planes, one plane behind the other.
-constexpr int level_of_plane(int plane) { return -1 - plane; }
-constexpr int level_of_feature(std::size_t store) { return -3 - static_cast<int>(store); }
-// Blocks are written whole (ShardWriter): so many rows of features are less than 4 MB, however wide a map may be.
-constexpr int kFeatureRows = 8;
-constexpr int kPlaneRows = 32;
+// In the place of levels: -1 is the planes of normals, one behind the other, -2 and so on features, rows of three
+// planes. Normals are in blocks that a record has room for however wide a map may be: they are read where they are.
+constexpr int kNormalsLevel = -1;
+constexpr int level_of_feature(std::size_t store) { return kNormalsLevel - static_cast<int>(store); }
+constexpr int kPlaneRows = 32, kFeatureRows = kPlaneRows / 3;
+constexpr std::uint64_t kPlaneGap = sizeof(RowBlock) + RecordFile::kHeadBytes + RecordFile::kChecksumBytes;
 
 // Normals, then features, three planes each.
 template <typename Source, typename Store>
@@ -46,14 +45,17 @@ std::vector<Store*> stores_of(Source& source) {
 }
 
 // The source of a note, whose planes have no rows yet: normals are read where they are.
-BakeSource source_of(const NoteJson& note, const std::string& share, const SpillPolicy& spill) {
+BakeSource source_of(const NoteJson& note, const std::string& share, std::uint64_t normals_begin,
+                     const SpillPolicy& spill) {
   const int width = json_int(note, "width"), height = json_int(note, "height"),
             weight_count = json_int(note, "weights");
   if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
     throw Error(ErrorCode::kEnvironment, share + ": says nothing of its map");
-  BakeSource source{{PlaneStore(width, height, ScratchFile::to_read(share)), note.at("report").get<NormalMapReport>()},
-                    std::nullopt,
-                    std::nullopt};
+  const PlaneBlocks blocks{normals_begin, kPlaneGap, kPlaneRows};
+  BakeSource source{
+      {PlaneStore(width, height, ScratchFile::to_read(share), blocks), note.at("report").get<NormalMapReport>()},
+      std::nullopt,
+      std::nullopt};
   source.map.normals.set_shortened(note.at("shortened").get<bool>());
   note.at("mean_cosine").get_to(source.mean_cosine);
   if (note.contains("roughness")) source.roughness = note.at("roughness").get<RoughnessReport>();
@@ -79,53 +81,26 @@ LevelRows wanted_rows(const BakeJob& job, const BakeSource& source) {
 }
 
 // Looks at rows of normals, which are read again where they are, and copies those of features.
-class RowReading {
- public:
-  RowReading(ShardReader& share, std::string path, BakeSource& source)
-      : share_(share),
-        path_(std::move(path)),
-        stores_(stores_of<BakeSource, PlaneStore>(source)),
-        width_(static_cast<std::size_t>(source.map.normals.width())),
-        height_(source.map.normals.height()) {}
-
-  void read(const LevelRows& rows) {
-    for (int plane = 0; plane < 3; ++plane)
-      read_level(level_of_plane(plane), rows, width_ * sizeof(float), [&](const ShardReader::Rows& found) {
-        const std::int64_t row = std::int64_t{plane} * height_ + found.first_row;
-        if (found.begin != row * static_cast<std::int64_t>(width_ * sizeof(float))) refuse();
-      });
-    for (std::size_t s = 1; s < stores_.size(); ++s)
-      read_level(level_of_feature(s), rows, 3 * width_ * sizeof(float), [&](const ShardReader::Rows& found) {
-        const auto* values = static_cast<const float*>(found.lobes);
-        const std::size_t plane = width_ * static_cast<std::size_t>(found.row_count);
-        stores_[s]->write_rows(found.first_row, found.row_count, {values, values + plane, values + 2 * plane});
-      });
+void read_map_rows(RowRecords& rows, const LevelRows& wanted, const std::string& path, BakeSource& source) {
+  const std::vector<PlaneStore*> stores = stores_of<BakeSource, PlaneStore>(source);
+  const auto width = static_cast<std::size_t>(source.map.normals.width());
+  const int height = source.map.normals.height();
+  const std::size_t row_bytes = width * sizeof(float);
+  if (rows.row_count(kNormalsLevel, {row_bytes, 0, 0}) != 3 * height)
+    throw Error(ErrorCode::kEnvironment, path + ": has other rows than its map should");
+  std::vector<float> row(3 * width);
+  for (int plane = 0; plane < 3; ++plane)
+    for (int y = wanted.begin; y < wanted.end; ++y)
+      rows.read(kNormalsLevel, RowPart::kLobes, plane * height + y, 1, row.data());
+  for (std::size_t s = 1; s < stores.size(); ++s) {
+    if (rows.row_count(level_of_feature(s), {3 * row_bytes, 0, 0}) != height)
+      throw Error(ErrorCode::kEnvironment, path + ": has other rows than its map should");
+    for (int y = wanted.begin; y < wanted.end; ++y) {
+      rows.read(level_of_feature(s), RowPart::kLobes, y, 1, row.data());
+      stores[s]->write_rows(y, 1, {row.data(), row.data() + width, row.data() + 2 * width});
+    }
   }
-
- private:
-  [[noreturn]] void refuse() const {
-    throw Error(ErrorCode::kEnvironment, path_ + ": has other rows than its map should");
-  }
-
-  template <typename Take>
-  void read_level(int level, const LevelRows& rows, std::size_t row_bytes, const Take& take) {
-    int next = rows.begin;
-    share_.read(level, rows, [&](const ShardReader::Rows& found) {
-      if (found.lobe_row_bytes != row_bytes || found.feature_row_bytes != 0 || found.first_row > next ||
-          found.row_count > height_ - found.first_row)
-        refuse();
-      next = found.first_row + found.row_count;
-      take(found);
-    });
-    if (next < rows.end) refuse();
-  }
-
-  ShardReader& share_;
-  const std::string path_;
-  const std::vector<PlaneStore*> stores_;
-  const std::size_t width_;
-  const int height_;
-};
+}
 
 int share_count(const BakeJob& job) { return job.shard ? job.shard->count : job.merged_shards; }
 
@@ -151,28 +126,37 @@ std::string shard_note(const BakeJob& job, const BakeSource& source) {
   return json_text(note);
 }
 
-void write_map_rows(const BakeSource& source, ShardWriter& writer) {
+void write_map_rows(const BakeSource& source, ShareWriter& writer) {
   const auto stores = stores_of<const BakeSource, const PlaneStore>(source);
   const int height = source.map.normals.height();
   const auto width = static_cast<std::size_t>(source.map.normals.width());
-  std::vector<float> rows(width * std::max(kPlaneRows, 3 * kFeatureRows));
+  const std::uint64_t row_bytes = width * sizeof(float);
+  std::vector<float> rows(kPlaneRows * width);
   for (int plane = 0; plane < 3; ++plane)
     for (int first = 0; first < height; first += kPlaneRows) {
       const int count = std::min(kPlaneRows, height - first);
       source.map.normals.read_rows(plane, first, count, rows.data());
-      writer.add_rows(level_of_plane(plane), first, count, width * sizeof(float), rows.data(), 0, nullptr);
+      writer.add_rows({kNormalsLevel, plane * height + first, count, 0, {row_bytes, 0, 0}}, {rows.data()});
     }
   for (std::size_t s = 1; s < stores.size(); ++s)
     for (int first = 0; first < height; first += kFeatureRows) {
       const int count = std::min(kFeatureRows, height - first);
-      const std::size_t plane = width * static_cast<std::size_t>(count);
-      stores[s]->read_rows(first, count, {rows.data(), rows.data() + plane, rows.data() + 2 * plane});
-      writer.add_rows(level_of_feature(s), first, count, 3 * width * sizeof(float), rows.data(), 0, nullptr);
+      for (int i = 0; i < count; ++i) {
+        float* const row = rows.data() + 3 * width * static_cast<std::size_t>(i);
+        stores[s]->read_rows(first + i, 1, {row, row + width, row + 2 * width});
+      }
+      writer.add_rows({level_of_feature(s), first, count, 0, {3 * row_bytes, 0, 0}}, {rows.data()});
     }
 }
 
 void take_share_hashes(const BakeJob& job) {
-  const NoteJson note = NoteJson::parse(ShardReader::note_of(job.output, {0, job.shard->count}), nullptr, false);
+  NoteJson note;
+  try {
+    RowRecords rows;
+    note = NoteJson::parse(ShareFile(job.output, {0, job.shard->count}, nullptr, rows).note(), nullptr, false);
+  } catch (const Error&) {
+    return;  // whoever needs the share says so
+  }
   if (!note.is_object() || !note.contains("files")) return;
   const std::vector<std::string> files = input_files(job);
   const NoteJson& there = note["files"];
@@ -187,26 +171,24 @@ void take_share_hashes(const BakeJob& job) {
 }
 
 BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
-  const MapShard first{0, share_count(job)};
-  const std::string path = shard_path(job.output, first);
-  ShardReader share(job.output, first, key);
+  RowRecords rows;
+  const ShareFile share(job.output, {0, share_count(job)}, &key, rows);
   // A merge reads all rows of features, a band few.
   const SpillPolicy spill = {scratch_folder(job),
                              job.memory_bytes > 0 || !job.shard ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
   std::optional<BakeSource> source;
   try {
-    source = source_of(NoteJson::parse(share.note()), path, spill);
+    source = source_of(NoteJson::parse(share.note()), share.path(), rows.begin_of(kNormalsLevel), spill);
   } catch (const NoteJson::exception&) {
-    throw Error(ErrorCode::kEnvironment, path + ": says nothing of its map");
+    throw Error(ErrorCode::kEnvironment, share.path() + ": says nothing of its map");
   }
   // A scratch file is as long as what was written to it.
   const std::vector<float> row(static_cast<std::size_t>(source->map.normals.width()));
   for (PlaneStore* store : stores_of<BakeSource, PlaneStore>(*source))
     if (store != &source->map.normals) store->write_rows(store->height() - 1, 1, {row.data(), row.data(), row.data()});
   const LevelRows wanted = wanted_rows(job, *source);
-  RowReading reading(share, path, *source);
   for_each_piece(wanted.begin, wanted.end - wanted.begin, source->map.normals.height(), [&](int begin, int count, int) {
-    reading.read({begin, begin + count});
+    read_map_rows(rows, {begin, begin + count}, share.path(), *source);
   });
   return std::move(*source);
 }

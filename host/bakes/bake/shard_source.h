@@ -15,14 +15,14 @@ namespace multum {
 std::string shard_note(const BakeJob& job, const BakeSource& source);
 
 /// The planes of the map, and of its features, one behind the other: before any other rows of the share.
-void write_map_rows(const BakeSource& source, ShardWriter& writer);
+void write_map_rows(const BakeSource& source, ShareWriter& writer);
 
 /// Takes hashes of the job's files from share 0, those of files that are as they were for it: a band is of what share 0
 /// has read of them.
 void take_share_hashes(const BakeJob& job);
 
 /// The source of a band, JOB.shard, as far as the band covers it (other rows may have no values), or of the merge of
-/// JOB.merged_shards. `key`: rows_key(). Throws Error(kEnvironment) as ShardReader does.
+/// JOB.merged_shards. `key`: rows_key(). Throws Error(kEnvironment) as ShareFile does.
 BakeSource read_shard_source(const BakeJob& job, const std::string& key);
 
 }  // namespace multum

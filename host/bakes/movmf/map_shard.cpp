@@ -4,25 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
-#include <limits>
+#include <filesystem>
 #include <regex>
-#include <sstream>
+#include <vector>
 
 #include "host/bakes/movmf/movmf_level_fit.h"
 #include "host/foundation/base/error.h"
-#include "host/foundation/base/files/checksum.h"
 #include "host/foundation/base/work_shard.h"
 
 namespace multum {
 namespace {
 
-constexpr char kMagic[] = "multum shard 3\n";  // the file's end
-constexpr std::int64_t kMagicBytes = sizeof(kMagic) - 1, kLengthBytes = 8;
 constexpr int kCountMax = 4096;
-constexpr int kRowsMax = 32768;  // of a map
-constexpr std::size_t kBlockBytes = std::size_t{4} << 20;
 
 // Rows of a level that the parents of rows [begin, end) of the finer one are among, with one more on either side.
 LevelRows parents_of(const LevelRows& rows) {
@@ -128,139 +121,60 @@ std::string shard_path(const std::string& output, const MapShard& shard) {
   return share_file(output, shard.index, shard.count);
 }
 
-ShardWriter::ShardWriter(const std::string& path, const std::string& key, const std::string& note)
-    : file_(path), out_(file_), text_(key + "\n" + note + "\n") {}
-
-void ShardWriter::write(const void* bytes, std::size_t count) {
-  if (!out_.write(bytes, count)) out_.close();  // throws
+ShareWriter::ShareWriter(const std::string& path, const std::string& key, const std::string& note)
+    : file_(path), records_(file_) {
+  records_.begin(key);
+  records_.add({RecordFile::bytes_of(note)});
 }
 
-void ShardWriter::add_rows(int level, int first_row, int row_count, std::size_t lobe_row_bytes, const void* lobes,
-                           std::size_t feature_row_bytes, const void* features) {
-  // Whoever reads a row holds its block.
-  const auto rows_a_block =
-      static_cast<int>(std::max<std::size_t>(1, kBlockBytes / (lobe_row_bytes + feature_row_bytes)));
-  for (int row = 0; row < row_count; row += rows_a_block) {
-    const int count = std::min(rows_a_block, row_count - row);
-    Checksum checksum;
-    const auto add = [&](const void* rows, std::size_t row_bytes) {
-      const std::size_t bytes = row_bytes * static_cast<std::size_t>(count);
-      if (bytes == 0) return;
-      const auto* begin = static_cast<const unsigned char*>(rows) + row_bytes * static_cast<std::size_t>(row);
-      checksum.update(begin, bytes);
-      write(begin, bytes);
-    };
-    add(lobes, lobe_row_bytes);
-    add(features, feature_row_bytes);
-    text_ += fmt::format("{} {} {} {} {} {}\n", level, first_row + row, count, lobe_row_bytes, feature_row_bytes,
-                         checksum.text());
-  }
-}
-
-void ShardWriter::commit() {
-  write(text_.data(), text_.size());
-  unsigned char length[kLengthBytes];
-  for (std::size_t i = 0; i < sizeof(length); ++i)
-    length[i] = static_cast<unsigned char>(std::uint64_t{text_.size()} >> (8 * i));
-  write(length, sizeof(length));
-  write(kMagic, static_cast<std::size_t>(kMagicBytes));
-  out_.close();
+void ShareWriter::commit() {
+  records_.add({});
   file_.commit();
 }
 
-ShardReader::ShardReader(const std::string& output, const MapShard& shard, const std::string& key)
-    : ShardReader(output, shard, &key) {}
-
-ShardReader::ShardReader(const std::string& output, const MapShard& shard, const std::string* key)
-    : path_(shard_path(output, shard)), remedy_(fmt::format("--shard {}/{}", shard.index, shard.count)) {
+ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std::string* key, RowRecords& rows)
+    : path_(shard_path(output, shard)), remedy_(fmt::format("; --shard {}/{} makes it", shard.index, shard.count)) {
+  if (!std::filesystem::is_regular_file(path_)) refuse("is not there");
+  records_.emplace(path_);
+  std::uint64_t end = 0;
   try {
-    read_table(ByteFile(path_), key);
-    rows_.emplace(ScratchFile::to_read(path_));
+    end = records_->visit_records(key, [&](const RecordFile::Place& place) { return take(place, rows); });
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::kEnvironment) throw;
-    refuse("is not there, or is cut");
+    throw Error(ErrorCode::kEnvironment, error.what() + remedy_);
   }
+  if (end == 0) refuse("is of another map, other settings, or another version of multum");
+  if (!is_whole_) refuse("is cut, or damaged");
 }
 
-void ShardReader::read_table(ByteFile file, const std::string* key) {
-  const std::int64_t table_end = file.size() - kMagicBytes - kLengthBytes;
-  if (table_end < 0 || file.bytes(file.size() - kMagicBytes, kMagicBytes, "the end") != kMagic)
-    refuse("is no share of a bake, or is cut");
-  const std::int64_t length = file.little_endian(table_end, kLengthBytes, "the length of the table");
-  if (length < 1 || length > table_end) refuse("has no table of its rows");
-  const std::int64_t rows_end = table_end - length;
-  std::istringstream lines(file.bytes(rows_end, length, "the table"));
-  std::string line;
-  if (!std::getline(lines, line) || (key != nullptr && line != *key))
-    refuse("is of another map, other settings, or another version of multum");
-  std::getline(lines, note_);
-  std::int64_t at = 0;
-  while (std::getline(lines, line)) {
-    std::istringstream words(line);
-    Block block;
-    Rows& rows = block.rows;
-    if (!(words >> rows.level >> rows.first_row >> rows.row_count >> rows.lobe_row_bytes >> rows.feature_row_bytes >>
-          block.checksum) ||
-        rows.first_row < 0 || rows.first_row > kRowsMax || rows.row_count < 1 || rows.row_count > kRowsMax ||
-        rows.lobe_row_bytes > std::size_t{1} << 32 || rows.feature_row_bytes > std::size_t{1} << 32)
-      refuse("has a damaged table");
-    rows.begin = at;
-    at += static_cast<std::int64_t>(rows.lobe_row_bytes + rows.feature_row_bytes) * rows.row_count;
-    if (at > rows_end) refuse("has a damaged table");
-    blocks_.push_back(std::move(block));
-  }
-  if (at != rows_end) refuse("has a damaged table");
+// Rows are looked at where they are read.
+bool ShareFile::take(const RecordFile::Place& place, RowRecords& rows) {
+  const bool is_note = record_count_++ == 0;
+  is_whole_ = false;
+  if (!is_note && place.size > 0) return rows.take(*records_, place, &remedy_);
+  std::vector<std::uint8_t> bytes;
+  if (!records_->read(place, bytes)) return false;
+  if (is_note) note_.assign(bytes.begin(), bytes.end());
+  else is_whole_ = true;
+  return true;
 }
 
-void ShardReader::read(int level, const std::function<void(const Rows&)>& take) {
-  read(level, {0, std::numeric_limits<int>::max()}, take);
-}
-
-void ShardReader::read(int level, const LevelRows& wanted, const std::function<void(const Rows&)>& take) {
-  for (const Block& block : blocks_) {
-    if (block.rows.level != level || block.rows.first_row >= wanted.end ||
-        block.rows.first_row + block.rows.row_count <= wanted.begin)
-      continue;
-    Rows rows = block.rows;
-    read_block(static_cast<std::size_t>(&block - blocks_.data()), bytes_);
-    rows.lobes = bytes_.data();
-    if (rows.feature_row_bytes > 0)
-      rows.features = bytes_.data() + rows.lobe_row_bytes * static_cast<std::size_t>(rows.row_count);
-    take(rows);
-  }
-}
-
-std::string ShardReader::note_of(const std::string& output, const MapShard& shard) {
-  try {
-    return ShardReader(output, shard, nullptr).note_;
-  } catch (const Error&) {
-    return "";
-  }
-}
-
-void ShardReader::read_block(std::size_t number, std::string& bytes) {
-  const Block& block = blocks_.at(number);
-  const Rows& rows = block.rows;
-  bytes.resize((rows.lobe_row_bytes + rows.feature_row_bytes) * static_cast<std::size_t>(rows.row_count));
-  rows_->read(static_cast<std::uint64_t>(rows.begin), bytes.data(), bytes.size());
-  Checksum checksum;
-  checksum.update(bytes.data(), bytes.size());
-  if (checksum.text() != block.checksum)
-    refuse(fmt::format("has damaged rows, {} to {} of level {}", rows.first_row, rows.first_row + rows.row_count - 1,
-                       rows.level));
-}
-
-void ShardReader::refuse(const std::string& why) const {
-  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; {} makes it", path_, why, remedy_));
+void ShareFile::refuse(const std::string& why) const {
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}{}", path_, why, remedy_));
 }
 
 bool has_shard(const std::string& output, const MapShard& shard, const std::string& key) {
   try {
-    ShardReader(output, shard, key);
+    RowRecords rows;
+    const ShareFile file(output, shard, &key, rows);
     return true;
   } catch (const Error&) {
     return false;
   }
+}
+
+void remove_shards(const std::string& output, int count) {
+  std::error_code ignored;
+  for (int i = 0; i <= count; ++i) std::filesystem::remove(shard_path(output, {i, count}), ignored);
 }
 
 }  // namespace multum

@@ -113,8 +113,13 @@ void MovmfEmStep::run(FitMethod method, MultumMovmfFit fit, std::vector<int> tex
   if (texels.empty()) return;
   const std::size_t texel_count = texels.size();
   upload_texels(fit, std::move(texels), progress);
-  if (method == FitMethod::kChoice) choose(fit, windows);
-  else run_em(method, fit, texel_count, windows, progress);
+  if (method == FitMethod::kChoice) {
+    choose(fit, windows);
+  } else {
+    start_em(fit, windows);
+    if (method == FitMethod::kChunks) run_chunks(fit, texel_count, windows, progress);
+    else fit_packed(method, fit, windows);
+  }
   if (windows.wants_features) fit_features(method, fit, texel_count, windows);
 }
 
@@ -133,26 +138,13 @@ void MovmfEmStep::choose(const MultumMovmfFit& fit, StepWindows& windows) {
               windows.parent.buffer(), windows.lobes.buffer(), list_, chosen_, fit);
 }
 
-void MovmfEmStep::run_em(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, StepWindows& windows,
-                         Progress* progress) {
+void MovmfEmStep::start_em(const MultumMovmfFit& fit, StepWindows& windows) {
   const auto slots = static_cast<std::size_t>(fit.slot_count);
   ensure(device_, start_, slots * lobe_count() * MULTUM_START_PLANES * sizeof(float), "EM parameters");
   const DeviceBuffer& parent = fit.parent_width > 0 ? windows.parent.buffer() : windows.lobes.buffer();
   lazy_kernel(start_kernel_, "movmf_start", "movmf_start", starting_)
       .launch({slots / static_cast<std::size_t>(starting_.vector_width)}, parent, windows.lobes.buffer(),
               windows.alignment_vectors.buffer(), list_, start_, fit);
-  switch (method) {
-    case FitMethod::kChunks: run_chunks(fit, texel_count, windows, progress); break;
-    case FitMethod::kTexels:
-      pack(method, fit, windows);
-      fit_packed(fit, fast_, em_texels_kernel_, em_team_kernel_, windows);
-      break;
-    case FitMethod::kBinned:
-      pack(method, fit, windows);
-      fit_packed(fit, binned_, em_binned_kernel_, em_binned_team_kernel_, windows);
-      break;
-    case FitMethod::kChoice: MULTUM_CHECK(false);
-  }
 }
 
 void MovmfEmStep::refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows,
@@ -202,15 +194,19 @@ void MovmfEmStep::pack_binned(const MultumMovmfFit& fit, const StepWindows& wind
               list_, samples_, sample_counts_, fit, parts);
 }
 
-void MovmfEmStep::fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel,
-                             Kernel& team_kernel, StepWindows& windows) {
+void MovmfEmStep::fit_packed(FitMethod method, const MultumMovmfFit& fit, StepWindows& windows) {
+  pack(method, fit, windows);
+  const bool is_binned = method == FitMethod::kBinned;
   const auto slots = static_cast<std::size_t>(fit.slot_count);
+  KernelVariant variant = is_binned ? binned_ : fast_;
   const bool by_teams = device_.shape().fits_by_teams(slots, fit.sample_capacity);
   const Kernel::WorkSize size = by_teams ? Kernel::WorkSize{slots * MULTUM_TEAM, MULTUM_TEAM}
                                          : Kernel::WorkSize{slots / static_cast<std::size_t>(variant.vector_width)};
-  KernelVariant used = variant;
-  if (by_teams) used.vector_width = 1;
-  lazy_kernel(by_teams ? team_kernel : kernel, "movmf_em_texels", by_teams ? "movmf_em_team" : "movmf_em_texels", used)
+  if (by_teams) variant.vector_width = 1;
+  Kernel& kernel = by_teams    ? is_binned ? em_binned_team_kernel_ : em_team_kernel_
+                   : is_binned ? em_binned_kernel_
+                               : em_texels_kernel_;
+  lazy_kernel(kernel, "movmf_em_texels", by_teams ? "movmf_em_team" : "movmf_em_texels", variant)
       .launch(size, samples_, sample_counts_, start_, list_, windows.lobes.buffer(), windows.alignment_vectors.buffer(),
               fit);
 }

@@ -51,14 +51,12 @@ class MovmfEmStep {
   Kernel& lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant);
   void upload_texels(MultumMovmfFit& fit, std::vector<int> texels, Progress* progress);
   void choose(const MultumMovmfFit& fit, StepWindows& windows);
-  void run_em(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, StepWindows& windows,
-              Progress* progress);
+  void start_em(const MultumMovmfFit& fit, StepWindows& windows);
   void pack(FitMethod method, const MultumMovmfFit& fit, const StepWindows& windows);
   void pack_texels(const MultumMovmfFit& fit, const StepWindows& windows);
   void pack_binned(const MultumMovmfFit& fit, const StepWindows& windows);
-  // EM of packed samples: by a work-item a texel, or by a team.
-  void fit_packed(const MultumMovmfFit& fit, const KernelVariant& variant, Kernel& kernel, Kernel& team_kernel,
-                  StepWindows& windows);
+  // EM of samples that are packed first: by a work-item a texel, or by a team.
+  void fit_packed(FitMethod method, const MultumMovmfFit& fit, StepWindows& windows);
   void run_chunks(MultumMovmfFit fit, std::size_t texel_count, StepWindows& windows, Progress* progress);
   void fit_features(FitMethod method, const MultumMovmfFit& fit, std::size_t texel_count, StepWindows& windows);
   void fit_rgb_plane(FitMethod method, MultumMovmfFit fit, std::size_t texel_count, StepWindows& windows,

@@ -74,7 +74,7 @@ bool is_refined(const LevelSchedule& level, const MovmfSettings& settings) {
 }
 
 LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
-                   const MapInputs& map, CoarseTexels& coarse, const RowOrigin& origin, const LevelRows& fitted,
+                   const MapInputs& map, CoarseTexels& coarse, RowOrigin& origin, const LevelRows& fitted,
                    const BandPlan& plan, Progress* progress)
     : em_step_(em_step),
       level_(level),
@@ -132,12 +132,19 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
     if (window_begin < window_end) move_windows({window_begin, window_end});
     for (int step = 0; step < steps_; ++step) {
       const int lag = whole_ ? 0 : step;
-      const RowRange allowed = rows_of_step(step);
-      run_step(step, {std::max(front - lag, allowed.begin), std::min(front - lag + band_rows_, allowed.end)});
+      const RowRange rows = common_rows({front - lag, front - lag + band_rows_}, rows_of_step(step));
+      if (rows.begin >= rows.end) continue;
+      if (step == em_steps_) {
+        refine(rows);
+        continue;
+      }
+      windows_.wants_features = has_features() && step >= em_steps_ - level_.step_count;
+      em_step_.run(level_.method, fit_of_pass(step / level_.step_count), texels_of_step(step % level_.step_count, rows),
+                   windows_, progress_);
     }
     em_step_.finish(progress_);
     const int lag = whole_ ? 0 : steps_ - 1;
-    const RowRange done = {std::max(front - lag, wanted_.begin), std::min(front - lag + band_rows_, wanted_.end)};
+    const RowRange done = common_rows({front - lag, front - lag + band_rows_}, wanted_);
     for (int row = done.begin; row < done.end; row += handed_rows_) {
       const int count = std::min(handed_rows_, done.end - row);
       finished({row, count, refines() ? &windows_.refined : &windows_.lobes,
@@ -219,20 +226,13 @@ RowWindow::Fill LevelFit::fill_alignment_vectors(const RowWindow::Fill& fill_lob
   };
 }
 
-void LevelFit::run_step(int step, RowRange rows) {
-  if (rows.begin >= rows.end) return;
-  if (step == em_steps_) {
-    refine(rows);
-    return;
-  }
-  const int pass = step / level_.step_count;
+MultumMovmfFit LevelFit::fit_of_pass(int pass) const {
   MultumMovmfFit fit = fit_;
   if (pass > 0) {
     fit.order = MULTUM_ORDER_AGAIN;
     fit.iteration_count = level_.refit_iterations;
   }
-  windows_.wants_features = has_features() && step >= em_steps_ - level_.step_count;
-  em_step_.run(level_.method, fit, texels_of_step(step % level_.step_count, rows), windows_, progress_);
+  return fit;
 }
 
 std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {

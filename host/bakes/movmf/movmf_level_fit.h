@@ -63,8 +63,8 @@ class LevelFit {
   /// `fitted`: rows that are handed over: the others are done already, or somebody else's. Of a map that repeats they
   /// may lie beyond its borders. `origin` has parents, what the level starts from, and which of its texels are fitted.
   LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
-           const MapInputs& map, CoarseTexels& coarse, const RowOrigin& origin, const LevelRows& fitted,
-           const BandPlan& plan, Progress* progress);
+           const MapInputs& map, CoarseTexels& coarse, RowOrigin& origin, const LevelRows& fitted, const BandPlan& plan,
+           Progress* progress);
 
   /// Calls `finished` with rows in order from 0. Throws Cancelled.
   void run(const std::function<void(const FittedRows&)>& finished);
@@ -85,7 +85,7 @@ class LevelFit {
   int last_map_row(int row) const;
   RowWindow::Fill fill_alignment_vectors(const RowWindow::Fill& fill_lobes);
   std::vector<int> texels_of_step(int step, RowRange rows) const;
-  void run_step(int step, RowRange rows);
+  MultumMovmfFit fit_of_pass(int pass) const;
   void refine(RowRange rows);
 
   MovmfEmStep& em_step_;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/bakes/movmf/row_origin.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <vector>
 
 #include "host/foundation/base/error.h"
 
@@ -14,8 +15,6 @@ LevelTask RowOrigin::begin(const LevelShape& level) {
   return {0, {0, level.height}, {0, level.height}};
 }
 
-void RowOrigin::read(RowPart, int, int, void*) { MULTUM_CHECK(false); }  // none are there
-
 void RowOrigin::keep(const DoneRows& rows) {
   if (own_) own_->write(rows.first_row, rows.row_count, rows.lobes);
 }
@@ -25,32 +24,66 @@ void RowOrigin::end() {
   before_.reset();
 }
 
-LevelTask ResumedRows::begin(const LevelShape& level) {
-  level_ = level;
-  kept_ = nullptr;
-  if (level.is_parent || has_finest_)
-    kept_ = &checkpoint_->open_level(level.level, level.height,
-                                     {level.lobe_row_bytes, level.feature_row_bytes, level.is_refined});
-  const int rows_there = kept_ != nullptr ? kept_->rows_done : 0;
-  return {rows_there, {rows_there, level.height}, {rows_there, level.height}};
+std::unique_ptr<ResumedRows> ResumedRows::open(MovmfSink* sink, const SpillPolicy& spill, const std::string& output,
+                                               const std::string& key, bool resume, bool has_finest) {
+  std::unique_ptr<ResumedRows> origin(new ResumedRows(sink, spill));
+  std::vector<RecordFile::Place> places;
+  origin->journal_ =
+      RecordJournal::open(output, "progress", key, resume, [&](RecordFile::Bytes, const RecordFile::Place& place) {
+        places.push_back(place);
+        return true;
+      });
+  if (origin->journal_ == nullptr) return nullptr;
+  for (const RecordFile::Place& place : places) origin->there_.take(*origin->journal_, place);
+  origin->has_finest_ = has_finest;
+  return origin;
 }
 
-void ResumedRows::read(RowPart part, int first_row, int row_count, void* rows) {
-  (part == RowPart::kFeatures ? *kept_->features : kept_->stored()).read(first_row, row_count, rows);
+LevelTask ResumedRows::begin(const LevelShape& level) {
+  level_ = level;
+  const int count = keeps_level() ? std::min(there_.row_count(level.level, level.row_bytes()), level.height) : 0;
+  rows_resumed_ += static_cast<std::uint64_t>(count);
+  return {count, {count, level.height}, {count, level.height}};
+}
+
+RowWindow::Fill ResumedRows::parent() {
+  return fill_planes(coarser_level_.height, coarser_level_.lobe_row_bytes,
+                     [this, level = coarser_level_.level](int first_row, int row_count, void* rows) {
+                       there_.read(level, RowPart::kLobes, first_row, row_count, rows);
+                     });
 }
 
 void ResumedRows::keep(const DoneRows& rows) {
-  if (kept_ != nullptr) checkpoint_->add_rows(level_.level, rows.row_count, {rows.lobes, rows.features, rows.stored});
+  if (keeps_level())
+    there_.add(*journal_, {level_.level, rows.first_row, rows.row_count, 0, level_.row_bytes()},
+               {rows.lobes, rows.features, rows.stored});
+}
+
+GatheredRows::GatheredRows(MovmfSink* sink, const std::string& output, int count, const std::string& key)
+    : RowOrigin(sink, SpillPolicy{}), output_(output) {
+  std::string missing;
+  for (int i = 0; i <= count; ++i) {
+    try {
+      shares_.push_back(std::make_unique<ShareFile>(output, MapShard{i, count}, &key, there_));
+    } catch (const Error& error) {
+      missing += (missing.empty() ? "" : "\n  ") + std::string(error.what());
+    }
+  }
+  if (!missing.empty()) throw Error(ErrorCode::kEnvironment, missing);
 }
 
 LevelTask GatheredRows::begin(const LevelShape& level) {
   level_ = level;
+  if (there_.row_count(level.level, level.row_bytes()) != level.height)
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: its shares have not all rows of level {}; --force makes them", output_, level.level));
   return {level.height, {}, {}};
 }
 
-void GatheredRows::read(RowPart part, int first_row, int row_count, void* rows) {
-  if (part == RowPart::kFeatures) shares_.read_features(level_.level, first_row, row_count, rows);
-  else shares_.read_lobes(level_.level, first_row, row_count, rows);
+ShareRows::ShareRows(const SpillPolicy& spill, const MapShard& shard, ShardPlan plan, const std::string& output,
+                     const std::string& key, ShareWriter& writer)
+    : RowOrigin(nullptr, spill), shard_(shard), plan_(std::move(plan)), writer_(writer) {
+  if (shard.index > 0) coarse_.emplace(output, MapShard{0, shard.count}, &key, there_);
 }
 
 LevelTask ShareRows::begin(const LevelShape& level) {
@@ -83,25 +116,22 @@ void ShareRows::keep(const DoneRows& rows) {
   const LevelRows counted = common_rows({rows.first_row, rows.first_row + rows.row_count}, kept_);
   if (counted.begin >= counted.end) return;
   const int at = counted.begin - rows.first_row;
-  writer_.add_rows(level_.level, counted.begin, counted.end - counted.begin, level_.lobe_row_bytes,
-                   row_of(rows.lobes, level_.lobe_row_bytes, at), level_.feature_row_bytes,
-                   row_of(rows.features, level_.feature_row_bytes, at));
+  writer_.add_rows(
+      {level_.level, counted.begin, counted.end - counted.begin, 0, level_.row_bytes()},
+      {row_of(rows.lobes, level_.lobe_row_bytes, at), row_of(rows.features, level_.feature_row_bytes, at), nullptr});
 }
 
 // The level as the coarse share has it.
-RowStore ShareRows::rows_of_coarse_share() const {
+RowStore ShareRows::rows_of_coarse_share() {
+  if (there_.row_count(level_.level, level_.row_bytes()) != level_.height)
+    throw Error(ErrorCode::kEnvironment,
+                "the share of coarse levels has other rows than it should, or not all of them; --force makes it");
   RowStore store(level_.height, level_.lobe_row_bytes, spill_);
-  int count = 0;
-  coarse_->read(level_.level, [&](const ShardReader::Rows& rows) {
-    if (rows.lobe_row_bytes != level_.lobe_row_bytes || rows.first_row != count ||
-        rows.row_count > level_.height - count)
-      throw Error(ErrorCode::kEnvironment,
-                  "the share of coarse levels has other rows than it should; --force makes it");
-    store.write(rows.first_row, rows.row_count, rows.lobes);
-    count += rows.row_count;
-  });
-  if (count != level_.height)
-    throw Error(ErrorCode::kEnvironment, "the share of coarse levels has not all of its rows; --force makes it");
+  std::vector<unsigned char> row(level_.lobe_row_bytes);
+  for (int y = 0; y < level_.height; ++y) {
+    read(RowPart::kLobes, y, 1, row.data());
+    store.write(y, 1, row.data());
+  }
   return store;
 }
 

@@ -27,12 +27,12 @@ std::span<const std::uint8_t> bytes_of(const Values& values) {
 std::unique_ptr<FitJournal> FitJournal::open(const std::string& output, const std::string& key) {
   std::unique_ptr<FitJournal> journal(new FitJournal);
   journal->journal_ =
-      RecordJournal::open(output, "fits", key, true, [&](std::span<const std::uint8_t> bytes, std::uint64_t offset) {
+      RecordJournal::open(output, "fits", key, true, [&](RecordFile::Bytes bytes, const RecordFile::Place& place) {
         RecordHead head{};
         if (bytes.size() < sizeof head) return false;
         std::memcpy(head.data(), bytes.data(), sizeof head);
         if (bytes.size() != sizeof head + float_count(head) * sizeof(float)) return false;
-        journal->found_[{head[0], head[1]}] = {offset + sizeof head, head[2], head[3]};
+        journal->found_[{head[0], head[1]}] = {place.offset + sizeof head, head[2], head[3]};
         return true;
       });
   return journal->journal_ != nullptr ? std::move(journal) : nullptr;

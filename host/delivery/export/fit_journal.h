@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/foundation/base/files/record_journal.h"
+#include "host/foundation/base/files/record_file.h"
 
 namespace multum {
 

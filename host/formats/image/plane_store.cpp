@@ -20,8 +20,8 @@ PlaneStore::PlaneStore(int width, int height) : width_(width), height_(height) {
 PlaneStore::PlaneStore(int width, int height, const std::string& folder)
     : width_(width), height_(height), file_(ScratchFile(folder)) {}
 
-PlaneStore::PlaneStore(int width, int height, ScratchFile file)
-    : width_(width), height_(height), file_(std::move(file)) {}
+PlaneStore::PlaneStore(int width, int height, ScratchFile file, const PlaneBlocks& blocks)
+    : width_(width), height_(height), file_(std::move(file)), blocks_(blocks) {}
 
 PlaneStore::PlaneStore(int width, int height, const std::array<const float*, 3>& planes)
     : width_(width), height_(height), planes_(planes) {}
@@ -37,6 +37,12 @@ std::array<std::vector<float>, 3> PlaneStore::take_planes() {
   return planes;
 }
 
+std::uint64_t PlaneStore::offset_in_file(int plane, int row) const {
+  const int rows = blocks_.rows > 0 ? blocks_.rows : height_, blocks = (height_ + rows - 1) / rows;
+  return blocks_.begin + (static_cast<std::uint64_t>(plane) * offset(height_) + offset(row)) * sizeof(float) +
+         static_cast<std::uint64_t>(plane * blocks + row / rows) * blocks_.gap;
+}
+
 void PlaneStore::check_rows(int first_row, int row_count) const {
   MULTUM_CHECK(first_row >= 0 && row_count >= 0 && row_count <= height_ - first_row);
 }
@@ -46,7 +52,7 @@ void PlaneStore::write_rows(int first_row, int row_count, const std::array<const
   const std::size_t count = offset(row_count);
   for (std::size_t p = 0; p < 3; ++p) {
     if (file_) {
-      file_->write((p * offset(height_) + offset(first_row)) * sizeof(float), planes[p], count * sizeof(float));
+      file_->write(offset_in_file(static_cast<int>(p), first_row), planes[p], count * sizeof(float));
     } else {
       MULTUM_CHECK(planes_[p] == owned_[p].get());
       std::copy_n(planes[p], count, owned_[p].get() + offset(first_row));
@@ -61,9 +67,16 @@ void PlaneStore::read_rows(int first_row, int row_count, const std::array<float*
 void PlaneStore::read_rows(int plane, int first_row, int row_count, float* rows) const {
   check_rows(first_row, row_count);
   const auto p = static_cast<std::size_t>(plane);
-  const std::size_t count = offset(row_count);
-  if (file_) file_->read((p * offset(height_) + offset(first_row)) * sizeof(float), rows, count * sizeof(float));
-  else std::copy_n(planes_[p] + offset(first_row), count, rows);
+  if (!file_) {
+    std::copy_n(planes_[p] + offset(first_row), offset(row_count), rows);
+    return;
+  }
+  const int block = blocks_.rows > 0 ? blocks_.rows : height_;
+  for (int row = first_row; row < first_row + row_count;) {
+    const int count = std::min(first_row + row_count - row, block - row % block);
+    file_->read(offset_in_file(plane, row), rows + offset(row - first_row), offset(count) * sizeof(float));
+    row += count;
+  }
 }
 
 std::array<float, 3> PlaneStore::texel(int column, int row) const {
@@ -71,7 +84,9 @@ std::array<float, 3> PlaneStore::texel(int column, int row) const {
   const std::size_t at = offset(row) + static_cast<std::size_t>(column);
   std::array<float, 3> values{};
   for (std::size_t p = 0; p < 3; ++p) {
-    if (file_) file_->read((p * offset(height_) + at) * sizeof(float), &values[p], sizeof(float));
+    if (file_)
+      file_->read(offset_in_file(static_cast<int>(p), row) + static_cast<std::size_t>(column) * sizeof(float),
+                  &values[p], sizeof(float));
     else values[p] = planes_[p][at];
   }
   return values;

@@ -14,14 +14,21 @@
 
 namespace multum {
 
+/// Planes in a file: from byte `begin` on, each in blocks of `rows` rows, the last of a plane with what is left, and
+/// `gap` bytes behind each block. No rows: a block a plane.
+struct PlaneBlocks {
+  std::uint64_t begin = 0, gap = 0;
+  int rows = 0;
+};
+
 class PlaneStore {
  public:
   /// In memory.
   PlaneStore(int width, int height);
   /// In a scratch file in `folder`.
   PlaneStore(int width, int height, const std::string& folder);
-  /// Reads planes that `file` has from its beginning, whole and one behind the other; nothing can be written.
-  PlaneStore(int width, int height, ScratchFile file);
+  /// Reads planes that `file` has, one behind the other, as `blocks` say; nothing can be written.
+  PlaneStore(int width, int height, ScratchFile file, const PlaneBlocks& blocks);
   /// Looks at planes that are in memory already and must outlive it; nothing can be written.
   PlaneStore(int width, int height, const std::array<const float*, 3>& planes);
 
@@ -43,6 +50,7 @@ class PlaneStore {
 
  private:
   std::size_t offset(int row) const { return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_); }
+  std::uint64_t offset_in_file(int plane, int row) const;
   void check_rows(int first_row, int row_count) const;
 
   int width_;
@@ -52,6 +60,7 @@ class PlaneStore {
   std::array<std::unique_ptr<float[]>, 3> owned_;
   std::array<const float*, 3> planes_{};  // null: in the file
   std::optional<ScratchFile> file_;
+  PlaneBlocks blocks_;  // of the file
 };
 
 PlaneStore make_plane_store(int width, int height, const SpillPolicy& spill);

@@ -160,6 +160,12 @@ class MapShardTest(unittest.TestCase):
             done = self.bake("--shard", "1/2")
             self.assertEqual(done.returncode, 4, done.stderr)
             self.assertFalse(self.share(1, 2).exists())
+        former = bytes(range(1, 65)) + b"key\n\n" + bytes(8) + b"multum shard 3\n"
+        self.share(0, 2).write_bytes(former)
+        for words in (("--shard", "1/2"), ("--merge", 2)):
+            done = self.bake(*words)
+            self.assertEqual(done.returncode, 4, done.stderr)
+            self.assertRegex(done.stderr, "shard-0-of-2: .*another version of multum.*--shard 0/2 makes it")
         self.assertFalse([path for path in self.folder.iterdir() if "tmp" in path.name])
 
     def test_refusals(self):

@@ -68,7 +68,7 @@ std::optional<Record> read_record(std::span<const std::uint8_t> bytes) {
 std::unique_ptr<PackingJournal> PackingJournal::open(const std::string& output, const std::string& key, bool resume) {
   std::unique_ptr<PackingJournal> journal(new PackingJournal);
   journal->journal_ =
-      RecordJournal::open(output, "chunks", key, resume, [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
+      RecordJournal::open(output, "chunks", key, resume, [&](RecordFile::Bytes bytes, const RecordFile::Place&) {
         auto record = read_record(bytes);
         if (record) journal->found_[{record->chunk, record->lambda}] = std::move(record->chosen);
         return record.has_value();

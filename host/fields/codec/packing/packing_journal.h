@@ -10,7 +10,7 @@
 #include <string>
 
 #include "host/fields/codec/chunk_choice.h"
-#include "host/foundation/base/files/record_journal.h"
+#include "host/foundation/base/files/record_file.h"
 
 namespace multum {
 

@@ -36,8 +36,8 @@ class WorkFolder {
   int descriptor() const { return folder_.descriptor(); }
   /// Removes what is in it, except for the entry `kept`. Throws Error(kEnvironment) when something else stays.
   void clear(const std::string& kept = "") const;
-  /// The folder stays when this is destroyed: the work was stopped and may go on.
-  void leave() { stays_ = true; }
+  /// The folder stays when this is destroyed: the work was stopped and may go on. False: it goes, as at first.
+  void leave(bool stays = true) { stays_ = stays; }
 
  private:
   WorkFolder(NamedPlace place, OpenFile folder, std::string shown_path);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Journals of stopped work: a torn end is cut before anything is appended, and a disk that refuses leaves whole
-// records.
-#include "host/foundation/base/files/journal_file.h"
+// Files of records: a torn end is cut before anything is appended, a disk that refuses leaves whole records, and files
+// of a former format are refused by name.
+#include "host/foundation/base/files/record_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "host/foundation/base/files/record_journal.h"
 #include "tests/unit/foundation/base/file_limit.h"
 #include "tests/unit/foundation/base/test_folder.h"
 
@@ -26,13 +25,15 @@ using testing::write_bytes;
 
 using Record = std::vector<std::uint8_t>;
 
+const std::string kBegin = "multum records 1\nkey\n";
+
 Record record(std::size_t size, std::uint8_t value) { return Record(size, value); }
 
-class JournalFileTest : public ::testing::Test {
+class RecordFileTest : public ::testing::Test {
  protected:
   std::unique_ptr<RecordJournal> open(bool resume, const std::string& key = "key") {
     found_.clear();
-    return RecordJournal::open(output_, "rows", key, resume, [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
+    return RecordJournal::open(output_, "rows", key, resume, [&](RecordFile::Bytes bytes, const RecordFile::Place&) {
       found_.push_back({bytes.begin(), bytes.end()});
       return true;
     });
@@ -48,12 +49,12 @@ class JournalFileTest : public ::testing::Test {
   std::vector<Record> found_;
 };
 
-TEST_F(JournalFileTest, WhatFollowsATornEndIsReadAgain) {
+TEST_F(RecordFileTest, WhatFollowsATornEndIsReadAgain) {
   const auto one = record(100, 1), two = record(50, 2), three = record(30, 3);
   stopped_after({one, two});
   const std::string whole = read_bytes(rows_);
   // However much of the last record is there.
-  for (std::size_t size = 4 + 100 + 16 + 4; size < whole.size(); size += 7) {
+  for (std::size_t size = kBegin.size() + 8 + 100 + 16 + 4; size < whole.size(); size += 7) {
     write_bytes(rows_, whole.substr(0, size));
     {
       const auto journal = open(true);
@@ -69,25 +70,25 @@ TEST_F(JournalFileTest, WhatFollowsATornEndIsReadAgain) {
   }
 }
 
-TEST_F(JournalFileTest, AnotherKeyRemovesAll) {
+TEST_F(RecordFileTest, AnotherKeyRemovesAll) {
   stopped_after({record(10, 1)});
   write_bytes(partial_folder_of(output_) + "/level-3.lobes", "of other settings");
   const auto journal = open(true, "another key");
   EXPECT_TRUE(found_.empty());
   EXPECT_FALSE(fs::exists(partial_folder_of(output_) + "/level-3.lobes"));
-  EXPECT_EQ(read_bytes(rows_), "another key\n");
+  EXPECT_EQ(read_bytes(rows_), "multum records 1\nanother key\n");
 }
 
 // A file without a line's end is not read in search of one.
-TEST_F(JournalFileTest, AKeyOfAnyLengthIsReadUpToTheKeysOwn) {
+TEST_F(RecordFileTest, AKeyOfAnyLengthIsReadUpToTheKeysOwn) {
   stopped_after({});
   fs::resize_file(rows_, std::uint64_t{1} << 40);  // sparse: a terabyte of zeros
   const auto journal = open(true);
   EXPECT_TRUE(found_.empty());
-  EXPECT_EQ(read_bytes(rows_), "key\n");
+  EXPECT_EQ(read_bytes(rows_), kBegin);
 }
 
-TEST_F(JournalFileTest, ADiskThatRefusesLeavesWholeRecords) {
+TEST_F(RecordFileTest, ADiskThatRefusesLeavesWholeRecords) {
   const auto one = record(1000, 1);
   const auto journal = open(false);
   journal->add({one});
@@ -101,14 +102,47 @@ TEST_F(JournalFileTest, ADiskThatRefusesLeavesWholeRecords) {
   journal->leave();
 }
 
-TEST_F(JournalFileTest, OnlyAFileIsAJournal) {
-  const auto work = WorkFolder::take(folder_ / "work");
-  ASSERT_EQ(mkfifo((folder_ / "work/pipe").c_str(), 0600), 0);
+// Whoever has them decides: what an earlier version left is not lost by resuming with a later one.
+TEST_F(RecordFileTest, AFileOfAFormerFormatIsRefusedAndStays) {
+  for (const std::string& former : {std::string("0123456789abcdef\n2 0 8 0123456789abcdef\n"),
+                                    std::string("key\n\4\0\0\0"), std::string("multum records 2\nkey\n")}) {
+    stopped_after({});
+    write_bytes(rows_, former);
+    expect_error(ErrorCode::kEnvironment, {rows_, "multum records 1", "another version", "delete it"},
+                 [&] { open(true); });
+    EXPECT_EQ(read_bytes(rows_), former);
+    fs::remove(rows_);
+    EXPECT_NE(open(true), nullptr);
+  }
+  stopped_after({});
+  write_bytes(rows_, "0123456789abcdef\n");
+  EXPECT_NE(open(false), nullptr) << "nobody wants to go on with it";
+}
+
+TEST_F(RecordFileTest, ABeginningThatIsTornIsNone) {
+  stopped_after({record(10, 1)});
+  const std::string whole = read_bytes(rows_);
+  for (const std::string& torn :
+       {std::string(), whole.substr(0, 5), whole.substr(0, kBegin.size() - 1), std::string(whole.size(), '\0')}) {
+    write_bytes(rows_, torn);
+    const auto journal = open(true);
+    EXPECT_TRUE(found_.empty());
+    EXPECT_EQ(read_bytes(rows_), kBegin);
+    journal->leave();
+  }
+}
+
+TEST_F(RecordFileTest, OnlyAFileIsAJournal) {
+  const std::string partial = partial_folder_of(output_);
   write_bytes(folder_ / "precious", "kept");
-  fs::create_symlink(folder_ / "precious", folder_ / "work/link");
-  fs::create_directory(folder_ / "work/folder");
-  for (const char* name : {"pipe", "link", "folder"})
-    expect_error(ErrorCode::kEnvironment, {folder_ / "work/" + name}, [&] { JournalFile(*work, name); });
+  for (const char* kind : {"pipe", "link", "folder"}) {
+    WorkFolder::take(partial)->leave();
+    if (kind == std::string("pipe")) ASSERT_EQ(mkfifo(rows_.c_str(), 0600), 0);
+    else if (kind == std::string("link")) fs::create_symlink(folder_ / "precious", rows_);
+    else fs::create_directory(rows_);
+    expect_error(ErrorCode::kEnvironment, {rows_}, [&] { open(true); });
+    fs::remove_all(partial);
+  }
   EXPECT_EQ(read_bytes(folder_ / "precious"), "kept");
 }
 
