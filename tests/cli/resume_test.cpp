@@ -352,6 +352,36 @@ TEST_F(RegionTest, ColoursCountAsTheNormalsDo) {
   expect_says(missed.err, {"255,255,1,1"});
 }
 
+TEST_F(RegionTest, WeightsOfTheRegionChange) {
+  const auto weights = [&](const std::string& name, std::uint16_t inside) {
+    std::vector<std::uint16_t> rgb(3 * kSide * kSide, 20000);
+    for (int y = 140; y < 180; ++y)
+      for (int x = 172; x < 212; ++x) rgb[static_cast<std::size_t>(3 * (y * kSide + x))] = inside;
+    write_png16(path(name), kSide, kSide, rgb, "Linear");
+  };
+  weights("old_weights.png", 20000);
+  weights("weights.png", 60000);
+  ASSERT_EQ(bake("edited.png", "old.ndf.exr", {"--weights", path("old_weights.png"), "--force"}).exit_code, 0);
+  std::vector<std::string> region = region_;
+  region.insert(region.end(), {"--weights", path("weights.png")});
+  const ProgramResult result = bake("edited.png", "new.ndf.exr", region);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(bake("edited.png", "whole.ndf.exr", {"--weights", path("weights.png")}).exit_code, 0);
+  const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr")),
+                    whole = read_movmf_mipmap(path("whole.ndf.exr"));
+  constexpr std::size_t kLevel = 3, kWidth = kSide >> kLevel;
+  // Sums over the lobes: of a texel in the region's middle, and of the first.
+  const auto first_weight = [&](const MovmfMipmap& mipmap, std::size_t texel) {
+    float sum = 0.0f;
+    for (const std::vector<float>& lobe : mipmap.levels[kLevel].weights) sum += lobe[texel * 3];
+    return sum;
+  };
+  const std::size_t middle = (160 >> kLevel) * kWidth + (192 >> kLevel);
+  EXPECT_GT(first_weight(now, middle), 2.0f * first_weight(old, middle));
+  EXPECT_NEAR(first_weight(now, middle), first_weight(whole, middle), 0.01f);
+  EXPECT_EQ(first_weight(now, 0), first_weight(old, 0));
+}
+
 TEST_F(RegionTest, WithoutLevelZeroNobodyKnowsWhatHasChanged) {
   ASSERT_EQ(bake("edited.png", "old.ndf.exr", {"--first-level", "1", "--force"}).exit_code, 0);
   const std::vector<std::string> first = {"--first-level", "1", "--onto", path("old.ndf.exr"), "--region"};

@@ -183,7 +183,7 @@ RC_GTEST_PROP(FeatureProperty, LobesShareOutAllColours, ()) {
     map.normals.push_back(glm::vec3(*directions()));
     map.values.push_back(glm::vec3(static_cast<float>(*decades(-3, 3)), 1.0f, 0.0f));
   }
-  const auto found = feature_partials(test_device(), map, texel);
+  const auto found = feature_partials(test_device(), map, {texel});
   for (int t = 0; t < map.level_width * map.level_height; ++t) {
     glm::dvec3 sum(0.0), exact(0.0);
     for (const glm::vec3& part : found[static_cast<std::size_t>(t)]) sum += glm::dvec3(part);

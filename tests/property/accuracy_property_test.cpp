@@ -7,6 +7,7 @@
 #include <random>
 
 #include "host/bakes/accuracy/accuracy.h"
+#include "host/bakes/accuracy/accuracy_model.h"
 #include "host/bakes/pyramid/mip_coverage.h"
 #include "host/foundation/base/error.h"
 #include "tests/fixtures/test_device.h"
@@ -164,6 +165,19 @@ MovmfLevel some_rows(const MovmfLevel& level, int first_row, int row_count) {
 }
 
 // From the last row to the first, some at a time, only rows that it asks for, and with other numbers of threads.
+// Each highlight has an integral of its own; diffuse light, which comes last at each point, has none.
+TEST(AccuracyTest, HighlightsAreScaledByTheirOwnTotals) {
+  ShadingDirections directions{{glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.6, 0.0, 0.8)}, {glm::dvec3(0.0, 0.0, 1.0)}, {}};
+  for (const float total : {1.0f, 0.5f, 0.25f}) {
+    directions.highlights.push_back(blinn_phong_highlight(10.0));
+    directions.highlights.back().shaded.total = total;
+  }
+  std::vector<float> values(14, 1.0f);  // of two points
+  DirectionBuffers(test_device(), directions).scale_by_totals(values);
+  const std::vector<float> of_point = {1.0f, 1.0f, 0.5f, 0.5f, 0.25f, 0.25f, 1.0f};
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], of_point[i % 7]) << i;
+}
+
 TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
   const NormalMap map = random_map(8, 0.6);
   const ColourMap albedo = random_colours(9, 1.0);

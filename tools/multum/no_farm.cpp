@@ -2,7 +2,7 @@
 // In place of tools/multum/farm, where the CMake option MULTUM_FARM is off.
 #include <nlohmann/json.hpp>
 
-#include "tools/multum/absent_commands.h"
+#include "tools/command_line/absent_commands.h"
 #include "tools/multum/commands.h"
 
 namespace multum {

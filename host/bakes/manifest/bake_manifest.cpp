@@ -74,8 +74,9 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
       table.refuse(table.has("brdf") ? "brdf" : "", error.what());
     }
   }
-  if (has_target(values) && target.brdf.is_sum() && target.only == Representation::kGmm)
-    table.refuse("", "has ndf = \"gmm\", which the BRDF of its target cannot be shaded with");
+  if (has_target(values) && target.only && !target.brdf.can_shade(*target.only))
+    table.refuse("", fmt::format("has ndf = \"{}\", which the BRDF of its target cannot be shaded with",
+                                 representation_info(*target.only).option));
   return target;
 }
 
@@ -131,7 +132,7 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   ParameterValues values = defaults;
   read_values(entry.table, values);
   check_own_scopes(entry.table, values);
-  if (values.text("surface") == "interpolated" && values.integer("first_level") == 0)
+  if (values.choice("surface", kMapSurfaces) == MapSurface::kInterpolated && values.integer("first_level") == 0)
     entry.table.refuse("first_level", "is 0 with surface = \"interpolated\", expected 1 or more");
   BakeJob job = pattern;
   apply(values, job);

@@ -17,7 +17,9 @@ struct FeatureMap {
   std::vector<glm::vec3> normals, values;  // [row][column]
 };
 
-/// Sums of the values by the lobes of `texel`, [slot][chunk, then lobe]; of slots without a texel NaN.
-std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const FeatureMap& map, const EmTexel& texel);
+/// Sums of the values by lobes, [slot][chunk, then lobe]; of slots without a texel NaN. `texels`: the lobes of the
+/// slots; where there are fewer, they begin again.
+std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const FeatureMap& map,
+                                                     const std::vector<EmTexel>& texels);
 
 }  // namespace multum

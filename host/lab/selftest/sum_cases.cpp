@@ -86,7 +86,8 @@ std::vector<int> one_slot() {
 
 }  // namespace
 
-std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const FeatureMap& map, const EmTexel& texel) {
+std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const FeatureMap& map,
+                                                     const std::vector<EmTexel>& texels) {
   MultumMovmfFit fit = coarsest_fit();
   fit.map_width = map.width, fit.map_height = fit.map_window_rows = map.height;
   fit.width = map.level_width, fit.height = fit.window_rows = map.level_height;
@@ -102,14 +103,14 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
     }
   std::vector<int> list(kGroup, -1);
   for (int t = 0; t < map.level_width * map.level_height; ++t) list[static_cast<std::size_t>(t)] = t;
-  const std::size_t lobes = texel.lobes.size(), chunks = static_cast<std::size_t>(map.chunk_count);
+  const std::size_t lobes = texels.front().lobes.size(), chunks = static_cast<std::size_t>(map.chunk_count);
   const DeviceBuffer partial =
       uploaded(device, std::vector<float>(kGroup * chunks * lobes * 3, kPoison), "partial sums");
   device.kernel("movmf_features", "movmf_feature_partial", {static_cast<int>(lobes), 1, false})
       .launch({kGroup * chunks, 64}, uploaded(device, planes[0], "x"), uploaded(device, planes[1], "y"),
               uploaded(device, planes[2], "z"), uploaded(device, planes[3], "red"),
               uploaded(device, planes[4], "green"), uploaded(device, planes[5], "blue"),
-              uploaded(device, packed_start({texel}), "start"), uploaded(device, list, "texels"), partial, fit);
+              uploaded(device, packed_start(texels), "start"), uploaded(device, list, "texels"), partial, fit);
   const std::vector<float> sums = downloaded<float>(device, partial);
   std::vector<std::vector<glm::vec3>> of_slots(kGroup);
   for (std::size_t i = 0; i < sums.size(); i += 3)
@@ -225,7 +226,8 @@ glm::dvec3 far_normal(int i) { return glm::dvec3(glm::vec3(tilted(60.0, i % 2 ==
 glm::dvec3 colour_of_contrast(int i) { return glm::dvec3(glm::vec3(glm::dvec3(1e-6, 1.0, 1e6) * (0.5 + 0.01 * i))); }
 
 // Partial sums of two texels of a map of 37 x 21: a column that both share, a chunk of fewer rows than the others, one
-// of none, and slots without a texel, of which nothing is written.
+// of none, and slots without a texel, of which nothing is written. The second has the first one's lobes in other
+// places.
 void colours_of_uneven_chunks(Device& device, WorstError& worst) {
   FeatureMap map{37, 21, 2, 1, 4, 7, {}, {}};
   for (int i = 0; i < map.width * map.height; ++i) {
@@ -233,8 +235,9 @@ void colours_of_uneven_chunks(Device& device, WorstError& worst) {
     map.values.push_back(glm::vec3(colour_of_contrast(i % 64)));
   }
   for (const double kappa : {0.05, 100.0, 1e6}) {
-    const EmTexel texel = two_lobes(kappa);
-    const std::vector<std::vector<glm::vec3>> found = feature_partials(device, map, texel);
+    std::vector<EmTexel> texels(2, two_lobes(kappa));
+    std::swap(texels[1].lobes[0], texels[1].lobes[1]);
+    const std::vector<std::vector<glm::vec3>> found = feature_partials(device, map, texels);
     for (std::size_t slot = 0; slot < found.size(); ++slot)
       for (int chunk = 0; chunk < map.chunk_count; ++chunk) {
         const glm::vec3* sums = &found[slot][static_cast<std::size_t>(2 * chunk)];
@@ -249,7 +252,7 @@ void colours_of_uneven_chunks(Device& device, WorstError& worst) {
           for (int column = 0; column < map.width; ++column) {
             const int i = row * map.width + column;
             const double weight = reference::overlap(column, static_cast<int>(slot), map.width, map.level_width),
-                         share = share_of_first(texel, far_normal(i));
+                         share = share_of_first(texels[slot], far_normal(i));
             exact[0] += weight * share * colour_of_contrast(i % 64);
             exact[1] += weight * (1.0 - share) * colour_of_contrast(i % 64);
           }

@@ -11,14 +11,15 @@ const NAME = "MULTUM_lobes";
  *     loader.register((parser) => new GltfLobes(parser, renderer));
  *
  * What GLTFLoader returns has the LobeTextures in `userData.lobes`, to be disposed of with the model. `options` are
- * addLobes()'s. A damaged extension makes the loading fail; a material that cannot have lobes keeps its own textures,
- * with a warning on the console.
+ * addLobes()'s. Maps get the renderer's most anisotropic filter. A damaged extension makes the loading fail; a material
+ * that cannot have lobes keeps its own textures, with a warning on the console.
  */
 export class GltfLobes {
   constructor(parser, renderer, options = {}) {
     this.name = NAME;
     this.parser = parser;
     this.options = options;
+    this.anisotropy = renderer.capabilities.getMaxAnisotropy();
     this.loader = new LobeLoader().detectSupport(renderer);
   }
 
@@ -66,5 +67,7 @@ export class GltfLobes {
     material.roughnessMap = null;
     if (extension.metallicRoughnessTexture !== undefined)
       await this.parser.assignTexture(material, "roughnessMap", extension.metallicRoughnessTexture);
+    for (const map of Object.values(material))
+      if (map?.isTexture) map.anisotropy = this.anisotropy;
   }
 }

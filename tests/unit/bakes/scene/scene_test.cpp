@@ -104,6 +104,15 @@ TEST_F(SceneTest, IsRead) {
   EXPECT_EQ(scene.lights.size(), 1u);
 }
 
+// multum-view draws eight of each kind.
+TEST_F(SceneTest, HasUpToEightLightsOfAKind) {
+  const std::string light = "[[light]]\ndirection = [0.1, 0.2, 0.5]\n";
+  std::string text = kScene;
+  for (int i = 0; i < 7; ++i) text += light;
+  EXPECT_EQ(read(text).lights.size(), 8u);
+  expect_error(ErrorCode::kInput, {path(), "light", "more than 8 times"}, [&] { read(text + light); });
+}
+
 TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
   struct Case {
     const char *from, *to;
@@ -313,7 +322,7 @@ TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
 // Of every level from the first, at texel centres, of a bake of 4 lobes.
 double measured_error(const PlaneStore& normals, double exponent) {
   static Device device = Device::open("");
-  MovmfBakeInputs inputs;
+  MapInputs inputs;
   inputs.normals = &normals;
   MovmfSettings settings;
   settings.lobe_count = 4;

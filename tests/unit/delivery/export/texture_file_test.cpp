@@ -129,6 +129,12 @@ TEST(TextureFile, Ktx2HasItsHeadAndItsLevels) {
     EXPECT_EQ(number_at(bytes, descriptor_at, 4), descriptor);
     const std::uint64_t samples = format == TexelFormat::kBc7 ? 1 : static_cast<std::uint64_t>(info.channels);
     EXPECT_EQ(descriptor, 28u + 16u * samples);
+    // Samples follow one another, and fill the block.
+    const std::uint64_t bits = 8 * static_cast<std::uint64_t>(info.block_bytes) / samples;
+    for (std::uint64_t i = 0; i < samples; ++i) {
+      EXPECT_EQ(number_at(bytes, descriptor_at + 28 + 16 * i, 2), bits * i) << i;
+      EXPECT_EQ(number_at(bytes, descriptor_at + 30 + 16 * i, 1), bits - 1) << i;
+    }
     EXPECT_EQ(number_at(bytes, 64, 8) + number_at(bytes, 72, 8), 0u);
     EXPECT_NE(bytes.find(std::string("KTXorientation\0rd\0", 18)), std::string::npos);
     // The smallest level is nearest to the head; each begins at a multiple of its block and of 4.

@@ -345,8 +345,10 @@ TEST_F(StagingTest, DataIsForTheDaemonAlone) {
   const std::string data = folder_ / "data";
   ASSERT_NE(DataLock::take(data), nullptr);
   EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
-  fs::permissions(data, fs::perms(0777));
-  testing::expect_error(ErrorCode::kEnvironment, {data, "0777", "others may write"}, [&] { DataLock::take(data); });
+  for (const auto& [mode, text] : {std::pair(0777, "0777"), {0770, "0770"}, {0702, "0702"}}) {
+    fs::permissions(data, fs::perms(mode));
+    testing::expect_error(ErrorCode::kEnvironment, {data, text, "others may write"}, [&] { DataLock::take(data); });
+  }
   fs::permissions(data, fs::perms(0755));
   fs::create_directory_symlink(data, folder_ / "link");
   EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "a link of one's own";

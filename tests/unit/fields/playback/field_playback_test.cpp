@@ -241,6 +241,35 @@ TEST_F(PlaybackTest, MemoryIsNeverExceededHoweverOneWanders) {
   }
 }
 
+// What once found no room is no reason to keep a chunk for ever.
+TEST_F(PlaybackTest, WhatFoundNoRoomIsForgottenToo) {
+  const auto bytes_in_the_end = [&](FieldPlayback& playback) {
+    for (int frame = 0; frame < 4000; ++frame) {
+      playback.begin_frame(one(0), {});
+      EXPECT_TRUE(decode_all(playback));
+    }
+    return playback.counts().bytes;
+  };
+  PlaybackSettings settings;
+  settings.threads = 1;
+  settings.lifetime = 10.0;
+  const auto ample = open(settings);
+  for (std::size_t sample = 0; sample < 24; ++sample) {
+    ample->begin_frame(one(sample), {});
+    ASSERT_TRUE(decode_all(*ample));
+  }
+  const std::size_t expected = bytes_in_the_end(*ample);
+  settings.memory_max = std::size_t{4} << 20;
+  const std::size_t drawing = settings.memory_max - 1600000;
+  const auto narrow = open(settings);
+  narrow->reserve(drawing);
+  for (std::size_t sample = 0; sample < 24; ++sample) {
+    narrow->begin_frame(one(sample), {one((sample + 7) % 24), one((sample + 13) % 24), one((sample + 19) % 24)});
+    ASSERT_TRUE(decode_all(*narrow));
+  }
+  EXPECT_EQ(bytes_in_the_end(*narrow) - drawing, expected);
+}
+
 TEST_F(PlaybackTest, TooLittleMemoryIsSaidAndNothingHangs) {
   PlaybackSettings settings;
   settings.memory_max = std::size_t{1} << 20;

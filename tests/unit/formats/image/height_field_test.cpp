@@ -331,6 +331,15 @@ TEST(HeightField, DequantizingWithoutEffectIsSaid) {
                        {"without effect on a normal map", "--dequantize"});
 }
 
+// Five heights are a shape, however many of the file's own steps part them: smoothing would take its cliffs away.
+TEST(HeightField, AFewLevelsAreNoTerraces) {
+  TestImage image = height_image(64, 48, [](int x, int) { return 1000.0 * (x / 13) / 65535.0; });
+  image.type = TypeDesc::UINT16;
+  const NormalMap map = read_codes(image, true);
+  ASSERT_FALSE(map.report.warnings.empty());
+  testing::expect_says(map.report.warnings.back(), {"without effect", "--dequantize"});
+}
+
 // Curved surfaces keep their shape; a step of two codes stays where it is; all stay within half a step.
 TEST(HeightField, DequantizingKeepsShapesAndEdges) {
   const auto waves = [](int x, int y) { return 127.0 + 20.0 * std::sin(0.05 * x) * std::cos(0.04 * y); };

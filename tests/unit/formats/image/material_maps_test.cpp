@@ -142,6 +142,8 @@ TEST(RoughnessMap, ANameSaysWhatTheMapIs) {
                                                     {"floor_r.jpg", NamedMap::kRoughness},
                                                     {"r_floor.png", NamedMap::kUnknown},
                                                     {"pipe_specularMap.png", NamedMap::kSpecular},
+                                                    {"pipeRough.png", NamedMap::kRoughness},
+                                                    {"pipeS.png", NamedMap::kSpecular},
                                                     {"steel-metallicRoughness.png", NamedMap::kRoughness},
                                                     {"steel_metallicroughness.png", NamedMap::kRoughness},
                                                     {"steel_roughness_metallic.png", NamedMap::kRoughness},

@@ -91,6 +91,18 @@ TEST(FourQuarterMap, QuartersAreAsDescribed) {
   EXPECT_NEAR(statistics(map, size - half / 8, half, half / 8, half).slope_x_rms, 0.45 * 1.525, 0.05);
 }
 
+// As a surface, the map has green down: on domes, normals lean to the right at the right, and y grows downwards.
+TEST(FourQuarterMap, ArmourIsOfDomes) {
+  const int side = 48, period = 24;
+  const NormalMap map = make_four_quarter_map(side, 3, Quarter::kArmour).normals;
+  const auto at = [&](int column, int row) { return static_cast<std::size_t>(row * side + column); };
+  const int middle = period / 2, aside = period / 4;
+  EXPECT_GT(map.x[at(middle + aside, middle)], 0.2f);
+  EXPECT_LT(map.x[at(middle - aside, middle)], -0.2f);
+  EXPECT_GT(map.y[at(middle, middle + aside)], 0.2f);
+  EXPECT_LT(map.y[at(middle, middle - aside)], -0.2f);
+}
+
 // White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)): between rows, which share
 // their gain, the slopes along x keep it.
 TEST(FourQuarterMap, NoiseHasItsSigma) {

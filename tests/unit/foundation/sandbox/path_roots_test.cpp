@@ -130,6 +130,17 @@ TEST_F(PathRootsTest, ARootThatIsAnotherFolderIsNotUsed) {
   refused(ErrorCode::kEnvironment, [&] { roots.open_folder_of(file_); });
 }
 
+// A disk of its own within another root: where it was unmounted, the folder under it is none of its files.
+TEST_F(PathRootsTest, ARootWithinARootIsTheOneThatCounts) {
+  const PathRoots outer_first({base_, root_}), inner_first({root_, base_});
+  EXPECT_TRUE(inner_first.open_input(outside_ + "/map.png").is_open());
+  fs::rename(root_, root_ + ".old");
+  fs::create_directories(root_ + "/sub");
+  write_text_file(file_, "another");
+  for (const PathRoots* roots : {&outer_first, &inner_first})
+    refused(ErrorCode::kEnvironment, [&] { roots->open_input(file_); });
+}
+
 TEST_F(PathRootsTest, NamesOfResults) {
   const PathRoots roots({root_});
   EXPECT_EQ(roots.output(root_ + "/sub/../sub/a.ndf.exr"), root_ + "/sub/a.ndf.exr");

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bake's time, which budgets are held to.
+#include "host/bakes/bake/bake_report.h"
+
+#include <gtest/gtest.h>
+
+namespace multum {
+namespace {
+
+TEST(BakeReportTest, MeasuringAndChoosingAreNoPartOfABake) {
+  BakeReport report;
+  report.stages = {{"read", 1.0}, {"choose", 16.0}, {"fit", 2.0}, {"measure", 8.0}, {"write", 4.0}};
+  EXPECT_EQ(report.bake_seconds(), 7.0);
+}
+
+}  // namespace
+}  // namespace multum
