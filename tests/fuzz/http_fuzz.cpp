@@ -3,9 +3,9 @@
 // tests/service/fault_injection/fuzz.py sends whole requests to a running one.
 #include <nlohmann/json.hpp>
 
+#include "host/farm/service/dispatch/service_settings.h"
 #include "host/farm/service/http/http_reply.h"
 #include "host/farm/service/http/job_request.h"
-#include "host/farm/service/service_settings.h"
 #include "host/farm/service/workers/job_types.h"
 #include "tests/fuzz/fuzz.h"
 #include "tools/multum/farm/multum_job_types.h"

@@ -48,7 +48,7 @@ struct Options {
 };
 
 constexpr double kSpread = 0.5;
-constexpr int kClaimsAtOnce = 200;                                  // as workers/dispatcher.cpp
+constexpr int kClaimsAtOnce = 200;                                  // as dispatch/dispatcher.cpp
 constexpr int kSubmissionsAtOnce = 256;                             // as ledger/queue_thread.cpp
 constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // of a list, and of each line in it
 constexpr double kTaskStartSeconds = 0.5;                           // of a slot, whatever a task does (slurm_plan.h)

@@ -14,8 +14,8 @@
 #include "host/farm/service/files/network_disk.h"
 #include "host/farm/service/http/http_api.h"
 #include "host/farm/service/ledger/ledger_start.h"
-#include "host/farm/service/run_handlers.h"
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/run_handlers.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/output_paths.h"
@@ -69,7 +69,7 @@ class Service {
                                                 asio::post(io_,
                                                            [this, task = std::move(task)] { task_queue_.add(task); });
                                               })),
-        dispatcher_(io_, *ledger_, events_, data_, settings_, roots_, take_up_ledger(*ledger_, data_, settings_.data),
+        dispatcher_(io_, *ledger_, events_, data_, settings_, roots_, take_up_ledger(*ledger_, settings_.data),
                     options.worker_command),
         api_(io_, *ledger_, dispatcher_, events_, data_, roots_, read_token(settings_.token_file),
              options.driver_command),

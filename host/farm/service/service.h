@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/service_settings.h"
+#include "host/farm/service/dispatch/service_settings.h"
 #include "host/foundation/sandbox/confinement.h"
 
 namespace multum {

@@ -5,14 +5,15 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/fields/codec/byte_writer.h"
 #include "host/fields/codec/decoder/byte_reader.h"
 #include "host/fields/codec/decoder/parameter_pyramid.h"
 #include "host/fields/inferred/manifest_json.h"
-#include "host/fields/inferred/matrix_json.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/json_file.h"
 
@@ -26,32 +27,18 @@ constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensio
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-// The shortest decimal that is read back as the same single.
-json single_json(double value) {
-  const double shortest = std::stod(fmt::format("{}", static_cast<float>(value)));
-  if (shortest == std::floor(shortest) && std::abs(shortest) < 1e6) return static_cast<int>(shortest);
-  return shortest;
-}
+// Of a mapping: what was found while it was made, which nobody needs to play.
+constexpr std::array kFoundKeys = {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"};
 
-json matrix_as_singles(const glm::dmat4& m) {
-  json rows = matrix_json(m);
-  for (json& row : rows)
-    for (json& value : row) value = single_json(value.get<double>());
-  return rows;
-}
-
-// Without what was found while it was made.
-json mapping_as_singles(const TextureMapping& mapping) {
-  json object = mapping;
-  for (const char* name : {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"}) object.erase(name);
-  for (const char* name : {"linear", "offset", "cut"})
-    for (json& value : object[name]) value = single_json(value.get<double>());
-  return object;
-}
-
-TextureMapping mapping_from(json object) {
-  for (const char* name : {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"}) object[name] = 0;
-  return object.get<TextureMapping>();
+// Fractions become the shortest decimals that are read back as the same singles.
+void round_to_singles(json& value) {
+  if (value.is_structured()) {
+    for (json& child : value) round_to_singles(child);
+  } else if (value.is_number_float()) {
+    const double shortest = std::stod(fmt::format("{}", static_cast<float>(value.get<double>())));
+    if (shortest == std::floor(shortest) && std::abs(shortest) < 1e6) value = static_cast<int>(shortest);
+    else value = shortest;
+  }
 }
 
 // The index of `value` in `list`, put there if it is new.
@@ -63,42 +50,29 @@ int index_in(std::vector<Value>& list, const Value& value) {
   return static_cast<int>(list.size()) - 1;
 }
 
-json poses_json(const InferredManifest& field, json& description) {
-  std::vector<json> views, moves;
-  json samples = json::array();
-  for (const InferredSample& sample : field.samples) {
-    json moved = json::object();
-    for (const auto& [name, matrix] : sample.object_to_world) moved[name] = matrix_as_singles(matrix);
-    samples.push_back(
-        {sample.name, sample.at, index_in(views, matrix_as_singles(sample.world_to_clip)), index_in(moves, moved)});
-  }
-  description["views"] = views;
-  description["moves"] = moves;
-  return samples;
-}
-
 json layer_json(const PackedLayer& layer) {
   json blocks = json::array();
   for (const FieldBlock& block : layer.blocks) blocks.push_back({block.begin, block.size, block.varying});
   return {{"name", layer.name}, {"blocks", blocks}, {"unseen", layer.unseen}};
 }
 
-json objects_json(const FieldDescription& description) {
-  json objects = json::array();
-  for (std::size_t k = 0; k < description.field.objects.size(); ++k) {
-    const InferredObject& object = description.field.objects[k];
-    json mappings = json::array(), layers = json::array();
-    for (const TextureMapping& mapping : object.mappings) mappings.push_back(mapping_as_singles(mapping));
-    for (const PackedLayer& layer : description.layers)
-      if (layer.object == k) layers.push_back(layer_json(layer));
-    objects.push_back({{"name", object.name},
-                       {"mesh", object.mesh},
-                       {"anisotropy", single_json(static_cast<double>(object.anisotropy))},
-                       {"mappings", mappings},
-                       {"mappingOfSample", object.mapping_of_sample},
-                       {"layers", layers}});
+json description_json(const FieldDescription& description) {
+  json object = scene_json(description.field);
+  round_to_singles(object);
+  std::vector<json> views, moves;
+  for (json& sample : object["samples"])
+    sample = {sample["name"], sample["at"], index_in(views, sample["worldToClip"]),
+              index_in(moves, sample["objectToWorld"])};
+  object["views"] = views;
+  object["moves"] = moves;
+  for (json& entry : object["objects"]) {
+    for (json& mapping : entry["mappings"])
+      for (const char* key : kFoundKeys) mapping.erase(key);
+    entry["layers"] = json::array();
   }
-  return objects;
+  for (const PackedLayer& layer : description.layers)
+    object["objects"][layer.object]["layers"].push_back(layer_json(layer));
+  return object;
 }
 
 std::string inflated(std::span<const std::uint8_t> bytes) {
@@ -118,20 +92,21 @@ std::size_t index_of(const json& value, const char* what) {
   return static_cast<std::size_t>(json_integer_of(value, what, 0, INT32_MAX));
 }
 
-void read_samples(const json& description, InferredManifest& field) {
-  std::vector<glm::dmat4> views;
-  for (const json& view : description.at("views")) views.push_back(matrix_from_json(view));
-  for (const json& entry : description.at("samples")) {
-    InferredSample sample;
-    sample.name = entry.at(0).get<std::string>();
-    sample.at = json_ints_of(entry.at(1), "at");
-    sample.world_to_clip = views.at(index_of(entry.at(2), "the view of a sample"));
-    for (const auto& [name, matrix] :
-         description.at("moves").at(index_of(entry.at(3), "the moves of a sample")).items())
-      sample.object_to_world[name] = matrix_from_json(matrix);
-    field.samples.push_back(std::move(sample));
+// As scene_from() reads it. Returns the layers of each object.
+std::vector<json> expand(json& description) {
+  const std::vector<json> views = description.at("views");
+  for (json& sample : description.at("samples"))
+    sample = {{"name", sample.at(0)},
+              {"at", sample.at(1)},
+              {"worldToClip", views.at(index_of(sample.at(2), "the view of a sample"))},
+              {"objectToWorld", description.at("moves").at(index_of(sample.at(3), "the moves of a sample"))}};
+  std::vector<json> layers;
+  for (json& object : description.at("objects")) {
+    for (json& mapping : object.at("mappings"))
+      for (const char* key : kFoundKeys) mapping[key] = 0;
+    layers.push_back(std::exchange(object.at("layers"), json::array()));
   }
-  check_samples(field);
+  return layers;
 }
 
 FieldBlock block_from(const json& entry, const SampleGrid& grid) {
@@ -172,23 +147,6 @@ PackedLayer layer_from(const json& entry, std::size_t object, const InferredMani
   return layer;
 }
 
-void read_objects(const json& description, FieldDescription& result) {
-  InferredManifest& field = result.field;
-  result.grid = sample_grid(field.samples);
-  for (const json& entry : description.at("objects")) {
-    InferredObject object;
-    object.name = entry.at("name").get<std::string>();
-    object.mesh = entry.at("mesh").get<std::string>();
-    object.anisotropy = anisotropy_from_json(entry.at("anisotropy"));
-    for (const json& mapping : entry.at("mappings")) object.mappings.push_back(mapping_from(mapping));
-    object.mapping_of_sample = json_ints(entry, "mappingOfSample");
-    check_mappings(field, object);
-    for (const json& layer : entry.at("layers"))
-      result.layers.push_back(layer_from(layer, field.objects.size(), field, result.grid));
-    field.objects.push_back(std::move(object));
-  }
-}
-
 }  // namespace
 
 bool PackedLayer::is_seen(std::size_t sample) const {
@@ -206,11 +164,7 @@ std::size_t PackedLayer::block_at(const std::vector<int>& at) const {
 }
 
 std::vector<std::uint8_t> encode_description(const FieldDescription& description) {
-  const InferredManifest& field = description.field;
-  json object = scene_keys_json(field);
-  object["objects"] = objects_json(description);
-  object["samples"] = poses_json(field, object);
-  const std::string text = json_text(object);
+  const std::string text = json_text(description_json(description));
   std::vector<Bytef> packed(compressBound(static_cast<uLong>(text.size())));
   auto length = static_cast<uLongf>(packed.size());
   MULTUM_CHECK(compress2(packed.data(), &length, reinterpret_cast<const Bytef*>(text.data()),
@@ -227,10 +181,12 @@ FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
   try {
     const std::string text = inflated(bytes);
     if (holds_nul(text)) refuse_description("holds NUL in a text");
-    const json object = json::parse(text);
-    read_scene_keys(object, result.field);
-    read_samples(object, result.field);
-    read_objects(object, result);
+    json object = json::parse(text);
+    const std::vector<json> layers = expand(object);
+    result.field = scene_from(object);
+    result.grid = sample_grid(result.field.samples);
+    for (std::size_t k = 0; k < layers.size(); ++k)
+      for (const json& layer : layers[k]) result.layers.push_back(layer_from(layer, k, result.field, result.grid));
   } catch (const Error& error) {
     refuse(error.what());
   } catch (const json::exception& error) {

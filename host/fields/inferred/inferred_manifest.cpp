@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The manifest of inferred textures as JSON.
+#include <fmt/format.h>
 
 #include "host/fields/inferred/inferred_texture.h"
 #include "host/fields/inferred/manifest_json.h"
@@ -7,6 +8,7 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/path_text.h"
 
 namespace multum {
 namespace {
@@ -55,41 +57,73 @@ InferredObject object_from(const nlohmann::json& json) {
   return object;
 }
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
-
-void check(const InferredManifest& manifest) {
-  check_samples(manifest);
-  for (const InferredObject& object : manifest.objects) {
-    check_mappings(manifest, object);
-    for (const InferredLayer& layer : object.layers)
-      if (layer.textures.size() != manifest.samples.size())
-        refuse("layer '" + layer.name + "' of object '" + object.name + "' has " +
-               std::to_string(layer.textures.size()) + " textures for " + std::to_string(manifest.samples.size()) +
-               " samples");
-  }
+void check_samples(const InferredManifest& manifest) {
+  if (manifest.samples.empty()) throw Error(ErrorCode::kInput, "has no samples");
+  for (const InferredSample& sample : manifest.samples)
+    if (sample.at.size() != manifest.parameters.size())
+      throw Error(ErrorCode::kInput, fmt::format("sample '{}' has {} indices, expected {}", sample.name,
+                                                 sample.at.size(), manifest.parameters.size()));
 }
 
-// Throws Error without the file's name, which the caller knows.
-InferredManifest manifest_from(const nlohmann::json& json) {
-  if (json_int(json, "multumInferredTextures") != 1) refuse("is a manifest of another version, expected 1");
-  InferredManifest manifest;
-  read_scene_keys(json, manifest);
-  for (const nlohmann::json& sample : json.at("samples")) manifest.samples.push_back(sample_from(sample));
-  for (const nlohmann::json& object : json.at("objects")) manifest.objects.push_back(object_from(object));
-  check(manifest);
-  return manifest;
+void check_mappings(const InferredManifest& manifest, const InferredObject& object) {
+  const std::vector<int>& of_sample = object.mapping_of_sample;
+  if (of_sample.size() != manifest.samples.size())
+    throw Error(ErrorCode::kInput, fmt::format("object '{}' has mappingOfSample for {} of {} samples", object.name,
+                                               of_sample.size(), manifest.samples.size()));
+  for (const int number : of_sample)
+    if (number < 0 || number >= std::ssize(object.mappings))
+      throw Error(ErrorCode::kInput, fmt::format("object '{}' has mapping {} at a sample, expected one of its {}",
+                                                 object.name, number, object.mappings.size()));
+}
+
+void check_textures(const InferredManifest& manifest) {
+  for (const InferredObject& object : manifest.objects)
+    for (const InferredLayer& layer : object.layers)
+      if (layer.textures.size() != manifest.samples.size())
+        throw Error(ErrorCode::kInput,
+                    fmt::format("layer '{}' of object '{}' has {} textures for {} samples", layer.name, object.name,
+                                layer.textures.size(), manifest.samples.size()));
 }
 
 }  // namespace
 
-void write_inferred_manifest(const InferredManifest& manifest, const std::string& path) {
+nlohmann::json scene_json(const InferredManifest& manifest) {
   nlohmann::json samples = nlohmann::json::array(), objects = nlohmann::json::array();
   for (const InferredSample& sample : manifest.samples) samples.push_back(sample_json(sample));
   for (const InferredObject& object : manifest.objects) objects.push_back(object_json(object));
-  nlohmann::json json = scene_keys_json(manifest);
+  return {{"geometry", text_of_path(manifest.geometry_file)},
+          {"geometryHash", manifest.geometry_hash},
+          {"uvSet", manifest.uv_set},
+          {"width", manifest.width},
+          {"height", manifest.height},
+          {"supersampling", manifest.supersampling},
+          {"parameters", manifest.parameters},
+          {"samples", std::move(samples)},
+          {"objects", std::move(objects)}};
+}
+
+InferredManifest scene_from(const nlohmann::json& json) {
+  InferredManifest manifest;
+  manifest.geometry_file = path_of_text(json.at("geometry").get<std::string>());
+  manifest.geometry_hash = json.at("geometryHash").get<std::string>();
+  manifest.uv_set = json_int(json, "uvSet");
+  manifest.width = json_int(json, "width");
+  manifest.height = json_int(json, "height");
+  manifest.supersampling = json_int(json, "supersampling");
+  check_picture_size(manifest.width, manifest.height, manifest.supersampling);
+  manifest.parameters = json.at("parameters").get<std::vector<std::string>>();
+  for (const nlohmann::json& sample : json.at("samples")) manifest.samples.push_back(sample_from(sample));
+  check_samples(manifest);
+  for (const nlohmann::json& object : json.at("objects")) {
+    manifest.objects.push_back(object_from(object));
+    check_mappings(manifest, manifest.objects.back());
+  }
+  return manifest;
+}
+
+void write_inferred_manifest(const InferredManifest& manifest, const std::string& path) {
+  nlohmann::json json = scene_json(manifest);
   json["multumInferredTextures"] = 1;
-  json["samples"] = std::move(samples);
-  json["objects"] = std::move(objects);
   write_text_file(path, json_text(json, 1) + "\n");
 }
 
@@ -97,7 +131,12 @@ InferredManifest read_inferred_manifest(const std::string& path) {
   const std::optional<std::string> text = json_of_file(path);
   if (!text) throw Error(ErrorCode::kInput, path + ": cannot be read");
   try {
-    return manifest_from(nlohmann::json::parse(*text));
+    const nlohmann::json json = nlohmann::json::parse(*text);
+    if (json_int(json, "multumInferredTextures") != 1)
+      throw Error(ErrorCode::kInput, "is a manifest of another version, expected 1");
+    InferredManifest manifest = scene_from(json);
+    check_textures(manifest);
+    return manifest;
   } catch (const Error& error) {
     throw Error(error.code(), path + ": " + error.what());
   } catch (const nlohmann::json::exception& error) {

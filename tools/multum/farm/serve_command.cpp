@@ -9,10 +9,10 @@
 #include <fstream>
 #include <thread>
 
-#include "host/farm/service/files/input_list.h"
 #include "host/farm/service/ledger/ledger_rescue.h"
 #include "host/farm/service/service.h"
 #include "host/farm/service/slurm/slurm_task.h"
+#include "host/farm/service/workers/input_list.h"
 #include "host/farm/service/workers/worker_loop.h"
 #include "host/formats/opencl/kernel_caches.h"
 #include "host/foundation/base/error.h"

@@ -19,7 +19,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "host/farm/service/files/input_list.h"
 #include "host/farm/service/files/result_listing.h"
 #include "host/farm/service/files/staging.h"
 #include "host/farm/service/http/http_reply.h"
@@ -31,6 +30,7 @@
 #include "host/farm/service/ledger/job_fields.h"
 #include "host/farm/service/ledger/job_json.h"
 #include "host/farm/service/workers/driver_probe.h"
+#include "host/farm/service/workers/input_list.h"
 #include "host/farm/service/workers/job_types.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/dispatch/data_folder.h"
+#include "host/farm/service/dispatch/dispatcher.h"
 #include "host/farm/service/files/file_hashes.h"
 #include "host/farm/service/files/job_roots.h"
 #include "host/farm/service/http/http_server.h"
 #include "host/farm/service/http/job_pictures.h"
-#include "host/farm/service/workers/dispatcher.h"
 
 namespace multum {
 

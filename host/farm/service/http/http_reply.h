@@ -7,16 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "host/farm/service/dispatch/refusal.h"
 #include "host/farm/service/http/http_server.h"
 #include "host/foundation/base/error.h"
 
 namespace multum {
-
-struct Refusal {
-  int status;
-  std::string code, message;
-  std::vector<std::pair<std::string, std::string>> headers = {};
-};
 
 HttpResponse json_response(const nlohmann::json& json, int status = 200);
 /// {"error": {"code", "message"}}.

@@ -27,7 +27,7 @@
 #include "host/farm/service/http/http_line.h"
 #include "host/farm/service/http/http_range.h"
 #include "host/farm/service/http/http_reply.h"
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/foundation/base/error.h"
 
 namespace multum {

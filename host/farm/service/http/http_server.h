@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/http/event_hub.h"
+#include "host/farm/service/dispatch/event_hub.h"
+#include "host/farm/service/files/upload_file.h"
 #include "host/farm/service/http/memory_budget.h"
 #include "host/farm/service/http/task_queue.h"
-#include "host/farm/service/http/upload_file.h"
 #include "host/foundation/base/files/open_file.h"
 
 namespace multum {

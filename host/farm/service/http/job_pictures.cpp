@@ -18,7 +18,7 @@
 
 #include "host/farm/service/files/staging.h"
 #include "host/farm/service/http/http_reply.h"
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/farm/service/workers/job_types.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/dispatch/data_folder.h"
 #include "host/farm/service/files/job_roots.h"
 #include "host/farm/service/http/http_server.h"
 #include "host/farm/service/ledger/job.h"

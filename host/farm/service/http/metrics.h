@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
+#include "host/farm/service/dispatch/dispatcher.h"
 #include "host/farm/service/http/http_server.h"
-#include "host/farm/service/workers/dispatcher.h"
 
 namespace multum {
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "host/farm/service/log/wall_clock.h"
+
 namespace multum {
 
 enum class JobState {
@@ -24,10 +26,6 @@ constexpr bool is_final(JobState state) { return state >= JobState::kSucceeded; 
 /// "waiting" ... "cancelled".
 const char* job_state_name(JobState state);
 std::optional<JobState> parse_job_state(const std::string& name);
-
-/// Milliseconds since 1970, by the machine's clock: for people, back-off and deadlines. Leases and timeouts of running
-/// jobs are measured by a clock that never goes back, in the process that holds them.
-using TimeMs = std::int64_t;
 
 /// What clients say of a job. Each member of it and of Job has a row in job_fields.cpp.
 struct JobSubmission {

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/farm/service/ledger/job_json.h"
 
-#include <fmt/format.h>
-
-#include <ctime>
-
 #include "host/farm/service/ledger/job_fields.h"
 #include "host/foundation/base/path_text.h"
 
@@ -36,14 +32,6 @@ nlohmann::json value_json(const JobField& field, const Value& value) {
 }
 
 }  // namespace
-
-std::string time_text(TimeMs time) {
-  const std::time_t seconds = static_cast<std::time_t>(time / 1000);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", parts.tm_year + 1900, parts.tm_mon + 1,
-                     parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, time % 1000);
-}
 
 nlohmann::json job_json(const Job& job) {
   nlohmann::json json;

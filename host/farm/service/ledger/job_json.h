@@ -17,7 +17,4 @@ std::string job_text(const Job& job);
 nlohmann::json part_json(const SlurmPart& part);
 nlohmann::json attempt_json(const JobAttempt& attempt);
 
-/// "2026-11-22T07:30:00.123Z".
-std::string time_text(TimeMs time);
-
 }  // namespace multum

@@ -11,13 +11,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/farm/service/files/data_folder.h"
 #include "host/farm/service/files/data_lock.h"
+#include "host/farm/service/files/job_numbers.h"
 #include "host/farm/service/ledger/job_fields.h"
 #include "host/farm/service/ledger/job_queue.h"
 #include "host/farm/service/ledger/ledger_schema.h"
 #include "host/farm/service/ledger/ledger_start.h"
-#include "host/farm/service/workers/dispatcher.h"
 #include "host/foundation/base/error.h"
 
 namespace multum {
@@ -347,7 +346,7 @@ Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, con
     SqliteDatabase old(copy);
     old.execute("PRAGMA cell_size_check = ON");
     reads([&] { add_job_columns(old); });
-    Rescue rescue(old, ledger.database(), DataFolder(data, 0).highest_number());
+    Rescue rescue(old, ledger.database(), highest_job_number(data));
     rescued.tables = rescue.run(is_list_lent);
     rescued.is_whole = rescue.is_whole() && !is_list_lent;
     ledger.number_above(rescue.highest());

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <random>
 
+#include "host/farm/service/files/job_numbers.h"
 #include "host/farm/service/ledger/ledger_schema.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
@@ -59,9 +60,9 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
   return settings;
 }
 
-std::string take_up_ledger(QueueThread& ledger, const DataFolder& folder, const std::string& data) {
+std::string take_up_ledger(QueueThread& ledger, const std::string& data) {
   std::string instance;
-  const std::int64_t highest = folder.highest_number();
+  const std::int64_t highest = highest_job_number(data);
   ledger.run_now([&](JobQueue& queue) {
     queue.number_above(highest);
     instance = queue.instance();

@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include "host/farm/service/files/data_folder.h"
 #include "host/farm/service/ledger/job_queue.h"
 #include "host/farm/service/ledger/queue_thread.h"
 
@@ -21,6 +20,6 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
 
 /// Takes up an opened ledger: its numbers go on above all that lies in the folder, which takes its name. Returns that
 /// name.
-std::string take_up_ledger(QueueThread& ledger, const DataFolder& folder, const std::string& data);
+std::string take_up_ledger(QueueThread& ledger, const std::string& data);
 
 }  // namespace multum

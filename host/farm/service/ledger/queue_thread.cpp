@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "host/farm/service/files/no_space.h"
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 
 namespace multum {
 namespace {

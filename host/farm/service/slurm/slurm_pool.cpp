@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/farm/service/slurm/slurm_estimate.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/machine.h"

@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "host/farm/service/run_handlers.h"
+#include "host/farm/service/log/run_handlers.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/shown_text.h"
 

@@ -8,7 +8,7 @@
 #include <charconv>
 #include <filesystem>
 
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/farm/service/slurm/slurm_pool.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/work_shard.h"

@@ -16,7 +16,7 @@
 #include <deque>
 #include <nlohmann/json.hpp>
 
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/open_file.h"
 #include "host/foundation/base/processes/spawn_process.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the daemon keeps for others: how much of it, and what goes when nobody has a use for it.
-#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/dispatch/data_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <future>
 #include <memory>
 
+#include "host/farm/service/files/job_numbers.h"
 #include "host/farm/service/files/result_listing.h"
 #include "host/farm/service/files/staging.h"
 #include "host/farm/service/http/http_reply.h"
@@ -249,19 +250,20 @@ TEST_F(DataFolderTest, ManyAreSweptInTurns) {
 }
 
 TEST_F(DataFolderTest, KnowsTheHighestNumberInUse) {
-  DataFolder data(folder_ / "d", 0);
-  EXPECT_EQ(data.highest_number(), 0);
+  const DataFolder made_here(folder_ / "d", 0);
+  const std::string data = folder_ / "d";
+  EXPECT_EQ(highest_job_number(data), 0);
   made("logs/12.log");
-  EXPECT_EQ(data.highest_number(), 12);
+  EXPECT_EQ(highest_job_number(data), 12);
   made("pictures/30-77-8-9/render.png");
-  EXPECT_EQ(data.highest_number(), 30);
+  EXPECT_EQ(highest_job_number(data), 30);
   made("results/sub/.multum-01234567-41/a.exr");
-  EXPECT_EQ(data.highest_number(), 41);
+  EXPECT_EQ(highest_job_number(data), 41);
   made("logs/99x.log");
   made("logs/99999999999999999.log");
   made("logs/999999999999999999999999.log");
   made("results/99.exr");
-  EXPECT_EQ(data.highest_number(), 41);
+  EXPECT_EQ(highest_job_number(data), 41);
 }
 
 }  // namespace

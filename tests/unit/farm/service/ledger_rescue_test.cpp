@@ -27,7 +27,7 @@ constexpr int kJobs = 3000;
 std::map<std::int64_t, Job> make_ledger(const std::string& data, int job_count = kJobs) {
   fs::create_directory(data);
   QueueThread ledger(find_ledger(data, {}, false), [](const std::function<void()>& task) { task(); });
-  take_up_ledger(ledger, DataFolder(data, 0), data);
+  take_up_ledger(ledger, data);
   std::map<std::int64_t, Job> jobs;
   ledger.run_now([&](JobQueue& queue) {
     const ClaimLimits limits = {{{"default", {}}}, {}, 0};

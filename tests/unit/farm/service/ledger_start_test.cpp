@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "host/farm/service/dispatch/data_folder.h"
 #include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
@@ -20,8 +21,9 @@ class LedgerStartTest : public ::testing::Test {
   // A daemon's start, and a job; returns its number.
   std::int64_t start(bool begins_anew = false) {
     const LedgerSettings settings = find_ledger(folder_.path(), {}, begins_anew);
+    const DataFolder folders(folder_.path(), 0);  // makes logs, uploads and results
     QueueThread ledger(settings, [](const std::function<void()>& task) { task(); });
-    instance_ = take_up_ledger(ledger, DataFolder(folder_.path(), 0), folder_.path());
+    instance_ = take_up_ledger(ledger, folder_.path());
     std::int64_t id = 0;
     ledger.run_now([&](JobQueue& queue) {
       JobSubmission submission;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Settings of the service: names that lead nowhere are refused before a job waits for them.
-#include "host/farm/service/service_settings.h"
+#include "host/farm/service/dispatch/service_settings.h"
 
 #include <gtest/gtest.h>
 

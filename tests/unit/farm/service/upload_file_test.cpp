@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A disk that takes no more refuses an upload, and nothing of it stays.
-#include "host/farm/service/http/upload_file.h"
+#include "host/farm/service/files/upload_file.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/dispatch/data_folder.h"
 #include "host/farm/service/files/network_disk.h"
 #include "host/farm/service/files/no_space.h"
 #include "host/farm/service/http/http_reply.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/service_settings.h"
+#include "host/farm/service/dispatch/service_settings.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/workers/dispatcher.h"
+#include "host/farm/service/dispatch/dispatcher.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/farm/service/ledger/job_json.h"
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/farm/service/workers/job_types.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/machine.h"
@@ -67,11 +67,6 @@ ClaimLimits limits_of(const ServiceSettings& settings) {
 }
 
 }  // namespace
-
-TimeMs wall_clock_ms() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 bool is_result_intact(const JobRoots& roots, const Job& job) {
   try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/dispatch/data_folder.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "host/farm/service/dispatch/refusal.h"
 #include "host/farm/service/files/result_listing.h"
 #include "host/farm/service/files/staging.h"
-#include "host/farm/service/http/http_reply.h"
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/content_hash.h"
@@ -44,17 +44,6 @@ std::chrono::hours age_of(const fs::directory_entry& entry) {
   const fs::file_time_type time = entry.last_write_time(gone);
   if (gone) return std::chrono::hours(0);
   return std::chrono::duration_cast<std::chrono::hours>(fs::file_time_type::clock::now() - time);
-}
-
-// The number between `before` and `after`, which anything may follow; 0: it has none, or one that no ledger gives.
-std::int64_t number_in(const std::string& name, const std::string& before, const std::string& after) {
-  constexpr std::int64_t kHighest = std::int64_t{1} << 52;  // whole numbers of JSON's readers
-  if (!name.starts_with(before)) return 0;
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(name.data() + before.size(), name.data() + name.size(), number);
-  const bool is_one =
-      error == std::errc() && name.substr(static_cast<std::size_t>(end - name.data())).starts_with(after);
-  return is_one && number > 0 && number < kHighest ? number : 0;
 }
 
 }  // namespace
@@ -267,21 +256,6 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
   }
   const std::lock_guard lock(mutex_);
   counted_ = {};
-}
-
-std::int64_t DataFolder::highest_number() const {
-  std::int64_t highest = 0;
-  std::error_code error;
-  for (const fs::directory_entry& log : fs::directory_iterator(path_ + "/logs", error))
-    highest = std::max(highest, number_in(log.path().filename().string(), "", ".log"));
-  for (const fs::directory_entry& pictures : fs::directory_iterator(path_ + "/pictures", error))
-    highest = std::max(highest, number_in(pictures.path().filename().string(), "", "-"));
-  fs::recursive_directory_iterator entry(results(), error), end;
-  for (; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();  // .multum-INSTANCE-ID
-    if (name.starts_with(".multum-")) highest = std::max(highest, number_in(name, name.substr(0, 17), ""));
-  }
-  return highest;
 }
 
 }  // namespace multum

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "host/farm/service/ledger/job_json.h"
+#include "host/farm/service/log/wall_clock.h"
 #include "host/foundation/base/path_text.h"
 #include "host/foundation/base/shown_text.h"
 
@@ -15,10 +14,8 @@ namespace multum {
 
 void service_log(LogSeverity severity, std::int64_t job, const std::string& message) {
   constexpr std::array kNames = {"info", "warning", "error"};
-  const auto now =
-      std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch());
   nlohmann::ordered_json line;
-  line["time"] = time_text(now.count());
+  line["time"] = time_text(wall_clock_ms());
   line["level"] = kNames.at(static_cast<std::size_t>(severity));
   if (job != 0) line["job"] = job;
   line["message"] = text_of_message(message);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/http/upload_file.h"
+#include "host/farm/service/files/upload_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -10,19 +10,17 @@
 #include <set>
 #include <string>
 
-#include "host/farm/service/files/data_folder.h"
+#include "host/farm/service/dispatch/data_folder.h"
+#include "host/farm/service/dispatch/event_hub.h"
+#include "host/farm/service/dispatch/service_settings.h"
 #include "host/farm/service/files/job_roots.h"
 #include "host/farm/service/files/staging.h"
-#include "host/farm/service/http/event_hub.h"
 #include "host/farm/service/ledger/job_queue.h"
 #include "host/farm/service/ledger/queue_thread.h"
-#include "host/farm/service/service_settings.h"
 #include "host/farm/service/slurm/slurm_pool.h"
 #include "host/farm/service/workers/worker_pool.h"
 
 namespace multum {
-
-TimeMs wall_clock_ms();
 
 /// Is a succeeded job's result as it was published?
 bool is_result_intact(const JobRoots& roots, const Job& job);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/run_handlers.h"
+#include "host/farm/service/log/run_handlers.h"
 
 #include <exception>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/http/event_hub.h"
+#include "host/farm/service/dispatch/event_hub.h"
 
 #include <boost/asio/post.hpp>
 
-#include "host/farm/service/run_handlers.h"
+#include "host/farm/service/log/run_handlers.h"
 
 namespace multum {
 

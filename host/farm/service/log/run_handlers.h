@@ -6,7 +6,7 @@
 #include <boost/asio/io_context.hpp>
 #include <string>
 
-#include "host/farm/service/service_log.h"
+#include "host/farm/service/log/service_log.h"
 
 namespace multum {
 

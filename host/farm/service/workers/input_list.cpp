@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/farm/service/files/input_list.h"
+#include "host/farm/service/workers/input_list.h"
 
 #include <fmt/format.h>
 

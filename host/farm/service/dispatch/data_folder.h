@@ -11,7 +11,7 @@
 #include <string>
 
 #include "host/farm/service/files/result_seal.h"
-#include "host/farm/service/http/upload_file.h"
+#include "host/farm/service/files/upload_file.h"
 #include "host/farm/service/ledger/queue_thread.h"
 #include "host/foundation/sandbox/path_roots.h"
 
@@ -58,8 +58,6 @@ class DataFolder {
   /// job has a use for, and uploads that are older than `upload_age` and that no unfinished job names. What no ledger
   /// has noted stays.
   void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
-  /// The highest number of a job that anything here is named by: a log, pictures, a staging folder; 0: of none.
-  std::int64_t highest_number() const;
 
  private:
   std::int64_t bytes();
