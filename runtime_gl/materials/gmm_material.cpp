@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/materials/gmm_material.h"
 
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
 
 namespace multum::gl {
@@ -14,7 +15,7 @@ ShaderParts GmmMaterial::shader_parts() const {
 
 std::unique_ptr<MovmfMaterial> make_lobe_material(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                                                   const NormalImage* source) {
-  if (mipmap.header.representation == Representation::kGmm)
+  if (lobe_family(mipmap.header.representation).is_planar)
     return std::make_unique<GmmMaterial>(gl, mipmap, anisotropy, source);
   return std::make_unique<MovmfMaterial>(gl, mipmap, anisotropy, source);
 }

@@ -10,7 +10,7 @@
 #include <glm/vec4.hpp>
 
 #include "host/formats/asset/averages/moment_mipmap.h"
-#include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/error.h"
 #include "runtime_gl/materials/mip_texture.h"
 #include "runtime_gl/materials/moment_material.h"
@@ -68,16 +68,14 @@ ShaderParts baseline_shader_parts(Baseline baseline) {
 NormalImage finest_normals(const MovmfMipmap& mipmap) {
   MULTUM_CHECK(!mipmap.levels.empty() && mipmap.header.first_level == 0);
   const MovmfLevel& level = mipmap.levels.front();
+  const LobeFamily& family = lobe_family(mipmap.header.representation);
   NormalImage image{level.width, level.height, {}, {}, mipmap.header.wrap_s, mipmap.header.wrap_t};
   const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
   for (std::size_t i = 0; i < texels; ++i) {
     glm::vec3 normal(0.0f);
     glm::vec3 colour(0.0f);
     for (const auto& lobe : level.lobes) normal += glm::vec3(lobe[i]);
-    // Of Gaussians the third is x^2 + y^2, with roughness and what facets scatter.
-    if (mipmap.header.representation == Representation::kGmm)
-      normal = mipmap.header.has_roughness ? shortened_normal(normal)
-                                           : glm::vec3(normal.x, normal.y, std::sqrt(std::max(0.0f, 1.0f - normal.z)));
+    normal = family.normal_of_finest(normal, mipmap.header.has_roughness);
     for (const auto& lobe_colour : level.colours) colour += lobe_colour[i];
     image.normals.push_back(finest_normal(normal, mipmap.header.has_roughness));
     if (mipmap.has_colours()) image.albedo.push_back(colour);

@@ -13,6 +13,7 @@
 #include "host/formats/asset/averages/sh_mipmap.h"
 #include "host/formats/asset/baked_verify.h"
 #include "host/formats/asset/gpu_bytes.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/formats/asset/pyramid/pyramid_file.h"
 #include "host/formats/opencl/device.h"
@@ -83,7 +84,7 @@ constexpr InfoKind kInfoKinds[] = {
      },
      [](const BakedHeader& file) {
        return fmt::format("variances down to {:.1e} survive it",
-                          1.0 / static_cast<double>(storage_kappa_max(file.representation, file.encoding)));
+                          1.0 / static_cast<double>(lobe_family(file.representation).kappa_max(file.encoding)));
      }},
     {Representation::kMoments,
      [](const std::string&, const BakedHeader& file) {

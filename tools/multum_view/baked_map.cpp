@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "host/formats/asset/pyramid/pyramid_file.h"
@@ -18,14 +19,26 @@ namespace multum {
 
 namespace {
 
+// What its texels are in memory. A row a representation.
+struct LevelReader {
+  Representation representation;
+  BakedLevels (*read)(const std::string& path);
+};
+
+constexpr BakedLevels (*kReadLobes)(const std::string&) = [](const std::string& path) -> BakedLevels {
+  return read_movmf_mipmap(path);
+};
+constexpr LevelReader kLevelReaders[] = {
+    {Representation::kMovmf, kReadLobes},
+    {Representation::kGmm, kReadLobes},
+    {Representation::kMoments, [](const std::string& path) -> BakedLevels { return read_moment_mipmap(path); }},
+    {Representation::kSh, [](const std::string& path) -> BakedLevels { return read_sh_mipmap(path); }}};
+
 BakedLevels read_levels(const std::string& path, Representation representation) {
-  switch (representation) {
-    case Representation::kMovmf:
-    case Representation::kGmm: return read_movmf_mipmap(path);
-    case Representation::kMoments: return read_moment_mipmap(path);
-    case Representation::kSh: break;
-  }
-  return read_sh_mipmap(path);
+  const auto* const reader = std::find_if(std::begin(kLevelReaders), std::end(kLevelReaders),
+                                          [&](const LevelReader& row) { return row.representation == representation; });
+  MULTUM_CHECK(reader != std::end(kLevelReaders));
+  return reader->read(path);
 }
 
 template <typename Level>
@@ -98,12 +111,6 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 
 namespace {
 
-const char* held_by(Representation representation) {
-  return holds_lobes(representation)                  ? "lobes"
-         : representation == Representation::kMoments ? "moments"
-                                                      : "spherical harmonics";
-}
-
 // Tan's model is of one BRDF, and of lights that come from somewhere.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
@@ -139,18 +146,18 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
                 fmt::format("{}: holds {} weights, found {} of --brdf, expected one, or one a weight", file,
                             baked.weight_count, scenes.basis.size()));
   if (baked.has_roughness) check_options_of_roughness(file, options, compares);
+  const RepresentationInfo& info = representation_info(baked.representation);
   const auto refuse = [&](const char* option, const char* expected) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: holds {}, found {}, expected it for {}", file,
-                                               held_by(baked.representation), option, expected));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: holds {}, found {}, expected it for {}", file, info.contents, option, expected));
   };
-  if (!holds_lobes(baked.representation) && !shading.colour_map.empty()) refuse("--colour-map", "files of lobes");
+  if (info.lobes == nullptr && !shading.colour_map.empty()) refuse("--colour-map", "files of lobes");
   if (baked.has_colours && !shading.colour_map.empty())
     throw Error(ErrorCode::kUsage, file + ": has colours, found --colour-map, expected one of them");
-  if (baked.representation == Representation::kGmm) check_options_of_gaussians(file, options, scenes.first.brdf);
-  if (baked.representation != Representation::kMoments && shading.moments) refuse("--moments", "files of moments");
-  if (baked.representation != Representation::kMovmf && shading.formula == gl::LobeFormula::kPaper)
-    refuse("--formula paper", "lobes");
-  if (!holds_lobes(baked.representation) && shading.shade_first) refuse("--shade-first", "lobes");
+  if (!info.takes_every_brdf) check_options_of_gaussians(file, options, scenes.first.brdf);
+  if (!info.has_slopes && shading.moments) refuse("--moments", "files of moments");
+  if (!info.has_kappa && shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper", "lobes");
+  if (info.lobes == nullptr && shading.shade_first) refuse("--shade-first", "lobes");
   if (shading.shade_first && baked.first_level > 0)
     refuse("--shade-first", "files that hold every level, baked without --first-level");
 }
@@ -160,7 +167,7 @@ std::string environment_note(const MapOptions& options, const BakedHeader& baked
   const bool compares_lean =
       std::any_of(compared.begin(), compared.end(), [](const std::string& name) { return name.starts_with("lean"); });
   const bool draws_lean =
-      baked.representation == Representation::kMoments &&
+      representation_info(baked.representation).has_slopes &&
       options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
   if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
   return "--environment: lean and lean-jacobian are the same as toksvig in its light, one lobe of the mean normal";

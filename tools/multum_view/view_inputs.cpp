@@ -206,7 +206,7 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
 
 void read_brdf_roughness(const MapOptions& options, const BakedHeader& baked, ViewScenes& scenes) {
   if (options.brdf_roughness.empty()) return;
-  if (baked.representation != Representation::kMovmf || baked.has_roughness)
+  if (!representation_info(baked.representation).has_kappa || baked.has_roughness)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: {}, found --brdf-roughness, expected it for files of lobes without", options.file,
                             baked.has_roughness ? "has roughness in" : "holds no vMF lobes"));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/parallel.h"
 
@@ -20,12 +21,12 @@ glm::dvec4 as_gaussian(const glm::dvec4& mean) {
 
 ProgramChoice MovmfModel::program(Representation representation, int lobe_count, int first_level) {
   const int lobes = lobe_count + (first_level > 0 ? 1 : 0);  // and the averages as one
-  return {"movmf_shade", {lobes, 1, false, representation == Representation::kGmm}};
+  return {"movmf_shade", {lobes, 1, false, lobe_family(representation).is_planar}};
 }
 
 MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
     : AccuracyModel(texels, mipmap.header.first_level),
-      has_gaussians_(mipmap.header.representation == Representation::kGmm),
+      is_planar_(lobe_family(mipmap.header.representation).is_planar),
       program_(program(mipmap.header.representation, mipmap.lobe_count(), mipmap.header.first_level)),
       lobe_count_(static_cast<std::size_t>(mipmap.lobe_count())),
       lobes_(kept().count() * lobe_count_),
@@ -68,7 +69,7 @@ std::vector<glm::vec4> MovmfModel::filtered_lobes(const PointTaps& points, int c
       std::array<glm::dvec4, kLobeCountMax + 1> lobes{};
       std::array<double, kLobeCountMax + 1> colours{};
       for (const WeightedSlot& tap : points.of(i)) add_tap(tap.slot, tap.weight, channel, lobes.data(), colours.data());
-      if (has_gaussians_ && count > lobe_count_) lobes[lobe_count_] = as_gaussian(lobes[lobe_count_]);
+      if (is_planar_ && count > lobe_count_) lobes[lobe_count_] = as_gaussian(lobes[lobe_count_]);
       for (std::size_t j = 0; j < count; ++j) {
         if (channel >= 0 && lobes[j].w > 0.0) lobes[j] *= colours[j] / lobes[j].w;
         filtered[i * count + j] = glm::vec4(lobes[j]);

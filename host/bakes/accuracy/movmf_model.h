@@ -38,7 +38,7 @@ class MovmfModel : public AccuracyModel {
  private:
   void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;
 
-  bool has_gaussians_;
+  bool is_planar_;
   ProgramChoice program_;
   std::size_t lobe_count_;
   std::vector<glm::vec4> lobes_;    // [kept texel][lobe]

@@ -136,8 +136,7 @@ void check_job(const BakeJob& job) {
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
   check_encoding(job.representation, job.encoding);
   ndf_bake(job.representation).check_settings(job);
-  const bool has_lobes = job.representation == Representation::kMovmf || job.representation == Representation::kGmm;
-  if ((job.shard || job.merged_shards > 0) && !has_lobes)
+  if ((job.shard || job.merged_shards > 0) && !holds_lobes(job.representation))
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} is given, expected lobes: of {} one pass over the map makes averages",
                             job.shard ? "--shard" : "--merge", representation_info(job.representation).name));
@@ -200,7 +199,8 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   report.stored_only = job.stored_only;
   report.device = device.info().name;
   const MovmfSettings fitting = fitting_settings(job, header.wrap_s, header.wrap_t);
-  ndf_bake(job.representation).bake({job, device, source, header, fitting, memory_bytes, clock}, report, progress);
+  ndf_bake(job.representation)
+      .bake({map_inputs(job, source, memory_bytes), job, device, source, header, fitting, clock}, report, progress);
   report_counts(counts, device, report);
   warn_of_diffuse_error(job, report);
   if (!job.report.empty()) write_text_file(job.report, report.to_json());

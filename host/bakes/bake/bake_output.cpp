@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/stopwatch.h"
 
 namespace multum {
@@ -32,10 +33,11 @@ void BakeOutput::add_finest(int first_row, MovmfFinest rows) {
 
 void BakeOutput::round(MovmfLevel& rows) {
   const ScopedStopwatch watch(report_.round_seconds);
-  const SharpLobes sharp = count_sharp_lobes(rows, header_, threads_);
+  const LobeFamily& family = lobe_family(header_.header.representation);
+  const SharpLobes sharp = family.count_sharp(rows, header_.header.encoding, threads_);
   report_.unrepresentable += sharp.count;
   report_.unrepresentable_amplitude += sharp.amplitude;
-  quantize_lobes(rows, header_, threads_);
+  family.quantize(rows, header_.header.encoding, threads_);
 }
 
 void BakeOutput::round(MovmfFinest& rows) {

@@ -56,7 +56,7 @@ bool is_in_scope(const Parameter& parameter, Representation representation) {
   switch (parameter.scope) {
     case ParameterScope::kAll: return true;
     case ParameterScope::kLobes: return holds_lobes(representation);
-    case ParameterScope::kHarmonics: return representation == Representation::kSh;
+    case ParameterScope::kHarmonics: return representation_info(representation).has_order;
   }
   return true;
 }
@@ -110,7 +110,7 @@ ParameterValues without_those_of_target(ParameterValues values) {
 std::string options_text(const ParameterValues& values) { return values.options_text({kStorageGroup, kFitGroup}); }
 
 const Parameter* given_of_another_ndf(const ParameterValues& values) {
-  const Representation representation = given_representation(values).value_or(Representation::kMovmf);
+  const Representation representation = given_representation(values).value_or(default_representation());
   for (const Parameter& row : bake_parameters().rows())
     if (values.is_given(row.name) && !is_in_scope(row, representation)) return &row;
   return nullptr;

@@ -74,8 +74,9 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
       table.refuse(table.has("brdf") ? "brdf" : "", error.what());
     }
   }
-  if (has_target(values) && target.brdf.is_sum() && target.only == Representation::kGmm)
-    table.refuse("", "has ndf = \"gmm\", which the BRDF of its target cannot be shaded with");
+  if (has_target(values) && target.only && !target.brdf.can_shade(*target.only))
+    table.refuse("", fmt::format("has ndf = \"{}\", which the BRDF of its target cannot be shaded with",
+                                 representation_info(*target.only).option));
   return target;
 }
 

@@ -69,8 +69,10 @@ void validate(const MovmfSettings& settings) {
                                     expected_text(row)));
         },
         field.member);
-  if (settings.refine && settings.representation != Representation::kMovmf)
-    throw Error(ErrorCode::kUsage, "--refine is given with --ndf gmm, expected --ndf vmf: it knows no Gaussians");
+  const RepresentationInfo& lobes = representation_info(settings.representation);
+  if (settings.refine && !lobes.has_kappa)
+    throw Error(ErrorCode::kUsage, fmt::format("--refine is given with --ndf {}, expected --ndf vmf: it knows no {}",
+                                               lobes.option, lobes.contents));
   if (settings.refine && settings.coarse_normals == CoarseNormals::kAll)
     throw Error(ErrorCode::kUsage,
                 "--refine is given with --coarse-normals all (which --reference sets), expected binned normals");

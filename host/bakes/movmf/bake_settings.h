@@ -22,7 +22,7 @@ struct LobeCounts {
 LobeCounts lobe_counts();
 
 struct MovmfSettings {
-  Representation representation = Representation::kMovmf;  // what a lobe is: kMovmf or kGmm
+  Representation representation = Representation::kMovmf;  // of lobes: what a lobe is
   int lobe_count = 4;                                      // 1..8
   int iteration_count = 12;                                // EM iterations a texel, at most; 1..1000
   // Of texels that cover more than kSamplesUnchunkedMax normals: what they miss every finer level misses.
@@ -38,8 +38,8 @@ struct MovmfSettings {
   // this share of its width; 0: never. Coarse texels run all their iterations.
   float convergence_tolerance = 0.01f;  // 0..0.1
   CoarseNormals coarse_normals = CoarseNormals::kBinned;
-  // After EM each texel's lobes are refined towards the highlights that they give (movmf_refine.cl). Of kMovmf and
-  // binned normals alone.
+  // After EM each texel's lobes are refined towards the highlights that they give (movmf_refine.cl). Of lobes with a
+  // kappa and binned normals alone.
   bool refine = false;
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/processes/parallel.h"
 
 namespace multum {
@@ -50,7 +51,7 @@ void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
 MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation) {
   const float inverse = stored.w > 0.0f ? 1.0f / stored.w : 0.0f;
   MultumVmfLobe lobe = {stored.x * inverse, stored.y * inverse, stored.z * inverse, stored.w};
-  if (representation == Representation::kGmm) lobe.mean_z = gmm_variance(stored);
+  if (lobe_family(representation).is_planar) lobe.mean_z = gmm_variance(stored);
   return lobe;
 }
 
@@ -68,7 +69,7 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, con
   const std::size_t rgb_planes = colour_planes + (weight_count + 2) / 3;
   if (size.has_colours) out.colours.assign(lobe_count, std::vector<glm::vec3>(texels));
   if (weight_count > 0) out.weights.assign(lobe_count, std::vector<float>(texels * weight_count));
-  const bool gaussians = size.representation == Representation::kGmm;
+  const bool is_planar = lobe_family(size.representation).is_planar;
   std::vector<LobeEvents> events(static_cast<std::size_t>(size.height));
   for_each_item(size.height, threads, [&](int y) {
     const auto row = static_cast<std::size_t>(y);
@@ -78,7 +79,7 @@ MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, con
       for (std::size_t x = 0; x < width; ++x) {
         const MultumVmfLobe& lobe = from[x];
         const float a = lobe.amplitude;
-        if (gaussians) {
+        if (is_planar) {
           const float square = lobe.mean_x * lobe.mean_x + lobe.mean_y * lobe.mean_y;
           to[x] = {a * lobe.mean_x, a * lobe.mean_y, a * (2.0f * lobe.mean_z + square), a};
           events[row].count_gaussian(lobe, kappa_cap);

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <vector>
 
+#include "host/formats/asset/lobes/lobe_family.h"
+
 namespace multum {
 namespace {
 
@@ -202,7 +204,7 @@ RowWindow::Fill fill_binned(const BinnedLevel& level, const RowStore& samples, s
 namespace {
 
 KernelVariant binning_variant(const MipSchedule& schedule, Representation representation) {
-  return {1, 1, schedule.weighted, representation == Representation::kGmm};
+  return {1, 1, schedule.weighted, lobe_family(representation).is_planar};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/opencl/launch_shape.h"
 #include "host/foundation/base/error.h"
 #include "kernels/shared/movmf_fit.h"
@@ -59,7 +60,7 @@ void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* fea
 MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool weighted)
     : device_(device),
       settings_(settings),
-      scalar_{settings.lobe_count, 1, weighted, settings.representation == Representation::kGmm},
+      scalar_{settings.lobe_count, 1, weighted, lobe_family(settings.representation).is_planar},
       fast_(scalar_),
       binned_(scalar_),
       starting_(scalar_),

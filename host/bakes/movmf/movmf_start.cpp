@@ -11,6 +11,8 @@
 
 #include "host/bakes/movmf/mip_schedule.h"
 #include "host/bakes/movmf/normal_mixture.h"
+#include "host/formats/asset/lobes/lobe_family.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/foundation/base/mean_cosine.h"
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/split_mix.h"
@@ -135,7 +137,7 @@ std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const Tex
 
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
                                        bool is_shortened) {
-  if (representation != Representation::kGmm) return lobes;
+  if (!lobe_family(representation).is_planar) return lobes;
   for (MultumVmfLobe& lobe : lobes) {
     const float length = glm::length(glm::vec3(lobe.mean_x, lobe.mean_y, lobe.mean_z));
     lobe.mean_z = std::clamp(1.0f - length, 1e-6f, 0.5f);

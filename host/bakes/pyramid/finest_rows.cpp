@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/processes/parallel.h"
 
 namespace multum {
@@ -34,9 +34,8 @@ MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features
   rows.normals = interleaved(normals, first_row, row_count, threads);
   rows.lobe.assign(rows.normals.size(), 0);
   rows.representation = representation;
-  if (representation == Representation::kGmm)
-    for (glm::vec3& n : rows.normals)
-      n = normals.is_shortened() ? rough_point(n) : glm::vec3(n.x, n.y, n.x * n.x + n.y * n.y);
+  const LobeFamily& family = lobe_family(representation);
+  for (glm::vec3& n : rows.normals) n = family.finest_of_normal(n, normals.is_shortened());
   rows.has_roughness = normals.is_shortened();
   std::vector<std::vector<glm::vec3>> rgb_planes;
   for (const PlaneStore* rgb_plane : features.rgb_planes)

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "host/formats/asset/averages/spherical_harmonics.h"
 #include "host/formats/asset/baked_file.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 
 namespace multum {
 namespace {
@@ -32,7 +32,8 @@ double level_texels(const BakeShape& s, int first_level) {
 }
 
 bool is_fitted(const BakeShape& s) {
-  return holds_lobes(s.representation) && !(s.representation == Representation::kMovmf && s.lobe_count == 1);
+  const LobeFamily* const family = representation_info(s.representation).lobes;
+  return family != nullptr && !(family->one_lobe_is_mean && s.lobe_count == 1);
 }
 
 double fit_ns(const BakeShape& s, int rgb_planes) {
@@ -44,22 +45,14 @@ double fit_ns(const BakeShape& s, int rgb_planes) {
 }
 
 double plane_count(const BakeShape& s, int rgb_planes) {
-  switch (s.representation) {
-    case Representation::kMoments: return 8.0 + 3.0 * rgb_planes;
-    case Representation::kSh: return sh_coefficient_count(s.sh_order) + 3.0 * rgb_planes;
-    default: return 3.0 + 3.0 * rgb_planes;
-  }
+  return representation_info(s.representation).mean_count({s.lobe_count, s.sh_order}) + 3.0 * rgb_planes;
 }
 
 }  // namespace
 
 int texture_count(const BakeShape& s) {
-  const int features = (s.has_colours ? 1 : 0) + (s.weight_count > 0 ? 1 : 0);
-  switch (s.representation) {
-    case Representation::kMoments: return 2 + features;
-    case Representation::kSh: return sh_part_count(s.sh_order) + features;
-    default: return s.lobe_count * (1 + features);
-  }
+  return texture_count(s.representation, {s.lobe_count, s.sh_order},
+                       (s.has_colours ? 1 : 0) + (s.weight_count > 0 ? 1 : 0));
 }
 
 BakeCost bake_cost(const BakeShape& s) {

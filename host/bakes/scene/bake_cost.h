@@ -13,8 +13,8 @@ namespace multum {
 struct BakeShape {
   int width = 1, height = 1;
   Representation representation = Representation::kMovmf;
-  int lobe_count = 4;  // of kMovmf
-  int sh_order = 4;    // of kSh
+  int lobe_count = 4;  // of representations of lobes
+  int sh_order = 4;    // of those with an order
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   int first_level = 0;
   bool has_colours = false;   // in the baked file: of each lobe, or one a texel

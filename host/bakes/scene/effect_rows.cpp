@@ -126,7 +126,8 @@ class EffectRows {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
       for (const BakeCandidate& c : plan_.candidates) {
-        if (c.shape.representation != Representation::kMovmf || c.shape.mean_colours != mean_colours) continue;
+        if (c.shape.representation != plan_.default_bake.shape.representation || c.shape.mean_colours != mean_colours)
+          continue;
         PlannedItem& item = by_count[c.shape.lobe_count];
         item.name = count_text(c.shape.lobe_count, "lobe");
         item.value += (mean_colours ? ", one colour " : "") + parts_text(c.error);
@@ -140,32 +141,32 @@ class EffectRows {
   }
 
   // Why there is no candidate of it.
-  std::string why_not_tried(Representation representation) const {
+  std::string why_not_tried(const RepresentationInfo& other) const {
     if (plan_.is_constant) return "one lobe stands for all";
     if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights take vMF lobes";
     if (needs_.takes_vmf) return "the BRDF is a sum of vMFs, which takes vMF lobes";
-    if (needs_.environment_highlight || representation == Representation::kGmm)
+    if (needs_.environment_highlight || other.lobes != nullptr)  // or one lobe, and there are no fewer
       return !scene_.environment.empty() ? "an environment takes vMF lobes" : "one vMF lobe does";
     return "one or several lobes do";
   }
 
   // The candidate's name in the row of its representation.
   static std::string name_within(const BakeCandidate& c) {
-    if (c.shape.representation == Representation::kGmm) return count_text(c.shape.lobe_count, "lobe");
-    return c.shape.representation == Representation::kSh ? fmt::format("order {}", c.shape.sh_order) : "one Gaussian";
+    const RepresentationInfo& info = representation_info(c.shape.representation);
+    if (info.lobes != nullptr) return count_text(c.shape.lobe_count, "lobe");
+    return info.has_order ? fmt::format("order {}", c.shape.sh_order) : "one Gaussian";
   }
 
   void add_other_representations() {
-    for (const auto& [representation, effect] : {std::pair{Representation::kGmm, "planar Gaussians"},
-                                                 std::pair{Representation::kMoments, "moments of slopes (LEAN)"},
-                                                 std::pair{Representation::kSh, "spherical harmonics"}}) {
-      const bool needed = chosen_.representation == representation && !plan_.trials;
+    for (const RepresentationInfo& other : representations()) {
+      if (other.representation == plan_.default_bake.shape.representation) continue;
+      const bool needed = chosen_.representation == other.representation && !plan_.trials;
       std::vector<PlannedItem> tried;
       for (const BakeCandidate& c : plan_.candidates)
-        if (c.shape.representation == representation)
+        if (c.shape.representation == other.representation)
           tried.push_back({name_within(c),
                            fmt::format("{}, {}", parts_text(c.error), count_text(texture_count(c.shape), "texture"))});
-      add_row(effect, needed, tried.empty() ? why_not_tried(representation) : "off by the estimates:");
+      add_row(other.contents, needed, tried.empty() ? why_not_tried(other) : "off by the estimates:");
       plan_.effects.back().list = std::move(tried);
     }
   }
@@ -178,8 +179,8 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed =
-        chosen_.representation == Representation::kMoments || (anisotropy > 0.5 && chosen_.lobe_count > 1);
+    const bool needed = representation_info(chosen_.representation).has_slopes ||  // which vary by direction
+                        (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
             plan_.is_constant
                 ? "there is no spread"
@@ -236,7 +237,7 @@ class EffectRows {
   }
 
   void add_precision() {
-    if (chosen_.representation != Representation::kMovmf) return;
+    if (!representation_info(chosen_.representation).has_kappa) return;
     const auto kept = static_cast<double>(storage_kappa_max(StorageEncoding::kSnorm16));
     const std::optional<double> share =
         is_estimated() ? planner_.share_unrepresentable(chosen_.lobe_count) : std::nullopt;

@@ -26,6 +26,24 @@ BakeCandidate finished(BakeCandidate candidate) {
 
 }  // namespace
 
+/// A representation that is planned beside the default's lobes, and its estimated error.
+struct EstimatedRepresentation {
+  Representation representation;
+  double (*error)(LobeErrors& errors, const TexelCounts& counts, const std::vector<ShadedBy>& by, ColourModel colours);
+};
+
+namespace {
+
+constexpr EstimatedRepresentation kOthers[] = {
+    {Representation::kGmm, [](LobeErrors& errors, const TexelCounts& counts, const std::vector<ShadedBy>& by,
+                              ColourModel colours) { return errors.gmm_error(counts.lobes, by, colours); }},
+    {Representation::kMoments, [](LobeErrors& errors, const TexelCounts&, const std::vector<ShadedBy>& by,
+                                  ColourModel colours) { return errors.lean_error(by, colours); }},
+    {Representation::kSh, [](LobeErrors& errors, const TexelCounts& counts, const std::vector<ShadedBy>& by,
+                             ColourModel colours) { return errors.sh_error(counts.sh_order, by, colours); }}};
+
+}  // namespace
+
 MapPlanner::MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
                        const PlanSettings& settings)
     : scene_(scene), map_(scene.maps[map]), source_(std::move(source)) {
@@ -119,11 +137,11 @@ PartErrors MapPlanner::lobes_error(int lobes, ColourModel colours) {
 // What `multum bake` does of itself.
 void MapPlanner::add_default() {
   const int lobes = default_lobe_count();
-  BakeShape s = shape(Representation::kMovmf, lobes);
+  BakeShape s = shape(default_representation(), lobes);
   s.first_level = 0;
   s.has_colours = source_->albedo.has_value();
   s.exponent_count = 3;
-  plan_.default_bake = finished({lobes_name(Representation::kMovmf, lobes), s, s.has_colours, {}, {}});
+  plan_.default_bake = finished({lobes_name(default_representation(), lobes), s, s.has_colours, {}, {}});
   if (plan_.is_constant) return;
   // One lobe within the margin needs no comparison: the default bake is taken to be no worse.
   if (!scene_.budget.target_error) {
@@ -135,7 +153,7 @@ void MapPlanner::add_default() {
 }
 
 void MapPlanner::add_constant() {
-  BakeShape s = shape(Representation::kMovmf, 1);
+  BakeShape s = shape(default_representation(), 1);
   const bool constant_colours = survey_.colour_range <= 0.5 * scene_.budget.estimate_margin;
   s.has_colours = has_colours_ && constant_colours;
   s.mean_colours = has_colours_ && !constant_colours;
@@ -147,9 +165,9 @@ void MapPlanner::add_constant() {
 }
 
 void MapPlanner::add_lobes(int lobes) {
-  BakeShape s = shape(Representation::kMovmf, lobes);
+  BakeShape s = shape(default_representation(), lobes);
   s.encoding = lobe_encoding(lobes);
-  const std::string name = lobes_name(Representation::kMovmf, lobes);
+  const std::string name = lobes_name(default_representation(), lobes);
   if (has_colours_ && lobes > 1) {
     s.mean_colours = true;
     plan_.candidates.push_back(finished({name + ", 1 colour", s, false, lobes_error(lobes, ColourModel::kMean), {}}));
@@ -165,53 +183,40 @@ std::vector<SettingCandidate> MapPlanner::candidates_of(Representation represent
 }
 
 void MapPlanner::add_candidates() {
-  for (const SettingCandidate& one : candidates_of(Representation::kMovmf)) {
+  for (const SettingCandidate& one : candidates_of(default_representation())) {
     add_lobes(one.lobe_count());
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
   }
   if (plan_.default_error_is_bound) return;  // no other takes fewer textures
   // Of widths in the map and of weights, only lobes are estimated; sums of vMFs are shaded over lobes alone.
   if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
-  add_gaussians();
-  // Of harmonics and moments an environment's highlight is that of one lobe of the mean normal.
-  if (needs_.environment_highlight) return;
-  for (const SettingCandidate& one : candidates_of(Representation::kMoments)) add_averages(one);
-  for (const SettingCandidate& one : candidates_of(Representation::kSh)) add_averages(one);
+  const BakeCandidate by_default = plan_.candidates.back();
+  for (const EstimatedRepresentation& other : kOthers) add_other(other, by_default);
 }
 
-void MapPlanner::add_averages(const SettingCandidate& one) {
-  const bool is_sh = one.representation() == Representation::kSh;
-  const int order = one.sh_order();
-  BakeShape s = shape(one.representation(), 1);
-  if (is_sh) s.sh_order = order;
-  s.has_colours = has_colours_;
-  const auto error = [&](const std::vector<ShadedBy>& by, ColourModel c) {
-    return is_sh ? errors_->sh_error(order, by, c) : errors_->lean_error(by, c);
-  };
-  plan_.candidates.push_back(finished({is_sh ? fmt::format("sh of order {}", order) : "moments",
-                                       s,
-                                       false,
-                                       part_errors(error, ColourModel::kMean),
-                                       {}}));
-}
-
-// Gaussians take as many textures as vMFs, and as much time to fit: they are cheaper where fewer will do.
-void MapPlanner::add_gaussians() {
-  if (!scene_.environment.empty()) return;
-  const BakeCandidate vmf = plan_.candidates.back();
-  const int most = vmf.shape.lobe_count - (vmf.error.within(plan_.limit) ? 1 : 0);
-  for (const SettingCandidate& one : candidates_of(Representation::kGmm)) {
-    const int lobes = one.lobe_count();
-    if (lobes > most) break;
-    BakeShape s = shape(Representation::kGmm, lobes);
+// Lobes of another family take as many textures as the default's, and as much time to fit: they are cheaper where fewer
+// will do. Of averages an environment's highlight is that of one lobe of the mean normal.
+void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandidate& by_default) {
+  const RepresentationInfo& info = representation_info(other.representation);
+  const bool has_lobes = info.lobes != nullptr;
+  if (has_lobes ? !info.takes_every_brdf && !scene_.environment.empty() : needs_.environment_highlight) return;
+  const int most = by_default.shape.lobe_count - (by_default.error.within(plan_.limit) ? 1 : 0);
+  for (const SettingCandidate& one : candidates_of(other.representation)) {
+    BakeShape s = shape(other.representation, one.lobe_count());
+    if (has_lobes && s.lobe_count > most) break;
+    if (info.has_order) s.sh_order = one.sh_order();
     s.has_colours = has_colours_;
-    const auto gmm = [&](const std::vector<ShadedBy>& by, ColourModel c) { return errors_->gmm_error(lobes, by, c); };
-    plan_.candidates.push_back(finished({lobes_name(Representation::kGmm, lobes),
+    const auto error = [&](const std::vector<ShadedBy>& by, ColourModel c) {
+      return other.error(*errors_, {s.lobe_count, s.sh_order}, by, c);
+    };
+    plan_.candidates.push_back(finished({has_lobes        ? lobes_name(other.representation, s.lobe_count)
+                                         : info.has_order ? fmt::format("{} of order {}", info.option, s.sh_order)
+                                                          : info.option,
                                          s,
-                                         has_colours_ && lobes > 1,
-                                         part_errors(gmm, ColourModel::kLobes),
+                                         has_lobes && has_colours_ && s.lobe_count > 1,
+                                         part_errors(error, has_lobes ? ColourModel::kLobes : ColourModel::kMean),
                                          {}}));
-    if (plan_.candidates.back().error.within(plan_.limit)) break;
+    if (has_lobes && plan_.candidates.back().error.within(plan_.limit)) break;
   }
 }
 
@@ -221,7 +226,9 @@ void MapPlanner::choose_nearest() {
   const double target = *scene_.budget.target_error;
   const BakeCandidate* best = nullptr;
   for (const BakeCandidate& c : plan_.candidates)
-    if (c.shape.representation == Representation::kMovmf && (!best || c.error.worst() < best->error.worst())) best = &c;
+    if (c.shape.representation == plan_.default_bake.shape.representation &&
+        (!best || c.error.worst() < best->error.worst()))
+      best = &c;
   if (best->error.worst() > kEstimateMargin * target)
     throw Error(ErrorCode::kVerification,
                 fmt::format("{}: no settings are estimated to come near target_error {:g}, the best is {:.3g} ({})",

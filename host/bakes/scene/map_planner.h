@@ -14,6 +14,8 @@
 
 namespace multum {
 
+struct EstimatedRepresentation;
+
 class MapPlanner {
  public:
   /// Surveys the map; `map`: of scene.maps, read as `source`. `scene` must outlive it. Throws Error(kInput) where the
@@ -44,8 +46,7 @@ class MapPlanner {
   void add_lobes(int lobes);
   std::vector<SettingCandidate> candidates_of(Representation representation) const;
   void add_candidates();
-  void add_averages(const SettingCandidate& one);
-  void add_gaussians();
+  void add_other(const EstimatedRepresentation& other, const BakeCandidate& by_default);
   void choose_nearest();
   void choose();
 

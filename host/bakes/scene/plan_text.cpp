@@ -121,7 +121,7 @@ Json candidate_json(const BakeCandidate& c) {
                {"bake_ms", c.cost.ms},
                {"bytes", c.cost.bytes}};
   if (holds_lobes(c.shape.representation)) json["lobes"] = c.shape.lobe_count;
-  if (c.shape.representation == Representation::kSh) json["sh_order"] = c.shape.sh_order;
+  if (representation_info(c.shape.representation).has_order) json["sh_order"] = c.shape.sh_order;
   return json;
 }
 

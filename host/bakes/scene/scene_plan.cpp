@@ -24,8 +24,8 @@ std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandida
     return std::nullopt;
   const auto with_lobes = [&](int lobes) {
     BakeCandidate candidate = chosen;
-    candidate.shape.representation = Representation::kMovmf;
-    candidate.shape.encoding = representation_info(Representation::kMovmf).encodings.front();
+    candidate.shape.representation = default_representation();
+    candidate.shape.encoding = representation_info(default_representation()).encodings.front();
     candidate.shape.lobe_count = lobes;
     candidate.name = fmt::format("vmf, {} lobe{}", lobes, lobes == 1 ? "" : "s");
     candidate.cost = bake_cost(candidate.shape);

@@ -278,9 +278,9 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
   if (target.seconds && !(*target.seconds > 0.0))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
-  if (target.brdf.is_sum() && target.only == Representation::kGmm)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--brdf {} is a sum of vMFs, which --ndf gmm cannot be shaded with", target.brdf.text));
+  if (target.only && !target.brdf.can_shade(*target.only))
+    throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot be shaded with",
+                                               target.brdf.text, representation_info(*target.only).option));
   if (!job.measure)
     throw Error(ErrorCode::kUsage,
                 "--no-measure excludes --target-error and --budget-ms, which choose settings by measured errors");
@@ -332,10 +332,10 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (source.has_roughness() && target.brdf.id != AccuracyBrdf::lambert()) target.brdf.id = AccuracyBrdf::roughness();
   std::vector<SettingCandidate> candidates = target_candidates(target.only);
   std::erase_if(candidates, [&](const SettingCandidate& one) { return !one.is_for(job); });
-  // Gaussians are shaded as one highlight of one width.
-  if (target.brdf.is_sum() || source.has_roughness())
+  // Of one highlight of one width there is none for these.
+  if (!target.only && (target.brdf.is_sum() || source.has_roughness()))
     std::erase_if(candidates, [&](const SettingCandidate& one) {
-      return !target.only && one.representation() == Representation::kGmm;
+      return !representation_info(one.representation()).takes_every_brdf;
     });
   progress_stage(progress, "choose settings");
   SettingTrials trials(device, job, source, target.brdf, std::move(candidates));

@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "host/formats/asset/averages/spherical_harmonics.h"
-
 namespace multum {
 namespace {
 
@@ -29,12 +27,8 @@ Effort effort_of(const ParameterValues& values, Representation representation) {
   return values.flag("no_start_search") && values.integer("passes") == 1 ? kQuickFit : kDefaultFit;
 }
 
-int texture_count_of(const ParameterValues& values, Representation representation) {
-  switch (representation) {
-    case Representation::kMoments: return 2;
-    case Representation::kSh: return sh_part_count(values.integer("sh_order").value());
-    default: return values.integer("lobes").value();
-  }
+TexelCounts counts_of(const ParameterValues& values) {
+  return {values.integer("lobes").value_or(1), values.integer("sh_order").value_or(0)};
 }
 
 bool is_one_of(int value, std::initializer_list<int> list) {
@@ -60,7 +54,7 @@ class CandidateList {
  private:
   void add(Axis axis, unsigned users, const ParameterValues& values) {
     const Representation representation = given_representation(values).value();
-    all_.push_back({values, axis, users, options_text(values), texture_count_of(values, representation),
+    all_.push_back({values, axis, users, options_text(values), texture_count(representation, counts_of(values), 0),
                     effort_of(values, representation)});
   }
   // vMF lobes, some settings changed.

@@ -22,8 +22,9 @@ struct TargetBrdf {
   Brdf brdf;                                           // kLambert: no highlight
 
   bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
-  /// Is it shaded as a sum of vMFs? Planar Gaussians know none of these.
+  /// Is it shaded as a sum of vMFs?
   bool is_sum() const { return is_vmf_sum(brdf); }
+  bool can_shade(Representation r) const { return !is_sum() || representation_info(r).takes_every_brdf; }
   /// Its highlight, unless every bake measures it.
   std::vector<Highlight> more_highlights() const;
 };

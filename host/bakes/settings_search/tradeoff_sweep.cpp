@@ -99,7 +99,7 @@ CandidateUser user_of(SweepLength length) {
 std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
   std::vector<SweptBake> sweep;
   for (const SettingCandidate& one : setting_candidates(user_of(job.length))) {
-    if (job.brdf.is_sum() && one.representation() == Representation::kGmm) continue;
+    if (!job.brdf.can_shade(one.representation())) continue;
     if (!one.is_for(job.bake)) continue;
     sweep.push_back({one.values, views_of(one, job)});
   }

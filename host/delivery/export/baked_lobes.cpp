@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/formats/asset/baked_file.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/brdf/ggx_lobe_specular.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/size_of.h"
@@ -32,9 +33,7 @@ void check_has_lobes(const std::string& path, const BakedHeader& header) {
 
 // What level 0 stores of a normal, with the length 1.
 glm::vec3 unit_normal(const glm::vec3& stored, Representation representation) {
-  const float square = stored.x * stored.x + stored.y * stored.y;
-  const float z = representation == Representation::kGmm ? std::sqrt(std::max(0.0f, 1.0f - square)) : stored.z;
-  const glm::vec3 normal(stored.x, stored.y, z);
+  const glm::vec3 normal = lobe_family(representation).normal_of_finest(stored, false);
   return normal / glm::length(normal);
 }
 
@@ -83,8 +82,9 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
 BakedLobes::BakedLobes(const std::string& path, const std::vector<int>& levels) : reader_(path) {
   const BakedHeader& header = reader_.header().header;
   check_has_lobes(path, header);
-  if (header.representation != Representation::kMovmf)
-    refuse_baked(path, "holds planar Gaussians, which no formula for GGX is known for",
+  const RepresentationInfo& info = representation_info(header.representation);
+  if (!info.has_kappa)
+    refuse_baked(path, fmt::format("holds {}, which no formula for GGX is known for", info.contents),
                  "vMF lobes (multum bake --ndf vmf)");
   for (const int level : levels)
     if (level < header.first_level)

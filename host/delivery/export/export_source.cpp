@@ -28,7 +28,7 @@ std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMap
   if (!job.measure || (job.lobes.empty() && !is_baked_name(job.input))) return nullptr;
   if (job.lobes.empty()) {
     if (job.surface == MapSurface::kInterpolated) return nullptr;  // its lobes are of the texels
-    if (read_baked_header(job.input).representation != Representation::kMovmf) return nullptr;
+    if (!representation_info(read_baked_header(job.input).representation).has_kappa) return nullptr;
     return std::make_unique<BakedLobes>(job.input, job.accuracy.levels);
   }
   auto lobes = std::make_unique<BakedLobes>(job.lobes, job.accuracy.levels);

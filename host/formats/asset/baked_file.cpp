@@ -4,44 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "host/formats/asset/averages/moment_verify.h"
-#include "host/formats/asset/averages/sh_verify.h"
 #include "host/formats/asset/baked_reader.h"
-#include "host/formats/asset/lobes/movmf_verify.h"
+#include "host/formats/asset/baked_verify.h"
 #include "host/formats/asset/pyramid/pyramid_file.h"
 
 namespace multum {
 namespace {
 
-// How files of a representation are looked at by what need not know it. A row a representation.
-struct FileKind {
-  Representation representation;
-  BakedHeader (*read_header)(const std::string& path);
-  std::vector<VerifyFinding> (*verify)(const std::string& path, int threads);
-};
-
-constexpr FileKind kFileKinds[] = {
-    {Representation::kMovmf, [](const std::string& path) { return full_header(read_movmf_header(path)); },
-     [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
-    {Representation::kGmm, [](const std::string& path) { return full_header(read_movmf_header(path)); },
-     [](const std::string& path, int threads) { return verify_movmf(path, threads); }},
-    {Representation::kMoments, read_moment_header,
-     [](const std::string& path, int threads) { return verify_moments(path, threads); }},
-    {Representation::kSh, [](const std::string& path) { return read_sh_header(path).header; },
-     [](const std::string& path, int threads) { return verify_sh(path, threads); }},
-};
-
-const FileKind& kind_of(const std::string& path) {
+const RepresentationInfo& kind_of(const std::string& path) {
   const BakedReader file(path, 1);
   BakedHeader header;
   file.guarded([&] { header = parse_baked_header(file.file().header(0), path); });
-  const auto found = std::find_if(std::begin(kFileKinds), std::end(kFileKinds),
-                                  [&](const FileKind& kind) { return kind.representation == header.representation; });
-  MULTUM_CHECK(found != std::end(kFileKinds));
-  return *found;
+  return representation_info(header.representation);
 }
 
 }  // namespace

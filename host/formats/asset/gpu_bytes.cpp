@@ -4,14 +4,16 @@
 namespace multum {
 namespace {
 
-// Stored levels of so many textures of four channels; weights are one beside each lobe or all moments.
-std::uint64_t texture_bytes(const BakedHeader& header, unsigned texture_count) {
+// Stored levels of all its textures of four channels.
+std::uint64_t texture_bytes(const BakedHeader& header, const TexelCounts& counts) {
   std::uint64_t texels = 0;
   for (int l = header.first_level; l < header.level_count(); ++l)
     texels += static_cast<std::uint64_t>(mip_level_size(header.width, l)) *
               static_cast<std::uint64_t>(mip_level_size(header.height, l));
+  const int textures =
+      texture_count(header.representation, counts, (header.has_colours ? 1 : 0) + (header.weight_count > 0 ? 1 : 0));
   const unsigned value_bytes = header.encoding == StorageEncoding::kFloat ? 4 : 2;
-  return texels * texture_count * 4 * value_bytes;
+  return texels * static_cast<unsigned>(textures) * 4 * value_bytes;
 }
 
 constexpr std::uint64_t kBc5BlockBytes = 16, kBc4BlockBytes = 8;
@@ -29,29 +31,15 @@ std::uint64_t block_count(int width, int height, int level_end) {
 }  // namespace
 
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap) {
-  const unsigned textures_a_lobe = 1u + (mipmap.has_colours() ? 1u : 0u) + (mipmap.header.weight_count > 0 ? 1u : 0u);
-  return texture_bytes(full_header(mipmap), static_cast<unsigned>(mipmap.lobe_count()) * textures_a_lobe);
+  return texture_bytes(full_header(mipmap), {.lobes = mipmap.lobe_count()});
 }
 
-std::uint64_t moment_gpu_bytes(const BakedHeader& header) {
-  return texture_bytes(header, 2u + (header.has_colours ? 1u : 0u) + (header.weight_count > 0 ? 1u : 0u));
-}
+std::uint64_t moment_gpu_bytes(const BakedHeader& header) { return texture_bytes(header, {}); }
 
-std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap) {
-  const BakedHeader& header = mipmap.header;
-  return texture_bytes(header, static_cast<unsigned>(sh_part_count(mipmap.order)) + (header.has_colours ? 1u : 0u) +
-                                   (header.weight_count > 0 ? 1u : 0u));
-}
+std::uint64_t sh_gpu_bytes(const ShMipmap& mipmap) { return texture_bytes(mipmap.header, {.sh_order = mipmap.order}); }
 
 std::uint64_t baked_gpu_bytes(const std::string& path) {
-  const BakedHeader header = read_baked_header(path);
-  switch (header.representation) {
-    case Representation::kMovmf:
-    case Representation::kGmm: return movmf_gpu_bytes(read_movmf_header(path));
-    case Representation::kMoments: return moment_gpu_bytes(header);
-    case Representation::kSh: return sh_gpu_bytes(read_sh_header(path));
-  }
-  return 0;
+  return representation_info(read_baked_header(path).representation).gpu_bytes(path);
 }
 
 std::uint64_t finest_normals_gpu_bytes(int width, int height, int first_level) {

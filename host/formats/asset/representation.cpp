@@ -5,9 +5,24 @@
 
 #include <algorithm>
 
+#include "host/formats/asset/averages/moment_verify.h"
+#include "host/formats/asset/averages/sh_verify.h"
+#include "host/formats/asset/averages/spherical_harmonics.h"
+#include "host/formats/asset/gpu_bytes.h"
+#include "host/formats/asset/lobes/lobe_family.h"
+#include "host/formats/asset/lobes/movmf_verify.h"
 #include "host/foundation/base/error.h"
 
 namespace multum {
+namespace {
+
+int lobe_textures(const TexelCounts& counts) { return counts.lobes; }
+int mean_normal(const TexelCounts&) { return 3; }
+BakedHeader read_lobe_header(const std::string& path) { return full_header(read_movmf_header(path)); }
+std::vector<VerifyFinding> verify_lobes(const std::string& path, int threads) { return verify_movmf(path, threads); }
+std::uint64_t lobe_gpu_bytes(const std::string& path) { return movmf_gpu_bytes(read_movmf_header(path)); }
+
+}  // namespace
 
 const char* storage_encoding_name(StorageEncoding encoding) {
   switch (encoding) {
@@ -19,31 +34,79 @@ const char* storage_encoding_name(StorageEncoding encoding) {
 }
 
 const std::vector<RepresentationInfo>& representations() {
+  static const std::vector<StorageEncoding> every = {StorageEncoding::kSnorm16, StorageEncoding::kHalf,
+                                                     StorageEncoding::kFloat};
+  // Slopes reach 20, their products 400, coefficients more than 1: no snorm.
+  static const std::vector<StorageEncoding> wide = {StorageEncoding::kHalf, StorageEncoding::kFloat};
   static const std::vector<RepresentationInfo> all = {
-      {Representation::kMovmf,
-       "vmf",
-       "movmf",
-       3,
-       {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat},
-       "lobes (Han 2007), the most accurate"},
-      {Representation::kGmm,
-       "gmm",
-       "gmm",
-       1,
-       {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat},
-       "planar Gaussians (Tan 2005), for the BRDF of that paper alone and worse near the rim"},
-      {Representation::kMoments,
-       "moments",
-       "moments",
-       1,
-       {StorageEncoding::kHalf, StorageEncoding::kFloat},  // slopes reach 20, their products 400: no snorm
-       "slope moments and the mean normal (LEAN, Toksvig, maketx --bumpslopes), cheap"},
-      {Representation::kSh,
-       "sh",
-       "sh",
-       1,
-       {StorageEncoding::kHalf, StorageEncoding::kFloat},
-       "spherical harmonics (Han 2007), for diffuse and broad highlights, nothing fitted"},
+      {.representation = Representation::kMovmf,
+       .option = "vmf",
+       .name = "movmf",
+       .version = 3,
+       .encodings = every,
+       .help = "lobes (Han 2007), the most accurate",
+       .contents = "lobes",
+       .lobes = &kSphericalLobes,
+       .has_kappa = true,
+       .has_order = false,
+       .has_slopes = false,
+       .takes_every_brdf = true,
+       .value_textures = lobe_textures,
+       .mean_count = mean_normal,
+       .read_header = read_lobe_header,
+       .verify = verify_lobes,
+       .gpu_bytes = lobe_gpu_bytes},
+      {.representation = Representation::kGmm,
+       .option = "gmm",
+       .name = "gmm",
+       .version = 1,
+       .encodings = every,
+       .help = "planar Gaussians (Tan 2005), for the BRDF of that paper alone and worse near the rim",
+       .contents = "planar Gaussians",
+       .lobes = &kPlanarLobes,
+       .has_kappa = false,
+       .has_order = false,
+       .has_slopes = false,
+       .takes_every_brdf = false,
+       .value_textures = lobe_textures,
+       .mean_count = mean_normal,
+       .read_header = read_lobe_header,
+       .verify = verify_lobes,
+       .gpu_bytes = lobe_gpu_bytes},
+      {.representation = Representation::kMoments,
+       .option = "moments",
+       .name = "moments",
+       .version = 1,
+       .encodings = wide,
+       .help = "slope moments and the mean normal (LEAN, Toksvig, maketx --bumpslopes), cheap",
+       .contents = "moments of slopes (LEAN)",
+       .lobes = nullptr,
+       .has_kappa = false,
+       .has_order = false,
+       .has_slopes = true,
+       .takes_every_brdf = true,
+       .value_textures = [](const TexelCounts&) { return 2; },
+       .mean_count = [](const TexelCounts&) { return 8; },  // the mean normal, and five moments
+       .read_header = read_moment_header,
+       .verify = [](const std::string& path, int threads) { return verify_moments(path, threads); },
+       .gpu_bytes = [](const std::string& path) { return moment_gpu_bytes(read_moment_header(path)); }},
+      {.representation = Representation::kSh,
+       .option = "sh",
+       .name = "sh",
+       .version = 1,
+       .encodings = wide,
+       .help = "spherical harmonics (Han 2007), for diffuse and broad highlights, nothing fitted",
+       .contents = "spherical harmonics",
+       .lobes = nullptr,
+       .has_kappa = false,
+       .has_order = true,
+       .has_slopes = false,
+       .takes_every_brdf = true,
+       .value_textures = [](const TexelCounts& counts) { return sh_part_count(counts.sh_order); },
+       .mean_count = [](const TexelCounts& counts) { return sh_coefficient_count(counts.sh_order); },
+       .read_header = [](const std::string& path) { return read_sh_header(path).header; },
+       .verify = [](const std::string& path, int threads) { return verify_sh(path, threads); },
+       .gpu_bytes = [](const std::string& path) { return sh_gpu_bytes(read_sh_header(path)); }},
   };
   return all;
 }
@@ -54,6 +117,13 @@ const RepresentationInfo& representation_info(Representation representation) {
       all.begin(), all.end(), [&](const RepresentationInfo& info) { return info.representation == representation; });
   MULTUM_CHECK(found != all.end());
   return *found;
+}
+
+bool holds_lobes(Representation representation) { return representation_info(representation).lobes != nullptr; }
+
+int texture_count(Representation representation, const TexelCounts& counts, int features) {
+  const RepresentationInfo& info = representation_info(representation);
+  return info.value_textures(counts) + features * (info.lobes != nullptr ? counts.lobes : 1);
 }
 
 void check_encoding(Representation representation, StorageEncoding encoding) {

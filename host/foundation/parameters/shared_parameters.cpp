@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/foundation/parameters/shared_parameters.h"
 
+#include "host/foundation/parameters/bake_parameters.h"
+
 namespace multum {
 
 namespace {

@@ -116,6 +116,18 @@ class GltfTest(FolderCase):
         self.assertEqual(report["bytes_before"], len(self.read("in.glb")))
         self.assertIn("outside of KHR_texture_basisu", self.messages)
 
+    def test_level_0_of_normals_stays_as_it_was(self):
+        """Also vectors that are no unit vectors, whose directions another rounding would turn."""
+        def texel(x, y):
+            length = 0.93 + 0.01 * x
+            return code(0.3 * length), code(0.1 * (y % 3) * length), code(0.93 * length)
+
+        after, _ = self.convert(plain_model(normal=png(8, 8, texel), surface=packed(8, 8)))
+        normal = after.levels(0)
+        self.assertEqual([normal[0].at(x, y)[:3] for y in range(8) for x in range(8)],
+                         [texel(x, y) for y in range(8) for x in range(8)])
+        self.assertAlmostEqual(math.hypot(*(2 * c / 255 - 1 for c in normal[1].at(1, 1)[:3])), 1.0, delta=0.01)
+
     def test_factors_move_into_the_textures(self):
         model = plain_model(normal=png(4, 4, lambda x, y: (code(0.3), code(0.0), code(math.sqrt(1 - 0.09)))),
                             surface=png(4, 4, lambda x, y: (255, 128, 200)), roughnessFactor=0.5, metallicFactor=0.25)

@@ -35,7 +35,7 @@ MovmfMipmap read_lobes(const LobeExportJob& job) {
   const auto refuse = [&](const std::string& found, const char* expected) {
     refuse_file(job.input, fmt::format("found {}, expected {}", found, expected));
   };
-  if (header.representation != Representation::kMovmf)
+  if (!representation_info(header.representation).has_kappa)
     refuse("no vMF lobes", "a file of multum bake without --ndf: --lobes stores lobes alone");
   if (header.level_count() < 2) refuse("a map of one texel", "one with levels beyond the finest");
   if (header.weight_count > 0) refuse("weights of basis BRDFs", "none: the texture has no place for them");

@@ -89,6 +89,15 @@ glm::vec3 shortened_normal(const glm::vec3& rough_point) {
   return length * glm::dvec3(p, std::sqrt(1.0 - square));
 }
 
+glm::vec3 point_of_normal(const glm::vec3& n, bool is_shortened) {
+  return is_shortened ? rough_point(n) : glm::vec3(n.x, n.y, n.x * n.x + n.y * n.y);
+}
+
+glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened) {
+  if (is_shortened) return shortened_normal(point);
+  return {point.x, point.y, std::sqrt(std::max(0.0f, 1.0f - (point.x * point.x + point.y * point.y)))};
+}
+
 float gmm_kappa_max(StorageEncoding encoding) {
   // Half a step of the third value is a quarter of 2 sigma^2: a step is 1/32767, of halfs 1/2048 near the rim, where
   // the third is near 1 (and less elsewhere). GmmQuantizeTest.KeepsVariance measures it.

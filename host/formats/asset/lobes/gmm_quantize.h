@@ -22,6 +22,10 @@ float gmm_variance(const glm::vec4& lobe);
 glm::vec3 rough_point(const glm::vec3& shortened);
 /// The other way round, for renderers that have the file alone: c n.
 glm::vec3 shortened_normal(const glm::vec3& rough_point);
+/// One finest normal, shortened or not, as a lobe of amplitude 1.
+glm::vec3 point_of_normal(const glm::vec3& normal, bool is_shortened);
+/// The other way round. What the third value adds to a unit normal's (x, y) is rounding.
+glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened);
 
 /// 1 / the least sigma^2 that a lobe of amplitude 1 keeps to within a quarter, wherever its mean is.
 float gmm_kappa_max(StorageEncoding encoding);

@@ -12,9 +12,11 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 
 #include "host/formats/asset/half_value.h"
 #include "host/formats/asset/lobes/gmm_quantize.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/asset/lobes/lobe_rounding.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/parallel.h"
@@ -60,20 +62,15 @@ bool is_beyond_rim(float x, float y) {
   return i * i + j * j > kSnormSteps * kSnormSteps;
 }
 
-void quantize_direction(glm::vec3& n, Representation representation, StorageEncoding encoding) {
-  const glm::vec2 exact(std::clamp(n.x, -1.0f, 1.0f), std::clamp(n.y, -1.0f, 1.0f));
+void quantize_plane(glm::vec3& n, StorageEncoding encoding) {
   for (int c = 0; c < 2; ++c) {
-    if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(exact[c]));
-    else n[c] = encoding == StorageEncoding::kHalf ? as_half(exact[c]) : exact[c];
+    const float exact = std::clamp(n[c], -1.0f, 1.0f);
+    if (encoding == StorageEncoding::kSnorm16) n[c] = step_value(nearest_step(exact));
+    else n[c] = encoding == StorageEncoding::kHalf ? as_half(exact) : exact;
   }
-  // The third of a Gaussian is x^2 + y^2, which snorm16 has up to 1: beyond the rim x and y are rounded inwards
-  // instead, as those of other levels are (gmm_quantize.cpp).
-  if (representation == Representation::kGmm && encoding == StorageEncoding::kSnorm16 && is_beyond_rim(n.x, n.y))
-    for (int c = 0; c < 2; ++c) n[c] = step_value(static_cast<int>(static_cast<double>(exact[c]) * kSnormSteps));
-  n.z = finest_third(n.x, n.y, representation, encoding);
 }
 
-// The same of many unit vectors, without a branch. Of a value that is cut to no step, wide registers make -0 where it
+// x, y and z of many unit vectors, without a branch. Of a value that is cut to no step, wide registers make -0 where it
 // is negative: 0 as elsewhere.
 MULTUM_VECTOR_CLONES
 void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
@@ -85,22 +82,17 @@ void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
 }
 
 // Lobes of a = 1, as those of other levels.
-void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, Representation representation,
-                           StorageEncoding encoding) {
+void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, const LobeFamily& family, StorageEncoding encoding) {
   MovmfLevel lobe{static_cast<int>(count), 1, {{}}, {}};
   for (std::size_t i = 0; i < count; ++i) lobe.lobes[0].emplace_back(normals[i], 1.0f);
-  if (representation == Representation::kGmm) quantize_gmm(lobe, encoding, 1);
-  else quantize_movmf(lobe, encoding, 1);
+  family.quantize(lobe, encoding, 1);
   for (std::size_t i = 0; i < count; ++i) normals[i] = glm::vec3(lobe.lobes[0][i]);
 }
 
 void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, StorageEncoding encoding) {
-  if (rows.has_roughness)
-    quantize_lobes_of_one(rows.normals.data() + begin, end - begin, rows.representation, encoding);
-  else if (rows.representation == Representation::kMovmf && encoding == StorageEncoding::kSnorm16)
-    quantize_directions_snorm(rows.normals.data() + begin, end - begin);
-  else
-    for (std::size_t i = begin; i < end; ++i) quantize_direction(rows.normals[i], rows.representation, encoding);
+  const LobeFamily& family = lobe_family(rows.representation);
+  if (rows.has_roughness) quantize_lobes_of_one(rows.normals.data() + begin, end - begin, family, encoding);
+  else family.quantize_finest(rows.normals.data() + begin, end - begin, encoding);
   if (encoding == StorageEncoding::kFloat) return;
   for (std::size_t i = begin; i < end && !rows.colours.empty(); ++i)
     for (int c = 0; c < 3; ++c) rows.colours[i][c] = as_half(rows.colours[i][c]);
@@ -108,20 +100,8 @@ void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, Stor
     rows.weights[i] = as_half(rows.weights[i]);
 }
 
-// Is it one single direction, as a whole lobe of one of the two kinds has it? Roughness shortens those of kMovmf, and
-// spreads those of kGmm.
-bool is_single_direction(const glm::vec3& normal, Representation representation, bool has_roughness) {
-  // Rounding to halfs lengthens by a step of 1/1024 a channel at most.
-  constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
-  if (representation == Representation::kGmm) {
-    const float scatter = normal.z - normal.x * normal.x - normal.y * normal.y;
-    return scatter >= kLengthSquaredMin - 1.0f && (has_roughness || scatter <= kLengthSquaredMax - 1.0f) &&
-           normal.z <= kLengthSquaredMax;
-  }
-  const float length_squared = glm::dot(normal, normal);
-  return normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
-         length_squared <= kLengthSquaredMax;
-}
+// Rounding to halfs lengthens by a step of 1/1024 a channel at most.
+constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
 
 }  // namespace
 
@@ -141,8 +121,37 @@ float finest_square(float x, float y, StorageEncoding encoding) {
   return grid_below(wide_x * wide_x + wide_y * wide_y, encoding);
 }
 
-float finest_third(float x, float y, Representation representation, StorageEncoding encoding) {
-  return representation == Representation::kGmm ? finest_square(x, y, encoding) : finest_z(x, y, encoding);
+void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncoding encoding) {
+  if (encoding == StorageEncoding::kSnorm16) return quantize_directions_snorm(normals, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    quantize_plane(normals[i], encoding);
+    normals[i].z = finest_z(normals[i].x, normals[i].y, encoding);
+  }
+}
+
+// The third is x^2 + y^2, which snorm16 has up to 1: beyond the rim x and y are rounded inwards instead, as those of
+// other levels are (gmm_quantize.cpp).
+void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding) {
+  for (std::size_t i = 0; i < count; ++i) {
+    glm::vec3& point = points[i];
+    const glm::vec2 exact(std::clamp(point.x, -1.0f, 1.0f), std::clamp(point.y, -1.0f, 1.0f));
+    quantize_plane(point, encoding);
+    if (encoding == StorageEncoding::kSnorm16 && is_beyond_rim(point.x, point.y))
+      for (int c = 0; c < 2; ++c) point[c] = step_value(static_cast<int>(static_cast<double>(exact[c]) * kSnormSteps));
+    point.z = finest_square(point.x, point.y, encoding);
+  }
+}
+
+bool is_unit_vector(const glm::vec3& normal, bool has_roughness) {
+  const float length_squared = glm::dot(normal, normal);
+  return normal.z >= 0.0f && (has_roughness || length_squared >= kLengthSquaredMin) &&
+         length_squared <= kLengthSquaredMax;
+}
+
+bool is_single_point(const glm::vec3& point, bool has_roughness) {
+  const float scatter = point.z - point.x * point.x - point.y * point.y;
+  return scatter >= kLengthSquaredMin - 1.0f && (has_roughness || scatter <= kLengthSquaredMax - 1.0f) &&
+         point.z <= kLengthSquaredMax;
 }
 
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads) {
@@ -160,6 +169,7 @@ MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Rep
   const auto width = static_cast<std::size_t>(level.width);
   const std::size_t first = static_cast<std::size_t>(first_row) * width;
   const std::size_t texels = static_cast<std::size_t>(row_count) * width;
+  const LobeFamily& family = lobe_family(representation);
   MovmfFinest rows{level.width, row_count, {}, {}, {}, {}, representation, has_roughness};
   rows.normals.resize(texels);
   rows.lobe.assign(texels, kLobeCountMax);
@@ -173,7 +183,7 @@ MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count, Rep
       const glm::vec3 colour = level.colours.empty() ? glm::vec3(0.0f) : level.colours[j][first + i];
       if (lobe == glm::vec4(0.0f) && colour == glm::vec3(0.0f)) continue;
       const glm::vec3 normal(lobe);
-      const bool whole = lobe.w == 1.0f && is_single_direction(normal, representation, has_roughness);
+      const bool whole = lobe.w == 1.0f && family.is_single_direction(normal, has_roughness);
       const bool alone = rows.lobe[i] == kLobeCountMax;
       MULTUM_CHECK(whole && alone);
       rows.normals[i] = normal;

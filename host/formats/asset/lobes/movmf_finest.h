@@ -5,6 +5,7 @@
 // than 1, points of the plane scatter, and the file holds the third value too.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,9 +19,9 @@ namespace multum {
 struct MovmfFinest {
   int width = 0;
   int height = 0;  // rows that are here
-  std::vector<glm::vec3>
-      normals;  // unit, z >= 0; of kGmm x, y and x^2 + y^2: what lobes of the other levels hold;
-                // where `has_roughness` shorter, of kGmm x^2 + y^2 + 2 v (host/formats/asset/lobes/gmm_quantize.h)
+  // Unit, z >= 0; of planar lobes x, y and x^2 + y^2: what lobes of the other levels hold; where `has_roughness`
+  // shorter, of planar ones x^2 + y^2 + 2 v (host/formats/asset/lobes/gmm_quantize.h).
+  std::vector<glm::vec3> normals;
   std::vector<std::uint8_t> lobe;   // the lobe that the texel is given to
   std::vector<glm::vec3> colours;   // linear RGB of the texel; empty: the map has no colours
   std::vector<float> weights = {};  // of basis BRDFs, as many a texel as the map has; empty: none
@@ -37,8 +38,14 @@ float finest_z(float x, float y, StorageEncoding encoding);
 /// x^2 + y^2 of the same, rounded DOWN to the grid: a Gaussian's variance is clamped to none there, and filtering adds
 /// none to texels of one direction.
 float finest_square(float x, float y, StorageEncoding encoding);
-/// One of the two, as the lobes are.
-float finest_third(float x, float y, Representation representation, StorageEncoding encoding);
+
+/// What families of lobes differ in at level 0 (host/formats/asset/lobes/lobe_family.h). Rounding: of normals with z,
+/// and of points with x^2 + y^2.
+void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncoding encoding);
+void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding);
+/// Is it one single direction, as a whole lobe has it? Roughness shortens vectors, and spreads points.
+bool is_unit_vector(const glm::vec3& normal, bool has_roughness);
+bool is_single_point(const glm::vec3& point, bool has_roughness);
 
 /// Rounds x and y to the nearest value of the grid and derives z; shortened normals as lobes of a = 1; colours and
 /// weights to halfs, but for kFloat. What is left is what readers of the file get.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 
-#include "host/formats/asset/lobes/gmm_quantize.h"
 #include "host/foundation/base/error.h"
 
 namespace multum {
@@ -49,21 +48,6 @@ void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
     for (auto& weights : level.weights) weights = std::vector<float>();
   }
   mipmap.header.first_level = first_level;
-}
-
-float storage_kappa_max(Representation representation, StorageEncoding encoding) {
-  return representation == Representation::kGmm ? gmm_kappa_max(encoding) : storage_kappa_max(encoding);
-}
-
-SharpLobes count_sharp_lobes(const MovmfLevel& level, const MovmfMipmap& header, int threads) {
-  return header.header.representation == Representation::kGmm
-             ? count_sharp_gaussians(level, header.header.encoding, threads)
-             : count_sharp_lobes(level, header.header.encoding, threads);
-}
-
-void quantize_lobes(MovmfLevel& rows, const MovmfMipmap& header, int threads) {
-  if (header.header.representation == Representation::kGmm) quantize_gmm(rows, header.header.encoding, threads);
-  else quantize_movmf(rows, header.header.encoding, threads);
 }
 
 }  // namespace multum

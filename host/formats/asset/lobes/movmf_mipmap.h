@@ -34,8 +34,7 @@ struct MovmfLevel {
 };
 
 /// levels[l] is level l of the map. Those finer than header.first_level have their size and no texels: renderers take
-/// them from the normal map itself. header.representation says what a lobe is: kMovmf or kGmm
-/// (host/formats/asset/lobes/gmm_quantize.h).
+/// them from the normal map itself. header.representation says what a lobe is (host/formats/asset/lobes/lobe_family.h).
 struct MovmfMipmap {
   BakedHeader header;                   // its sizes and has_colours are those of the levels: full_header()
   std::vector<MovmfLevel> levels = {};  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
@@ -91,11 +90,6 @@ struct SharpLobes {
   double amplitude = 0.0;  // their sum: texels' worth of normals
 };
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
-
-/// The same, and what is below, of the lobes that `header` is of.
-float storage_kappa_max(Representation representation, StorageEncoding encoding);
-SharpLobes count_sharp_lobes(const MovmfLevel& level, const MovmfMipmap& header, int threads);
-void quantize_lobes(MovmfLevel& rows, const MovmfMipmap& header, int threads);
 
 /// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
 /// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1. Level 0

@@ -5,31 +5,15 @@
 
 #include <algorithm>
 
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/foundation/base/files/content_hash.h"
 #include "host/foundation/base/processes/parallel.h"
 
 namespace multum {
 namespace {
 
-constexpr char kFinestText[] =
-    "normalX, normalY = x, y; z = sqrt(max(0,1-x*x-y*y)), +X right, +Y up, +Z out; lobe = number of the "
-    "lobe that has all of the texel; albedo = linear RGB; data, not colour";
-constexpr char kLobeText[] =
-    "R,G,B,A = a*r.x,a*r.y,a*r.z,a; r = mean normal, +X right, +Y up, +Z out; data, not colour";
-constexpr char kFinestRoughText[] =
-    "normalX, normalY, normalZ = c(roughness)*n, unit n +X right, +Y up, +Z out; lobe = number of the lobe that has "
-    "all of the texel; albedo = linear RGB; data, not colour";
 constexpr char kLobeWeightsText[] =
     "R,G,B,A = a*weights of basis BRDFs 0 to 3; a is in the lobe part of the same number; data, not colour";
-constexpr char kFinestGaussianText[] =
-    "normalX, normalY = x, y of the normal, +X right, +Y up; lobe = number of the lobe that has all of the texel; "
-    "albedo = linear RGB; data, not colour";
-constexpr char kFinestRoughGaussianText[] =
-    "normalX, normalY = x, y of the normal, +X right, +Y up; square = x*x+y*y+2*v, v = planar variance of the BRDF's "
-    "facets; lobe = number of the lobe that has all of the texel; albedo = linear RGB; data, not colour";
-constexpr char kGaussianText[] =
-    "R,G,B,A = a*m.x,a*m.y,a*(2*s2+m.x*m.x+m.y*m.y),a; m = mean (x, y) of normals, +X right, +Y up; s2 = variance of "
-    "one coordinate; data, not colour";
 constexpr char kLobeColourText[] = "R,G,B = a*linear RGB of the lobe; a is in the lobe part of the same number";
 
 void add_weight_channels(const std::string& layer, const MovmfMipmap& header, BakedPart& part) {
@@ -39,10 +23,8 @@ void add_weight_channels(const std::string& layer, const MovmfMipmap& header, Ba
 
 // In the order in which OpenImageIO lists layers and their channels, as with the other parts.
 MovmfPart finest_part(const MovmfMipmap& header) {
-  const bool gaussians = header.header.representation == Representation::kGmm;
-  const char* const text = header.header.has_roughness ? (gaussians ? kFinestRoughGaussianText : kFinestRoughText)
-                           : gaussians                 ? kFinestGaussianText
-                                                       : kFinestText;
+  const LobeFamily& family = lobe_family(header.header.representation);
+  const char* const text = header.header.has_roughness ? family.finest_rough_text : family.finest_text;
   MovmfPart part{{"finest", {}, 0, 1, true, text}, MovmfPartKind::kFinest, 0};
   if (header.has_colours())
     for (const char* name : {"finest.albedo.R", "finest.albedo.G", "finest.albedo.B"})
@@ -51,7 +33,7 @@ MovmfPart finest_part(const MovmfMipmap& header) {
   for (const char* name : {"finest.normalX.X", "finest.normalY.X"})
     part.channels.push_back({name, vector_type(header.header.encoding)});
   if (header.header.has_roughness)
-    part.channels.push_back({gaussians ? "finest.square.X" : "finest.normalZ.X", vector_type(header.header.encoding)});
+    part.channels.push_back({family.finest_rough_channel, vector_type(header.header.encoding)});
   add_weight_channels("finest.weights", header, part);
   return part;
 }
@@ -74,15 +56,13 @@ std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header) {
   const int first_level = std::max(1, header.header.first_level);
   const int level_count = static_cast<int>(header.levels.size()) - first_level;
   if (level_count <= 0) return parts;
-  const bool gaussians = header.header.representation == Representation::kGmm;
+  const LobeFamily& family = lobe_family(header.header.representation);
   for (int j = 0; j < header.lobe_count(); ++j) {
     MovmfPart part{
-        {fmt::format("lobe.{}", j), {}, first_level, level_count, false, gaussians ? kGaussianText : kLobeText},
-        MovmfPartKind::kLobe,
-        j};
+        {fmt::format("lobe.{}", j), {}, first_level, level_count, false, family.lobe_text}, MovmfPartKind::kLobe, j};
     for (const char* channel : {"R", "G", "B", "A"})
       part.channels.push_back(
-          {fmt::format("lobe{}.{}.{}", j, gaussians ? "GMM" : "vMF", channel), vector_type(header.header.encoding)});
+          {fmt::format("lobe{}.{}.{}", j, family.layer, channel), vector_type(header.header.encoding)});
     parts.push_back(std::move(part));
   }
   for (int j = 0; header.has_colours() && j < header.lobe_count(); ++j) {

@@ -18,6 +18,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/asset/lobes/lobe_rounding.h"
 #include "host/formats/asset/lobes/movmf_finest.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
@@ -292,10 +293,11 @@ void quantize_movmf(MovmfLevel& rows, StorageEncoding encoding, int threads) {
 }
 
 void quantize_movmf(MovmfMipmap& mipmap, int threads) {
+  const LobeFamily& family = lobe_family(mipmap.header.representation);
   for (std::size_t l = static_cast<std::size_t>(mipmap.header.first_level); l < mipmap.levels.size(); ++l) {
     MovmfLevel& level = mipmap.levels[l];
     if (l > 0) {
-      quantize_lobes(level, mipmap, threads);
+      family.quantize(level, mipmap.header.encoding, threads);
       continue;
     }
     for_each_row_band(level.height, kRowsPerBand, threads, [&](int, int row_begin, int row_end) {

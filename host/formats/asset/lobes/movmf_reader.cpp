@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/formats/asset/baked_reader.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/asset/lobes/movmf_header.h"
 #include "host/formats/asset/lobes/movmf_parts.h"
 #include "host/foundation/base/error.h"
@@ -25,6 +26,7 @@ class MovmfReader::File {
   File(const std::string& path, int threads, TexelCheck check) : reader_(path, threads, check) {
     reader_.guarded([&] {
       header_ = parse_header(reader_.file().header(0), path);
+      family_ = &lobe_family(header_.header.representation);
       parts_ = movmf_parts(header_);
       reader_.expect(full_header(header_), {parts_.begin(), parts_.end()});
     });
@@ -98,14 +100,9 @@ class MovmfReader::File {
       refuse_texel(x, first_row + y, fmt::format("a normal ({}, {})", v[1], v[2]), "components of -1 to 1");
     rows.lobe[i] = static_cast<std::uint8_t>(v[0]);
     if (header_.header.has_roughness && !(v[3] >= 0.0f && v[3] <= kComponentMax))
-      refuse_texel(
-          x, first_row + y,
-          fmt::format("{} {}",
-                      rows.representation == Representation::kGmm ? "a mean square of" : "a normal of z =", v[3]),
-          "0 to 1");
+      refuse_texel(x, first_row + y, fmt::format("{} {}", family_->finest_third_name, v[3]), "0 to 1");
     rows.normals[i] = {
-        v[1], v[2],
-        header_.header.has_roughness ? v[3] : finest_third(v[1], v[2], rows.representation, header_.header.encoding)};
+        v[1], v[2], header_.header.has_roughness ? v[3] : family_->finest_third(v[1], v[2], header_.header.encoding)};
     v += header_.header.has_roughness ? 4 : 3;
     std::copy_n(v, weight_count(), rows.weights.begin() + static_cast<std::ptrdiff_t>(i * weight_count()));
   }
@@ -117,6 +114,7 @@ class MovmfReader::File {
 
   BakedReader reader_;
   MovmfMipmap header_;
+  const LobeFamily* family_ = nullptr;
   std::vector<MovmfPart> parts_;
   std::vector<float> values_;  // of level 0, as they lie in the file
 };

@@ -12,6 +12,7 @@
 
 #include "host/formats/asset/baked_reader.h"
 #include "host/formats/asset/header_hash.h"
+#include "host/formats/asset/lobes/lobe_family.h"
 #include "host/formats/asset/lobes/movmf_parts.h"
 #include "host/formats/asset/lobes/movmf_reader.h"
 #include "host/formats/asset/verify_scan.h"
@@ -161,9 +162,9 @@ bool MovmfScan::Lobes::any_is_worse(const MovmfFinest& rows, StorageEncoding enc
   return any_worse_normal(rows.normals.data(), rows.normals.size(), worst) != 0;
 }
 
-// Gaussians and features are looked at one by one.
+// Planar lobes and features are looked at one by one.
 bool MovmfScan::has_lobes_alone() const {
-  return header_.header.representation != Representation::kGmm && !header_.has_colours() &&
+  return !lobe_family(header_.header.representation).is_planar && !header_.has_colours() &&
          header_.header.weight_count == 0;
 }
 
@@ -178,7 +179,7 @@ void MovmfScan::add(int level, int first_row, const MovmfLevel& rows) {
 
 void MovmfScan::add_texels(int level, int first_row, const MovmfLevel& rows, std::size_t begin, std::size_t end) {
   Lobes& scan = *lobes_;
-  const bool gaussians = header_.header.representation == Representation::kGmm;
+  const bool is_planar = lobe_family(header_.header.representation).is_planar;
   const StorageEncoding encoding = header_.header.encoding;
   const LengthExcess excess = length_excess(encoding);
   const auto width = static_cast<std::size_t>(rows.width);
@@ -193,9 +194,9 @@ void MovmfScan::add_texels(int level, int first_row, const MovmfLevel& rows, std
       }
       sum += static_cast<double>(v.w);
       scan.negative_amplitude.offer(-static_cast<double>(v.w), place);
-      const float length = gaussians ? std::hypot(v.x, v.y) : glm::length(glm::vec3(v));
+      const float length = is_planar ? std::hypot(v.x, v.y) : glm::length(glm::vec3(v));
       scan.long_mean.offer(static_cast<double>(length - v.w - excess.of(v.w)), place);
-      if (gaussians) scan.missing_variance.offer(missing_variance(encoding, v), place);
+      if (is_planar) scan.missing_variance.offer(missing_variance(encoding, v), place);
     }
     scan.sum_error.offer(std::abs(sum - 1.0), place);
     for (const auto& colour : rows.colours) {
@@ -228,11 +229,11 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
        lobes_->negative_amplitude.value <= 0.0
            ? "no negative amplitude"
            : fmt::format("a = {} at {}", -lobes_->negative_amplitude.value, lobes_->negative_amplitude.text())});
-  const bool gaussians = header_.header.representation == Representation::kGmm;
+  const bool is_planar = lobe_family(header_.header.representation).is_planar;
   findings.push_back(excess_finding(
-      gaussians ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
-      gaussians ? "|a mean| exceeds a beyond rounding" : "|a r| exceeds a beyond rounding"));
-  if (gaussians)
+      is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
+      is_planar ? "|a mean| exceeds a beyond rounding" : "|a r| exceeds a beyond rounding"));
+  if (is_planar)
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
                                       "none is below 0 by more than rounding allows",
                                       "a variance is below 0 beyond rounding"));
@@ -248,7 +249,7 @@ std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, co
   findings.push_back(
       {"structure", true,
        fmt::format("{} x {}, {}, {} {}{}, encoding {}", mipmap.width(), mipmap.height(), levels_text(mipmap),
-                   mipmap.lobe_count(), mipmap.header.representation == Representation::kGmm ? "Gaussians" : "lobes",
+                   mipmap.lobe_count(), lobe_family(mipmap.header.representation).plural,
                    materials_text(full_header(mipmap)), storage_encoding_name(mipmap.header.encoding))});
   MovmfScan scan(mipmap);
   const std::string hash = scan_file(reader, threads, seen, scan);
