@@ -20,21 +20,6 @@ void APIENTRY on_debug_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GL
 
 }  // namespace
 
-const char* context_backend_name(ContextBackend backend) {
-  switch (backend) {
-    case ContextBackend::kAuto: return "auto";
-    case ContextBackend::kOsmesa: return "osmesa";
-    case ContextBackend::kEgl: return "egl";
-  }
-  return "?";
-}
-
-std::optional<ContextBackend> parse_context_backend(std::string_view name) {
-  for (ContextBackend backend : {ContextBackend::kAuto, ContextBackend::kOsmesa, ContextBackend::kEgl})
-    if (name == context_backend_name(backend)) return backend;
-  return std::nullopt;
-}
-
 void HeadlessContext::load(GetProcAddress get_proc_address, DebugOutput debug) {
   functions_ = load_gl_functions(get_proc_address);
   description_ = std::string(context_backend_name(backend())) + ": " + gl_string(functions_, GL_RENDERER) + ", " +

@@ -8,18 +8,16 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
 
+#include "host/foundation/parameters/parameter_choices.h"
 #include "runtime_gl/gl/gl_functions.h"
 
 namespace multum::gl {
 
-enum class ContextBackend { kAuto, kOsmesa, kEgl };
+using multum::ContextBackend;
 
-const char* context_backend_name(ContextBackend backend);
-std::optional<ContextBackend> parse_context_backend(std::string_view name);
+inline const char* context_backend_name(ContextBackend backend) { return choice_name(kContextBackends, backend); }
 
 /// Whether the driver says at once, as a warning, what it thinks of each call. It then waits for each, so that nothing
 /// that is timed may have it.

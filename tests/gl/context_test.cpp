@@ -114,8 +114,8 @@ TEST(Context, BothLiveInOneProcess) {
 
 TEST(Context, NamesRoundTrip) {
   for (const ContextBackend backend : {ContextBackend::kAuto, ContextBackend::kOsmesa, ContextBackend::kEgl})
-    EXPECT_EQ(parse_context_backend(context_backend_name(backend)), backend);
-  EXPECT_FALSE(parse_context_backend("glx").has_value());
+    EXPECT_EQ(find_choice(kContextBackends, context_backend_name(backend)), backend);
+  EXPECT_FALSE(find_choice(kContextBackends, "glx").has_value());
 }
 
 // A driver of version 3.3 that lacks everything else.

@@ -14,7 +14,7 @@ namespace multum::gl {
 
 inline std::vector<ContextBackend> test_backends() {
   const char* const named = std::getenv("MULTUM_TEST_GL");
-  const auto wanted = named != nullptr ? parse_context_backend(named) : std::nullopt;
+  const auto wanted = named != nullptr ? find_choice(kContextBackends, named) : std::nullopt;
   if (wanted && *wanted != ContextBackend::kAuto) return {*wanted};
   return {ContextBackend::kOsmesa, ContextBackend::kEgl};
 }

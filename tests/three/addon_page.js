@@ -146,5 +146,6 @@ async function png(pixels, width, height) {
   return btoa(text);
 }
 
-globalThis.lab = { THREE, renderer, addLobes, addPoints, LobeLoader, lobesOf, removeLobes, removePoints, loadLobes, loadModel, loadNormals,
+globalThis.lab = { THREE, renderer, addLobes, addPoints, LobeLoader, lobesOf, removeLobes, removePoints, loadLobes,
+  loadModel, loadNormals,
   drawn, cameraAt, VIEWS, surface, directional, sceneOf, planeGeometry, compared, beside, png };

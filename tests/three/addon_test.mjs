@@ -415,7 +415,8 @@ async function refusesMaterials(page) {
   const expected = { basic: /MeshBasicMaterial/, bare: /no normalMap/, object: /object space/,
     scaled: /normalScale 2, 2/, anisotropy: /anisotropy 0.5/, sheen: /sheen 1/, none: /no lobes/,
     taps: /taps: found 0.5/, bias: /levelBias: found NaN/,
-    evaluations: /evaluations: found 3, expected one of 1, 2, 4, 8, 16/, spend: /spend: found both, expected one of auto/, fine: /^$/ };
+    evaluations: /evaluations: found 3, expected one of 1, 2, 4, 8, 16/,
+    spend: /spend: found both, expected one of auto/, fine: /^$/ };
   for (const [name, words] of Object.entries(expected)) assert.match(found[name], words, name);
 }
 

@@ -40,7 +40,8 @@ async function loadAnew({ url, lobes = false, points, options = {}, unfiltered =
   for (const material of materialsOf(gltf.scene)) {
     for (const [name, map] of Object.entries(material)) {
       if (!map?.isTexture) continue;
-      if (unfiltered && DATA_MAPS.includes(name)) Object.assign(map, { minFilter: THREE.LinearFilter, generateMipmaps: false });
+      if (unfiltered && DATA_MAPS.includes(name))
+        Object.assign(map, { minFilter: THREE.LinearFilter, generateMipmaps: false });
       else map.anisotropy = anisotropy;
       map.needsUpdate = true;
     }
@@ -135,10 +136,10 @@ function framed(model, { direction, distance, ...view }) {
 }
 
 /**
- * `models`: [{ url, lobes, points, options }], the first the one whose unfiltered samples are the reference. `asked`: { eye, target,
- * angle, width, height, samples, frames, edges, light, intensity, room, crop, zoom }, or direction and distance in
- * place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom, strip }, the reference first
- * in the strip; `lobed`: how many materials draw lobes.
+ * `models`: [{ url, lobes, points, options }], the first the one whose unfiltered samples are the reference.
+ * `asked`: { eye, target, angle, width, height, samples, frames, edges, light, intensity, room, crop, zoom }, or
+ * direction and distance in place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom,
+ * strip }, the reference first in the strip; `lobed`: how many materials draw lobes.
  */
 async function pictures(models, asked) {
   const unfiltered = await load({ ...models[0], unfiltered: true });

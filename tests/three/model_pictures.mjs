@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { models: [{ file, lobes, points, options }], views: [of
-// model_page.js, named] }, the first model the one that the reference is of, files beside the plan. Writes
-// NAME.jpg of each view to OUT; prints JSON: by view, error and energy of each model. Exit code 77: no browser here.
+// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { models: [{ file, lobes, points,
+// options }], views: [of model_page.js, named] }, the first model the one that the reference is of, files beside the
+// plan. Writes NAME.jpg of each view to OUT; prints JSON: by view, error and energy of each model. Exit code 77: no
+// browser here.
 //
 //   node model_pictures.mjs PACKAGE PLAN.json OUT
 import { readFileSync, writeFileSync } from "node:fs";

@@ -39,10 +39,10 @@ light and three.js's RoomEnvironment. Left to right:
 4. *one lobe*: the model after, as a viewer that does not know `MULTUM_lobes` draws it, its light evaluated once;
 5. *lobes*: the model after, with `@multum/three`, which spends {evaluations} evaluations on points or on lobes.
 
-2 to 5 are one frame each, with {edges} samples of edges and the most anisotropic filter that WebGL has here. What is small is shown enlarged. Errors are those of exactly
-these pictures: relative L1, the sum over pixels and colours of |picture - reference| over that of the reference, in
-linear light; in brackets the sum of the picture over that of the reference. Edges, and parts that are smaller than a
-pixel, are in all of them, whatever the textures say.
+2 to 5 are one frame each, with {edges} samples of edges and the most anisotropic filter that WebGL has here. What is
+small is shown enlarged. Errors are those of exactly these pictures: relative L1, the sum over pixels and colours of
+|picture - reference| over that of the reference, in linear light; in brackets the sum of the picture over that of the
+reference. Edges, and parts that are smaller than a pixel, are in all of them, whatever the textures say.
 
 *One lobe* costs nothing more than plain mips. Where it is farther off than they are, the table says so: near, its
 texture is another encoding of the artist's map.

@@ -53,9 +53,6 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-const Choices<LobeTexels> kLobeTexels = {
-    {"rgba8", LobeTexels::kRgba8}, {"rgba16f", LobeTexels::kRgba16f}, {"bc", LobeTexels::kBlocks}};
-
 // A baked file has its normals as they are; how a map is to be read says nothing of them.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())

@@ -21,9 +21,6 @@ struct GltfOptions {
   ParameterValues values{gltf_parameters()};
 };
 
-const Choices<GltfTextureFormat> kGltfTextureFormats = {
-    {"uastc", GltfTextureFormat::kUastc}, {"rgba8", GltfTextureFormat::kRgba8}, {"png", GltfTextureFormat::kPng}};
-
 int run_gltf(GltfOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();

@@ -19,12 +19,6 @@
 namespace multum {
 namespace {
 
-const Choices<ColourEncoding> kColourEncodings = {{"auto", ColourEncoding::kAuto},
-                                                  {"srgb", ColourEncoding::kSrgb},
-                                                  {"linear", ColourEncoding::kLinear},
-                                                  {"data", ColourEncoding::kData}};
-const Choices<StorageEncoding> kPyramidEncodings = {{"half", StorageEncoding::kHalf},
-                                                    {"float", StorageEncoding::kFloat}};
 const Choices<PyramidKind> kSurfaceKinds = {{"heights", PyramidKind::kHeight}, {"positions", PyramidKind::kPosition}};
 
 struct MipOptions {
@@ -45,7 +39,7 @@ template <typename Job>
 void apply_shared(const ParameterValues& values, Job& job) {
   job.report = values.text("report").value_or(job.report);
   job.writing.compression = values.text("compression").value_or(job.writing.compression);
-  job.encoding = values.choice("data_format", kPyramidEncodings).value_or(job.encoding);
+  job.encoding = values.choice("data_format", kStorageEncodings).value_or(job.encoding);
   if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
   job.force = values.flag("force");
 }

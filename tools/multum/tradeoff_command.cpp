@@ -10,6 +10,7 @@
 #include "host/foundation/base/processes/machine.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/brdf_families/brdf_forms.h"
+#include "host/foundation/parameters/parameter_choices.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/commands.h"
@@ -102,7 +103,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->excludes(quick);
   command->add_flag("--no-pictures", o->no_pictures, "draw nothing: no frame times, no rendered errors");
   command->add_option("--context", o->job.context, "GL to draw with: auto, osmesa or egl")
-      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->check(CLI::IsMember(choice_names(kContextBackends)))
       ->capture_default_str();
   add_parameter_options(*command, o->values, parameters_of_the_map());
   for (const char* option : {"--roughness", "--gloss"}) command->get_option(option)->excludes(brdf);

@@ -21,9 +21,6 @@ const Choices<gl::EnvironmentMode> kEnvironmentModes = {{"sh", gl::EnvironmentMo
                                                         {"prefiltered", gl::EnvironmentMode::kPrefiltered}};
 const Choices<gl::LobeFormula> kLobeFormulas = {{"product", gl::LobeFormula::kProduct},
                                                 {"paper", gl::LobeFormula::kPaper}};
-const Choices<gl::ContextBackend> kContextBackends = {
-    {"auto", gl::ContextBackend::kAuto}, {"osmesa", gl::ContextBackend::kOsmesa}, {"egl", gl::ContextBackend::kEgl}};
-
 const Choices<gl::PixelFilter> kPixelFilters = {
     {"box", gl::PixelFilter::kBox}, {"tent", gl::PixelFilter::kTent}, {"gaussian", gl::PixelFilter::kGaussian}};
 const Choices<gl::NormalMaterial::Sampling> kReferenceTexels = {

@@ -32,7 +32,6 @@ struct PictureSize {
 extern const Choices<gl::MomentShading> kMomentShadings;
 extern const Choices<gl::EnvironmentMode> kEnvironmentModes;
 extern const Choices<gl::LobeFormula> kLobeFormulas;
-extern const Choices<gl::ContextBackend> kContextBackends;
 extern const Choices<gl::PixelFilter> kPixelFilters;
 extern const Choices<gl::NormalMaterial::Sampling> kReferenceTexels;
 

@@ -24,13 +24,6 @@ namespace {
 
 bool has_reference(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "reference"; }
 
-template <typename Value>
-std::string choice_name(const Choices<Value>& choices, Value value) {
-  for (const auto& [name, meaning] : choices)
-    if (meaning == value) return name;
-  return "?";
-}
-
 /// First row: the pictures; second, where there is a reference: what each is off by.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_reference(pictures) ? 2 : 1);

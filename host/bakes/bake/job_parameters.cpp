@@ -9,38 +9,6 @@
 namespace multum {
 namespace {
 
-const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
-const Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
-const Choices<StorageEncoding> kStorageEncodings = {
-    {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
-
-const Choices<Representation>& ndfs() {
-  static const Choices<Representation> choices = [] {
-    Choices<Representation> list;
-    for (const RepresentationInfo& info : representations()) list.emplace_back(info.option, info.representation);
-    return list;
-  }();
-  return choices;
-}
-
-void apply_to_fit(const ParameterValues& values, MovmfSettings& fit) {
-  // Presets first: what is given beside them changes them.
-  if (values.flag("reference")) make_reference(fit);
-  if (values.flag("unaligned")) make_unaligned(fit);
-  fit.lobe_count = values.integer("lobes").value_or(fit.lobe_count);
-  if (const auto count = values.integer("iterations")) fit.iteration_count = fit.iteration_count_coarse = *count;
-  fit.pass_count = values.integer("passes").value_or(fit.pass_count);
-  fit.refit_iterations = values.integer("refit_iterations").value_or(fit.refit_iterations);
-  fit.order = values.choice("order", kFitOrders).value_or(fit.order);
-  fit.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(fit.coarse_normals);
-  if (values.flag("refine")) fit.refine = true;
-  if (values.flag("no_start_search")) fit.search_start = false;
-  if (values.flag("farthest_start")) fit.farthest_start = true;
-  if (const auto weight = values.number("align")) fit.alignment = static_cast<float>(*weight);
-  if (const auto cap = values.number("kappa_cap")) fit.kappa_cap = static_cast<float>(*cap);
-  fit.first_level = values.integer("first_level").value_or(fit.first_level);
-}
-
 // Level 0 is the normal map's own then, to which no point of the surface belongs.
 void apply_surface(const ParameterValues& values, BakeJob& job) {
   job.surface = map_surface(values).value_or(job.surface);
@@ -76,7 +44,7 @@ void apply(const ParameterValues& values, BakeJob& job) {
   if (const auto file = values.text("gloss")) job.roughness = *file, job.roughness_is_gloss = !file->empty();
   if (const auto file = values.text("weights")) job.weights = *file;
   job.representation = given_representation(values).value_or(job.representation);
-  apply_to_fit(values, job.fitting);
+  apply(values, job.fitting);
   apply_surface(values, job);
   job.sh_order = values.integer("sh_order").value_or(job.sh_order);
   job.encoding = values.choice("data_format", kStorageEncodings)
@@ -92,7 +60,7 @@ void apply(const ParameterValues& values, BakeJob& job) {
 }
 
 std::optional<Representation> given_representation(const ParameterValues& values) {
-  return values.choice("ndf", ndfs());
+  return values.choice("ndf", kRepresentations);
 }
 
 const Parameter* given_of_target(const ParameterValues& values) {
@@ -117,16 +85,19 @@ const Parameter* given_of_another_ndf(const ParameterValues& values) {
 }
 
 std::string scope_text(const Parameter& parameter) {
-  return parameter.scope == ParameterScope::kHarmonics ? "sh" : "vmf and gmm";
+  std::string text;
+  for (const RepresentationInfo& info : representations())
+    if (is_in_scope(parameter, info.representation)) text += (text.empty() ? "" : " and ") + std::string(info.option);
+  return text;
 }
 
 void check_scopes(const ParameterValues& values) {
   const Parameter* const row = given_of_another_ndf(values);
   if (row == nullptr) return;
   const bool is_of_lobes = row->scope == ParameterScope::kLobes;
-  throw Error(ErrorCode::kUsage,
-              fmt::format("{} is for --ndf {}, found --ndf {}{}", row->option(), scope_text(*row),
-                          values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
+  throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf {}, found --ndf {}{}", row->option(), scope_text(*row),
+                                             values.text("ndf").value_or(representations().front().option),
+                                             is_of_lobes ? ", which fits no lobes" : ""));
 }
 
 }  // namespace multum

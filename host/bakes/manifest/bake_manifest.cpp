@@ -132,7 +132,7 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   ParameterValues values = defaults;
   read_values(entry.table, values);
   check_own_scopes(entry.table, values);
-  if (values.text("surface") == "interpolated" && values.integer("first_level") == 0)
+  if (values.choice("surface", kMapSurfaces) == MapSurface::kInterpolated && values.integer("first_level") == 0)
     entry.table.refuse("first_level", "is 0 with surface = \"interpolated\", expected 1 or more");
   BakeJob job = pattern;
   apply(values, job);

@@ -8,6 +8,7 @@
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
 namespace {
@@ -31,13 +32,44 @@ constexpr Field kFields[] = {{"lobes", &MovmfSettings::lobe_count},
                              {"start_kappa_factor", &MovmfSettings::start_kappa_factor},
                              {"start_amplitude_min", &MovmfSettings::start_amplitude_min}};
 
+// Those that are yes or no, and what being given sets.
+struct Flag {
+  const char* name;
+  bool MovmfSettings::*member;
+  bool value;
+};
+constexpr Flag kFlags[] = {{"refine", &MovmfSettings::refine, true},
+                           {"no_start_search", &MovmfSettings::search_start, false},
+                           {"farthest_start", &MovmfSettings::farthest_start, true}};
+
+// The key of multum:settings.
+const std::string& hashed_as(const char* name) { return bake_parameters().at(name).hashed_as; }
+
 // A float is held against the bounds as floats: 0.1f is a little above 0.1.
 bool is_legal(const Parameter& row, int value) { return multum::is_legal(row, std::int64_t{value}); }
 bool is_legal(const Parameter& row, float value) {
   return value >= static_cast<float>(row.low) && value <= static_cast<float>(row.high);
 }
 
+void take(const ParameterValues& values, const char* name, int& value) { value = values.integer(name).value_or(value); }
+void take(const ParameterValues& values, const char* name, float& value) {
+  if (const auto number = values.number(name)) value = static_cast<float>(*number);
+}
+
 }  // namespace
+
+void apply(const ParameterValues& values, MovmfSettings& settings) {
+  // Presets first: what is given beside them changes them.
+  if (values.flag("reference")) make_reference(settings);
+  if (values.flag("unaligned")) make_unaligned(settings);
+  for (const Field& field : kFields)
+    std::visit([&](auto member) { take(values, field.name, settings.*member); }, field.member);
+  if (values.has("iterations")) settings.iteration_count_coarse = settings.iteration_count;
+  for (const Flag& flag : kFlags)
+    if (values.flag(flag.name)) settings.*flag.member = flag.value;
+  settings.order = values.choice("order", kFitOrders).value_or(settings.order);
+  settings.coarse_normals = values.choice("coarse_normals", kCoarseNormals).value_or(settings.coarse_normals);
+}
 
 LobeCounts lobe_counts() {
   const Parameter& row = bake_parameters().at("lobes");
@@ -80,17 +112,17 @@ void validate(const MovmfSettings& settings) {
 
 std::string settings_json(const MovmfSettings& s) {
   nlohmann::json json;  // an object: keys are sorted
-  json["representation"] = representation_info(s.representation).name;
+  json[hashed_as("ndf")] = representation_info(s.representation).name;
   for (const Field& field : kFields)
-    std::visit([&](auto member) { json[bake_parameters().at(field.name).hashed_as] = s.*member; }, field.member);
-  json["coarse_normals"] = s.coarse_normals == CoarseNormals::kBinned ? "condensed" : "all";
-  json["order"] = s.order == FitOrder::kColour ? "colour" : "scanline";
-  json["rehearse_start"] = s.search_start;
+    std::visit([&](auto member) { json[hashed_as(field.name)] = s.*member; }, field.member);
+  json[hashed_as("coarse_normals")] = choice_name(kHashedCoarseNormals, s.coarse_normals);
+  json[hashed_as("order")] = choice_name(kFitOrders, s.order);
+  json[hashed_as("no_start_search")] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
-  json["aligned_start"] = s.aligned_start;
+  json[hashed_as("unaligned")] = s.aligned_start;
   // Absent otherwise: files from before them keep their hash.
-  if (s.refine) json["refined"] = true;
-  if (s.farthest_start) json["farthest_start"] = true;
+  if (s.refine) json[hashed_as("refine")] = true;
+  if (s.farthest_start) json[hashed_as("farthest_start")] = true;
   return json.dump();
 }
 

@@ -6,14 +6,9 @@
 #include <string>
 
 #include "host/formats/asset/representation.h"
+#include "host/foundation/parameters/parameter_values.h"
 
 namespace multum {
-
-enum class FitOrder { kColour, kScanline };
-
-/// Samples that EM takes of a texel that covers more than kSamplesUnchunkedMax normals: bins of normals that point the
-/// same way (movmf_binning.cl), or every normal, which costs each level as much as the finest.
-enum class CoarseNormals { kBinned, kAll };
 
 /// Fewest and most lobes per texel.
 struct LobeCounts {
@@ -62,6 +57,9 @@ struct MovmfSettings {
 
   bool operator==(const MovmfSettings&) const = default;
 };
+
+/// What was given replaces what `settings` hold, `reference` and `unaligned` first. `values` are of bake_parameters().
+void apply(const ParameterValues& values, MovmfSettings& settings);
 
 /// Sets what the defaults are measured against: every normal at every level, 30 iterations and 10 in further passes,
 /// none cut short (docs/ALGORITHMS.md, "Fewer evaluations").

@@ -21,16 +21,6 @@
 namespace multum {
 namespace {
 
-const char* colour_encoding_name(ColourEncoding encoding) {
-  switch (encoding) {
-    case ColourEncoding::kAuto: return "auto";
-    case ColourEncoding::kSrgb: return "srgb";
-    case ColourEncoding::kLinear: return "linear";
-    case ColourEncoding::kData: return "data";
-  }
-  return "?";
-}
-
 ColourEncoding reading_of(const MipJob& job) {
   return job.kind == PyramidKind::kColour ? job.colours : ColourEncoding::kData;
 }
@@ -46,7 +36,7 @@ PyramidHeader make_header(const MipJob& job) {
   from.source_name = std::filesystem::path(job.input).filename().string();
   from.source_hash = hash_file(job.input);
   from.settings = nlohmann::json{{"pyramid", pyramid_kind_name(job.kind)},
-                                 {"colours", colour_encoding_name(reading_of(job))},
+                                 {"colours", choice_name(kColourEncodings, reading_of(job))},
                                  {"encoding", storage_encoding_name(job.encoding)},
                                  {"scale", job.scale},
                                  {"wrap_s", wrap_mode_name(job.wrap_s)},

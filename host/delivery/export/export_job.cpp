@@ -45,7 +45,7 @@ MaterialFolderSettings output_of(const ExportJob& job) {
   settings.has_anisotropy = job.lobe.is_anisotropic;
   settings.has_roughness_alone = job.has_roughness_alone;
   settings.has_smoothness = job.has_smoothness;
-  settings.green_is_down = job.green_is_down;
+  settings.green_is_down = job.write_green == GreenAxis::kDown;
   return settings;
 }
 
@@ -147,7 +147,7 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"anisotropy", job.lobe.is_anisotropic},
                                  {"fast", job.lobe.is_fast},
                                  {"surface", map_surface_name(job.surface)},
-                                 {"green", job.green_is_down ? "down" : "up"},
+                                 {"green", choice_name(kGreenAxes, job.write_green)},
                                  {"rows_resumed", rows_resumed},
                                  {"device", device},
                                  {"files", texts_of(files)},

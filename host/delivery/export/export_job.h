@@ -33,14 +33,14 @@ struct ExportJob {
   NormalMapSettings reading;
   MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
   OneLobeSettings lobe;
-  std::optional<MaterialFormat> format;  // unset: by the output's name, else PNG
-  std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8
-  int zstd_level = 0;                    // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
-  bool has_roughness_alone = false;      // instead of occlusion, roughness and metalness in one texture
-  bool has_smoothness = false;           // 1 - roughness, as Unity reads it
-  bool green_is_down = false;            // of what is written; `reading` has that of the map
-  int uastc_effort = 1;                  // of MaterialTexels::kUastc
-  std::string encoder;                   // UastcSettings::encoder
+  std::optional<MaterialFormat> format;    // unset: by the output's name, else PNG
+  std::optional<MaterialTexels> texels;    // unset: half floats in EXR, else RGBA8
+  int zstd_level = 0;                      // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
+  bool has_roughness_alone = false;        // instead of occlusion, roughness and metalness in one texture
+  bool has_smoothness = false;             // 1 - roughness, as Unity reads it
+  GreenAxis write_green = GreenAxis::kUp;  // of what is written; `reading` has that of the map
+  int uastc_effort = 1;                    // of MaterialTexels::kUastc
+  std::string encoder;                     // UastcSettings::encoder
   bool measure = true;
   ExportAccuracySettings accuracy;
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the maps; changes no byte

@@ -52,7 +52,7 @@ Json export_key(const ExportJob& job) {
   key["zstd"] = job.zstd_level;
   key["roughness_alone"] = job.has_roughness_alone;
   key["smoothness"] = job.has_smoothness;
-  key["write_green"] = job.green_is_down ? "down" : "up";
+  key["write_green"] = choice_name(kGreenAxes, job.write_green);
   if (job.texels == MaterialTexels::kUastc) key["uastc_effort"] = job.uastc_effort;
   return key;
 }

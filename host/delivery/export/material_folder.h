@@ -15,19 +15,9 @@
 #include "host/delivery/export/uastc/uastc_encoder.h"
 #include "host/formats/opencl/device.h"
 #include "host/foundation/base/progress.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
-
-enum class MaterialFormat { kPng, kExr, kKtx2, kDds };
-
-/// How texels are stored.
-enum class MaterialTexels {
-  kRgba8,    // normals and directions as 0.5 + 0.5 n
-  kRgba16f,  // as they are
-  kRg8,      // as kRgba8, but of normals only x and y: a shader has to rebuild z
-  kBlocks,   // compressed: of normals x and y as BC5, roughness alone as BC4, all else as BC7
-  kUastc,    // Basis Universal's blocks, of KTX2 only
-};
 
 /// Rounds rows to what is stored, and rebuilds what is not. Rounded rows stay as they are when they are rounded again.
 /// What encoders of blocks are given is 8 bits too, or not rounded; their errors are no matter of rounding.

@@ -255,10 +255,10 @@ std::vector<TextureRole> roles_of(const MaterialFolderSettings& settings) {
 
 std::vector<std::string> texture_files(const MaterialFolderSettings& settings, TextureRole role, int level_count) {
   const std::string stem = settings.folder + "/" + settings.name_prefix + name_of(role);
-  if (has_all_levels(settings.format)) return {stem + (settings.format == MaterialFormat::kKtx2 ? ".ktx2" : ".dds")};
+  const char* const extension = choice_name(kMaterialFormats, settings.format);
+  if (has_all_levels(settings.format)) return {fmt::format("{}.{}", stem, extension)};
   std::vector<std::string> files;
-  for (int level = 0; level < level_count; ++level)
-    files.push_back(fmt::format("{}_{:02}.{}", stem, level, settings.format == MaterialFormat::kPng ? "png" : "exr"));
+  for (int level = 0; level < level_count; ++level) files.push_back(fmt::format("{}_{:02}.{}", stem, level, extension));
   return files;
 }
 

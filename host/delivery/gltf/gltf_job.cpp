@@ -227,15 +227,6 @@ class GltfConversion {
 
 }  // namespace
 
-const char* format_name(GltfTextureFormat format) {
-  switch (format) {
-    case GltfTextureFormat::kUastc: return "uastc";
-    case GltfTextureFormat::kRgba8: return "rgba8";
-    case GltfTextureFormat::kPng: return "png";
-  }
-  return "?";
-}
-
 int GltfReport::fitted_count() const {
   return static_cast<int>(
       std::count_if(materials.begin(), materials.end(), [](const Material& one) { return one.kept.empty(); }));
@@ -244,7 +235,7 @@ int GltfReport::fitted_count() const {
 std::string GltfReport::to_json(const GltfJob& job) const {
   nlohmann::ordered_json json = {{"input", text_of_path(job.input)},
                                  {"output", text_of_path(job.output)},
-                                 {"format", format_name(job.format)},
+                                 {"format", choice_name(kGltfTextureFormats, job.format)},
                                  {"anisotropy", job.is_anisotropic},
                                  {"lobes", job.has_lobes},
                                  {"fast", job.is_fast},

@@ -59,9 +59,6 @@ struct GltfReport {
   std::string to_json(const GltfJob& job) const;
 };
 
-/// "uastc", "rgba8", "png".
-const char* format_name(GltfTextureFormat format);
-
 /// Throws Error, Cancelled; leaves no partial file. Progress: a unit a texel that is fitted, and one a texel encoded.
 GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress);
 

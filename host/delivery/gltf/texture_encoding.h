@@ -6,15 +6,9 @@
 #include <string>
 
 #include "host/delivery/export/uastc/uastc_encoder.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
-
-enum class GltfTextureFormat {
-  kUastc,  // KHR_texture_basisu
-  kRgba8,  // KTX2, not compressed: outside of KHR_texture_basisu; host/delivery/export/engine_support.h has who refuses
-           // it
-  kPng,    // level 0 alone
-};
 
 struct EncodedTexture {
   std::string file;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/fields/codec/texture_chunk_encoder.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
 
@@ -18,13 +19,6 @@ std::vector<ParameterPyramid::Halvings> plain_levels(const std::vector<std::size
 std::vector<ParameterPyramid::Halvings> chosen_levels(
     const std::vector<std::size_t>& sizes,
     const std::function<double(const std::vector<ParameterPyramid::Halvings>&)>& cost);
-
-enum class PyramidChoice {
-  kAdaptive,  // the best of a few pyramids and of bases that are learnt
-  kGreedy,    // the paper's search, by the first coder
-  kPlain,     // plain_levels
-  kNone,      // every sample by itself
-};
 
 /// An image coder and the side of cosine blocks.
 using CoderAndSide = std::pair<ImageCoder, std::size_t>;

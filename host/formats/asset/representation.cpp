@@ -24,14 +24,7 @@ std::uint64_t lobe_gpu_bytes(const std::string& path) { return movmf_gpu_bytes(r
 
 }  // namespace
 
-const char* storage_encoding_name(StorageEncoding encoding) {
-  switch (encoding) {
-    case StorageEncoding::kSnorm16: return "snorm16";
-    case StorageEncoding::kHalf: return "half";
-    case StorageEncoding::kFloat: return "float";
-  }
-  return "?";
-}
+const char* storage_encoding_name(StorageEncoding encoding) { return choice_name(kStorageEncodings, encoding); }
 
 const std::vector<RepresentationInfo>& representations() {
   static const std::vector<StorageEncoding> every = {StorageEncoding::kSnorm16, StorageEncoding::kHalf,
@@ -40,7 +33,7 @@ const std::vector<RepresentationInfo>& representations() {
   static const std::vector<StorageEncoding> wide = {StorageEncoding::kHalf, StorageEncoding::kFloat};
   static const std::vector<RepresentationInfo> all = {
       {.representation = Representation::kMovmf,
-       .option = "vmf",
+       .option = choice_name(kRepresentations, Representation::kMovmf),
        .name = "movmf",
        .version = 3,
        .encodings = every,
@@ -57,7 +50,7 @@ const std::vector<RepresentationInfo>& representations() {
        .verify = verify_lobes,
        .gpu_bytes = lobe_gpu_bytes},
       {.representation = Representation::kGmm,
-       .option = "gmm",
+       .option = choice_name(kRepresentations, Representation::kGmm),
        .name = "gmm",
        .version = 1,
        .encodings = every,
@@ -74,7 +67,7 @@ const std::vector<RepresentationInfo>& representations() {
        .verify = verify_lobes,
        .gpu_bytes = lobe_gpu_bytes},
       {.representation = Representation::kMoments,
-       .option = "moments",
+       .option = choice_name(kRepresentations, Representation::kMoments),
        .name = "moments",
        .version = 1,
        .encodings = wide,
@@ -91,7 +84,7 @@ const std::vector<RepresentationInfo>& representations() {
        .verify = [](const std::string& path, int threads) { return verify_moments(path, threads); },
        .gpu_bytes = [](const std::string& path) { return moment_gpu_bytes(read_moment_header(path)); }},
       {.representation = Representation::kSh,
-       .option = "sh",
+       .option = choice_name(kRepresentations, Representation::kSh),
        .name = "sh",
        .version = 1,
        .encodings = wide,

@@ -1,29 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the representations of the normals under a texel that a baked file may hold. A new one is a row here and one
-// in each table that a district keeps by representation: of bakes (host/bakes/bake/ndf_bake.cpp), of scenes' estimates
-// (host/bakes/scene/map_planner.cpp), of what `multum info` says (tools/multum/file_commands.cpp). Code asks the row
-// what it has to know, never which representation it is.
+// Lists the representations of the normals under a texel that a baked file may hold. A new one is a name
+// (host/foundation/parameters/parameter_choices.h), a row here, and one in each table that a district keeps by
+// representation: of bakes (host/bakes/bake/ndf_bake.cpp), of scenes' estimates (host/bakes/scene/map_planner.cpp), of
+// what `multum info` says (tools/multum/file_commands.cpp) and of what the viewer reads
+// (tools/multum_view/baked_map.cpp). Code asks the row what it has to know, never which representation it is.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "host/foundation/parameters/parameter_choices.h"
+
 namespace multum {
-
-enum class Representation {
-  kMovmf,    // mixtures of von Mises-Fisher lobes (host/formats/asset/lobes/movmf_mipmap.h)
-  kGmm,      // mixtures of planar Gaussians, lobes too (the same file, host/formats/asset/lobes/gmm_quantize.h)
-  kMoments,  // first and second moments of slopes, and the mean normal (host/formats/asset/averages/moment_mipmap.h)
-  kSh,       // spherical harmonics of the normals, to an order (host/formats/asset/averages/sh_mipmap.h)
-};
-
-/// Rounding of stored channel values; docs/FORMAT.md states what each loses.
-enum class StorageEncoding {
-  kSnorm16,  // multiples of 1/32767 in a float channel: RGBA16_SNORM on the GPU
-  kHalf,     // 16-bit floats: RGBA16F on the GPU
-  kFloat,    // 32-bit floats: RGBA32F on the GPU
-};
 
 const char* storage_encoding_name(StorageEncoding encoding);
 

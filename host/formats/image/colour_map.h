@@ -9,6 +9,7 @@
 #include "host/formats/image/plane_store.h"
 #include "host/foundation/base/files/spill_policy.h"
 #include "host/foundation/base/progress.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
 
@@ -30,14 +31,6 @@ inline PlaneStore planes_of(const ColourMap& map) {
 /// Reads an albedo: 8- and 16-bit integers are sRGB unless the file says otherwise, floats are linear; grey becomes
 /// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
-
-/// Meaning of an image's numbers.
-enum class ColourEncoding {
-  kAuto,    // as the albedo's: integers sRGB unless the file says otherwise, floats linear
-  kSrgb,    // sRGB, whatever the file says
-  kLinear,  // linear, whatever the file says
-  kData,    // no colours: numbers that may be negative; integers are 0..1. What is not finite is refused
-};
 
 struct ColourRows {
   PlaneStore planes;

@@ -17,15 +17,11 @@
 #include "host/foundation/base/files/spill_policy.h"
 #include "host/foundation/base/progress.h"
 #include "host/foundation/base/wrap_mode.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
 
-/// What lies between texels: nothing, each is a facet of one normal, or what renderers interpolate.
-enum class MapSurface { kTexels, kInterpolated };
-
-inline const char* map_surface_name(MapSurface surface) {
-  return surface == MapSurface::kTexels ? "texels" : "interpolated";
-}
+inline const char* map_surface_name(MapSurface surface) { return choice_name(kMapSurfaces, surface); }
 
 /// How values beyond the border continue. Black and mirrored borders have the border's own texels there.
 struct MapWrap {

@@ -26,4 +26,12 @@ std::vector<std::string> choice_names(const Choices<Value>& choices) {
   return names;
 }
 
+/// The name of one of them.
+template <typename Value>
+const char* choice_name(const Choices<Value>& choices, Value value) {
+  for (const auto& [name, own_value] : choices)
+    if (own_value == value) return name.c_str();
+  return "?";
+}
+
 }  // namespace multum

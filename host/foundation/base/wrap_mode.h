@@ -9,6 +9,7 @@
 namespace multum {
 
 enum class WrapMode { kBlack, kClamp, kPeriodic, kMirror };
+inline constexpr WrapMode kWrapModes[] = {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror};
 
 inline const char* wrap_mode_name(WrapMode mode) {
   switch (mode) {
@@ -21,7 +22,7 @@ inline const char* wrap_mode_name(WrapMode mode) {
 }
 
 inline std::optional<WrapMode> parse_wrap_mode(std::string_view name) {
-  for (WrapMode mode : {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror})
+  for (const WrapMode mode : kWrapModes)
     if (name == wrap_mode_name(mode)) return mode;
   return std::nullopt;
 }

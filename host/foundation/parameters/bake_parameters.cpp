@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/foundation/brdf_families/brdf_forms.h"
+#include "host/foundation/parameters/parameter_choices.h"
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
@@ -30,14 +31,14 @@ Rows source_rows() {
            "kind of map; auto: detected from its statistics; packed16 and after: heights whose bytes are spread over "
            "red, green and blue",
        .default_text = "auto",
-       .choices = {"auto", "height", "normal", "packed16", "packed24", "terrarium", "mapbox"},
+       .choices = choice_names(kBumpFormats),
        .hashed_as = "bump_format",
        .surfaces = kEverywhere},
       {.name = "green",
        .kind = Kind::kChoice,
        .help = "direction of green: up (OpenGL) or down (DirectX)",
        .default_text = "detected",
-       .choices = {"up", "down"},
+       .choices = choice_names(kGreenAxes),
        .hashed_as = "green",
        .surfaces = kEverywhere},
       {.name = "signed",
@@ -81,7 +82,7 @@ Rows source_rows() {
        .kind = Kind::kChoice,
        .help = "repair of NaN and Inf: none (refuse the file), black (flat) or box3 (mean of the neighbours)",
        .default_text = "box3",
-       .choices = {"none", "black", "box3"},
+       .choices = choice_names(kFixNans),
        .hashed_as = "fixnan",
        .surfaces = kEverywhere},
       {.name = "repair_max",
@@ -132,7 +133,7 @@ Rows representation_rows() {
                    "squares (LEAN); "
                    "gmm: planar Gaussians (Tan 2005); sh: spherical harmonics",
            .default_text = "vmf",
-           .choices = {"vmf", "moments", "gmm", "sh"},
+           .choices = choice_names(kRepresentations),
            .hashed_as = "representation",
            .surfaces = kJob},
           {.name = "sh_order",
@@ -164,7 +165,7 @@ Rows storage_rows() {
        .kind = Kind::kChoice,
        .help = "storage precision; half does not keep kappa above 1000 of lobes, and is the default of moments and sh",
        .default_text = "snorm16",
-       .choices = {"snorm16", "half", "float"},
+       .choices = choice_names(kStorageEncodings),
        .hashed_as = "encoding",
        .short_option = "-d",
        .chosen_by_target = true,
@@ -228,14 +229,14 @@ Rows fit_rows() {
        .kind = Kind::kChoice,
        .help = "order of fitting texels: colour (in parallel) or scanline (the paper's)",
        .default_text = "colour",
-       .choices = {"colour", "scanline"},
+       .choices = choice_names(kFitOrders),
        .hashed_as = "order",
        .surfaces = kJob},
       {.name = "coarse_normals",
        .kind = Kind::kChoice,
        .help = "normals that coarse texels are fitted to: binned (one per bin of similar normals; faster) or all",
        .default_text = "binned",
-       .choices = {"binned", "all"},
+       .choices = choice_names(kCoarseNormals),
        .hashed_as = "coarse_normals",
        .surfaces = kJob},
       {.name = "no_start_search",

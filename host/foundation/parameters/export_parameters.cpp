@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/parameter_choices.h"
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
@@ -58,7 +59,7 @@ Rows export_rows() {
                                "OpenGL, glTF, Unity, Godot and Blender have it, or down, as DirectX and Unreal; green "
                                "says how the map is read",
                            .default_text = "up",
-                           .choices = {"up", "down"},
+                           .choices = choice_names(kGreenAxes),
                            .group = kStorageGroup,
                            .surfaces = kExportJob};
   return {
@@ -89,7 +90,7 @@ Rows export_rows() {
        .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2 and "
                "dds (with a DX10 header), a file a texture with all levels",
        .default_text = "by the output's name, else png",
-       .choices = {"png", "exr", "ktx2", "dds"},
+       .choices = choice_names(kMaterialFormats),
        .group = kStorageGroup,
        .surfaces = kExportJob},
       {.name = "texels",
@@ -100,7 +101,7 @@ Rows export_rows() {
                "KTX2 "
                "only, Basis Universal's format that KHR_texture_basisu has, encoded by Node.js with ktx2-encoder",
        .default_text = "rgba16f of exr, bc of lobes, else rgba8",
-       .choices = {"rgba8", "rgba16f", "rg8", "bc", "uastc"},
+       .choices = choice_names(kMaterialTexels),
        .group = kStorageGroup,
        .surfaces = kExportJob},
       {.name = "zstd",

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/parameter_choices.h"
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
@@ -21,7 +22,7 @@ std::vector<Parameter> gltf_rows() {
            .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
                    "rgba8, KTX2 that is not compressed and outside of that extension; png, level 0 alone",
            .default_text = "uastc",
-           .choices = {"uastc", "rgba8", "png"},
+           .choices = choice_names(kGltfTextureFormats),
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
           uastc_effort_parameter(kOnCommandLine),

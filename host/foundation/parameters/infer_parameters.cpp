@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/foundation/parameters/infer_parameters.h"
 
+#include "host/foundation/parameters/parameter_choices.h"
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
@@ -43,7 +44,7 @@ const ParameterTable& infer_parameters() {
                  .kind = Kind::kChoice,
                  .help = "GL to infer for: auto, osmesa (software) or egl",
                  .default_text = "auto",
-                 .choices = {"auto", "osmesa", "egl"},
+                 .choices = choice_names(kContextBackends),
                  .surfaces = kJob},
                 {.name = "force", .help = "infer textures again that are there already", .surfaces = kOnCommandLine},
                 absolute_geometry_parameter(),

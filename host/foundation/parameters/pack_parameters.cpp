@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/foundation/parameters/pack_parameters.h"
 
+#include "host/foundation/parameters/parameter_choices.h"
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
@@ -78,7 +79,7 @@ const ParameterTable& pack_parameters() {
                         "images of a chunk: the best of a few pyramids over the parameters and of learnt bases, the "
                         "paper's greedy search, 1, 2, 4 ... samples along all parameters, or every sample by itself",
                     .default_text = "adaptive",
-                    .choices = {"adaptive", "greedy", "plain", "none"},
+                    .choices = choice_names(kPyramidChoices),
                     .surfaces = kPackJob});
     rows.push_back({.name = "coder",
                     .kind = ParameterKind::kChoice,

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "host/foundation/parameters/parameter_choices.h"
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
@@ -16,7 +17,8 @@ Parameter data_format_parameter(const char* default_text) {
           .kind = Kind::kChoice,
           .help = "storage precision",
           .default_text = default_text,
-          .choices = {"half", "float"},
+          .choices = {choice_name(kStorageEncodings, StorageEncoding::kHalf),
+                      choice_name(kStorageEncodings, StorageEncoding::kFloat)},
           .short_option = "-d",
           .surfaces = kOnCommandLine};
 }
@@ -66,7 +68,7 @@ const ParameterTable& mip_parameters() {
                   .help = "meaning of the numbers: auto (integers sRGB unless the file says otherwise, floats "
                           "linear), srgb, linear, or data (no colours: may be negative)",
                   .default_text = "auto",
-                  .choices = {"auto", "srgb", "linear", "data"},
+                  .choices = choice_names(kColourEncodings),
                   .surfaces = kOnCommandLine},
                  data_format_parameter("half")};
     add_wraps(rows, "periodic");

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/foundation/parameters/shared_parameters.h"
 
+#include "host/foundation/base/wrap_mode.h"
 #include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
 
@@ -68,7 +70,7 @@ Parameter z_range_parameter(unsigned surfaces) {
               "what blue of 0 to 1 stores: signed, z from -1 to 1 as x and y; positive, z from 0 to 1, as some old "
               "tools write it",
           .default_text = "detected",
-          .choices = {"signed", "positive"},
+          .choices = choice_names(kZRanges),
           .hashed_as = "z_range",
           .excludes = {"two_channel"},
           .surfaces = surfaces};
@@ -82,7 +84,7 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
               "renderers show from near, which is smoother" +
               more,
           .default_text = "texels",
-          .choices = {"texels", "interpolated"},
+          .choices = choice_names(kMapSurfaces),
           .group = kOneLobeGroup,
           .surfaces = surfaces};
 }
@@ -130,8 +132,9 @@ Parameter input_parameter(const std::string& name, const std::string& help, unsi
 }
 
 std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& default_text, unsigned surfaces) {
-  std::vector<std::string> modes = {"black", "clamp", "periodic", "mirror"};
-  if (with_auto) modes.insert(modes.begin(), "auto");
+  std::vector<std::string> modes;
+  if (with_auto) modes.emplace_back("auto");
+  for (const WrapMode mode : kWrapModes) modes.emplace_back(wrap_mode_name(mode));
   const Parameter both = {.name = "wrap",
                           .kind = ParameterKind::kChoice,
                           .help = std::string("continuation beyond the border") +

@@ -11,8 +11,8 @@ const NAME = "MULTUM_lobes";
  *     loader.register((parser) => new GltfLobes(parser, renderer));
  *
  * What GLTFLoader returns has the LobeTextures in `userData.lobes`, to be disposed of with the model. `options` are
- * addLobes()'s. Maps get the renderer's most anisotropic filter. A damaged extension makes the loading fail; a material that cannot have lobes keeps its own textures,
- * with a warning on the console.
+ * addLobes()'s. Maps get the renderer's most anisotropic filter. A damaged extension makes the loading fail; a material
+ * that cannot have lobes keeps its own textures, with a warning on the console.
  */
 export class GltfLobes {
   constructor(parser, renderer, options = {}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of three.js that draw lobes, or shade several points of a pixel: their shaders get that as they are compiled
-// (onBeforeCompile), and nothing else of a material changes.
+// Materials of three.js that draw lobes, or shade several points of a pixel. Their shaders get that as they are
+// compiled (onBeforeCompile); nothing else of a material changes.
 import { ClampToEdgeWrapping, MirroredRepeatWrapping, ObjectSpaceNormalMap, REVISION, ShaderChunk } from "three";
 import { fragmentWithLobes } from "./lobe_shading.js";
 import { fragmentAtPoints } from "./shading_points.js";
@@ -32,7 +32,8 @@ function checkMaterial(material) {
     refuse(material, "normals in object space", "a map in tangent space");
   const { x, y } = material.normalScale;
   if (Math.abs(Math.abs(x) - 1) > 1e-6 || Math.abs(Math.abs(y) - 1) > 1e-6)
-    refuse(material, `normalScale ${x}, ${y}`, "1 or -1: another scale is baked into lobes (multum bake --normal-scale)");
+    refuse(material, `normalScale ${x}, ${y}`,
+      "1 or -1: another scale is baked into lobes (multum bake --normal-scale)");
   for (const name of REFUSED)
     if (material[name] > 0) refuse(material, `${name} ${material[name]}`, "0: lobes do not know it");
 }

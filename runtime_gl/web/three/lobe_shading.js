@@ -205,7 +205,8 @@ PhysicalMaterial multum_widened(const in PhysicalMaterial material, vec3 v) {
   float alpha = pow2(material.roughness);
   float kappa = max(multum_vmf_kappa(multum_movmf_spread(multum_lobe)), 1e-6);
   part.roughness = sqrt(sqrt(min(alpha * alpha + 2.0 / kappa, 1.0)));
-  float n_v = multum_vmf_mean_cosine(multum_movmf_spread(multum_lobe), dot(multum_movmf_mean_direction(multum_lobe), v));
+  vec3 mu = multum_movmf_mean_direction(multum_lobe);
+  float n_v = multum_vmf_mean_cosine(multum_movmf_spread(multum_lobe), dot(mu, v));
   part.dfg = texture2D(dfgLUT, vec2(material.roughness, n_v)).rg;
   return part;
 }

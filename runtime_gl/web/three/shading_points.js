@@ -79,8 +79,8 @@ const END = `
 // Decided for the whole pixel, by its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
-// The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019),
-// where three.js adds the largest change of a component to the roughness.
+// The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
+// 2019), where three.js adds the largest change of a component to the roughness.
 const GEOMETRY = "material.roughness += geometryRoughness;";
 const VARIANCE = `{
   vec3 along_x = dFdx(nonPerturbedNormal), along_y = dFdy(nonPerturbedNormal);
@@ -91,8 +91,8 @@ const VARIANCE = `{
 /**
  * The fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, its maps sampled
  * MULTUM_MAP_BIAS octaves coarser than over all of it. `defines` by name. `lobes`: GLSL with multum_decide() and
- * multum_shift(), which replaces points alone, and in which the change of the geometry's normals is. `edit(name, text)`:
- * what stands in place of a chunk's text.
+ * multum_shift(), which replaces points alone, and in which the change of the geometry's normals is.
+ * `edit(name, text)`: what stands in place of a chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
   { defines, lobes = null, edit = (name, text) => text }) {

@@ -39,9 +39,6 @@ constexpr const char* kDeviceHelp =
     "OpenCL device: a number of `multum devices` or part of a name (default: a GPU first)";
 constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
 
-const Choices<gl::ContextBackend> kContexts = {
-    {"osmesa", gl::ContextBackend::kOsmesa}, {"egl", gl::ContextBackend::kEgl}, {"auto", gl::ContextBackend::kAuto}};
-
 const Choices<Instructions> kInstructions = {{"avx2", Instructions::kAvx2}, {"avx512", Instructions::kAvx512}};
 
 // The line that was typed, without the file that the result went to: that says nothing of how it was measured.
@@ -152,7 +149,7 @@ Benchmark add_load(CLI::App& app, LoadBenchmarkOptions& load) {
   add_side(*command, "--size", load.size, "side of the map");
   add_bake_options(*command, load);
   add_repetitions(*command, load, "of every file");
-  add_choice(*command, "--context", load.context, kContexts, "who gives the GL context");
+  add_choice(*command, "--context", load.context, kContextBackends, "who gives the GL context");
   return {command, "", [&load](Progress* progress) { return run_load_benchmark(load, progress); }};
 }
 
@@ -169,7 +166,7 @@ Benchmark add_frames(CLI::App& app, FramesBenchmarkOptions& frames) {
   command->add_option("--device", frames.device, kDeviceHelp);
   command->add_option("--folder", frames.folder, "where bakes go for the time being (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
-  add_choice(*command, "--context", frames.context, kContexts, "who gives the GL context");
+  add_choice(*command, "--context", frames.context, kContextBackends, "who gives the GL context");
   return {command, "", [&frames](Progress* progress) { return run_frames_benchmark(frames, progress); }};
 }
 
@@ -186,7 +183,7 @@ Benchmark add_filters(CLI::App& app, FilterBenchmarkOptions& filters) {
   command->add_option("--device", filters.device, kDeviceHelp);
   command->add_option("--folder", filters.folder, "where bakes go for the time being (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
-  add_choice(*command, "--context", filters.context, kContexts, "who gives the GL context");
+  add_choice(*command, "--context", filters.context, kContextBackends, "who gives the GL context");
   return {command, "", [&filters](Progress* progress) { return run_filter_benchmark(filters, progress); }};
 }
 

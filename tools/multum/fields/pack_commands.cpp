@@ -37,16 +37,11 @@ struct UnpackOptions {
   std::string file, folder;
 };
 
-const Choices<PyramidChoice> kPyramids = {{"adaptive", PyramidChoice::kAdaptive},
-                                          {"greedy", PyramidChoice::kGreedy},
-                                          {"plain", PyramidChoice::kPlain},
-                                          {"none", PyramidChoice::kNone}};
-
 void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.alpha = values.number("alpha").value_or(settings.alpha);
   if (settings.alpha != 0.0 && settings.alpha <= 1.0)
     throw Error(ErrorCode::kUsage, fmt::format("--alpha is {:g}, expected a number above 1, or 0", settings.alpha));
-  settings.pyramid = values.choice("pyramid", kPyramids).value_or(settings.pyramid);
+  settings.pyramid = values.choice("pyramid", kPyramidChoices).value_or(settings.pyramid);
   const std::string coder = values.text("coder").value_or("auto");
   if (coder != "auto") settings.coder = coder == "dct" ? ImageCoder::kDct : ImageCoder::kWavelet;
   settings.open_loop = values.text("loop") == "open";

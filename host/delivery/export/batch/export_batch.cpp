@@ -14,16 +14,6 @@
 namespace multum {
 namespace {
 
-const Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
-                                                  {"exr", MaterialFormat::kExr},
-                                                  {"ktx2", MaterialFormat::kKtx2},
-                                                  {"dds", MaterialFormat::kDds}};
-const Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
-                                                 {"rgba16f", MaterialTexels::kRgba16f},
-                                                 {"rg8", MaterialTexels::kRg8},
-                                                 {"bc", MaterialTexels::kBlocks},
-                                                 {"uastc", MaterialTexels::kUastc}};
-
 // Of a map in a folder of several: files that begin with its name, or a folder for images a level.
 std::string output_suffix(const ExportJob& job) {
   if (job.format == MaterialFormat::kKtx2) return ".ktx2";
@@ -47,7 +37,7 @@ void apply(const ParameterValues& values, ExportJob& job) {
   job.zstd_level = values.integer("zstd").value_or(job.zstd_level);
   job.has_roughness_alone = job.has_roughness_alone || values.flag("roughness_alone");
   job.has_smoothness = job.has_smoothness || values.flag("smoothness");
-  if (const auto green = values.text("write_green")) job.green_is_down = *green == "down";
+  job.write_green = values.choice("write_green", kGreenAxes).value_or(job.write_green);
   job.uastc_effort = values.integer("uastc_effort").value_or(job.uastc_effort);
   job.encoder = values.text("encoder").value_or(job.encoder);
   if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);

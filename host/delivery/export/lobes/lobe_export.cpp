@@ -66,7 +66,7 @@ std::string LobeExportReport::to_json() const {
                                  {"first_level", header.map.first_level},
                                  {"levels", header.level_count()},
                                  {"lobes", header.lobes.size()},
-                                 {"texels", lobe_texels_name(header.texels)},
+                                 {"texels", choice_name(kLobeTexels, header.texels)},
                                  {"layers", header.layer_count()},
                                  {"gpu_bytes", gpu_bytes},
                                  {"bc5_bc4_bytes", default_bytes},

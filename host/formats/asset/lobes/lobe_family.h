@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Table of what families of lobes differ in, as files have them: a family is a row. All have four channels a lobe, the last of
-// them its amplitude, all linear in the normals; what the first three are of a normal is the family's to say.
+// Table of what families of lobes differ in, as files have them: a family is a row. All have four channels a lobe, the
+// last of them its amplitude, all linear in the normals; what the first three are of a normal is the family's to say.
 #pragma once
 
 #include <cstddef>

@@ -31,15 +31,6 @@ void decode_lobe_blocks(const std::uint8_t* block, int width, int height, float*
 
 }  // namespace
 
-const char* lobe_texels_name(LobeTexels texels) {
-  switch (texels) {
-    case LobeTexels::kRgba16f: return "rgba16f";
-    case LobeTexels::kRgba8: return "rgba8";
-    case LobeTexels::kBlocks: return "bc";
-  }
-  return "?";
-}
-
 int layers_per_lobe(LobeTexels texels) { return texels == LobeTexels::kBlocks ? 2 : 1; }
 
 std::uint64_t layer_bytes(LobeTexels texels, int width, int height) {

@@ -12,6 +12,7 @@
 #include <glm/vec4.hpp>
 
 #include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
 
@@ -19,14 +20,6 @@ constexpr char kLobeTextureKey[] = "multumLobes";  // in the key/value data
 constexpr int kLobeTextureVersion = 1;
 constexpr int kLobeChannels = 4;
 
-/// How layers store texels.
-enum class LobeTexels {
-  kRgba16f,  // a layer a lobe, half floats
-  kRgba8,    // a layer a lobe, 0 to 1
-  kBlocks,   // two layers of BC5 a lobe, 0 to 1
-};
-
-const char* lobe_texels_name(LobeTexels texels);
 int layers_per_lobe(LobeTexels texels);
 /// Of a layer of a level.
 std::uint64_t layer_bytes(LobeTexels texels, int width, int height);

@@ -450,7 +450,7 @@ void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> f
                     "points {} (gradient agreement {:+.2f}){}",
                     green_name(*settings.green), green_name(*found), s.gradient_agreement,
                     advice(fmt::format(": unless you know better, leave the setting out, or say <green {}>",
-                                       *found == GreenAxis::kUp ? "up" : "down"))));
+                                       choice_name(kGreenAxes, *found)))));
   }
 }
 

@@ -15,16 +15,11 @@
 #include "host/foundation/base/files/spill_policy.h"
 #include "host/foundation/base/progress.h"
 #include "host/foundation/base/wrap_mode.h"
+#include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
 
 class TileSet;  // host/formats/image/normals/tile_set.h
-
-/// maketx --bumpformat; and heights whose bytes are spread over channels (HeightCoding).
-enum class BumpFormat { kAuto, kHeight, kNormal, kPacked16, kPacked24, kTerrarium, kMapbox };
-enum class GreenAxis { kUp, kDown };         // OpenGL, DirectX
-enum class ZRange { kSigned, kPositive };    // of what blue stores in 0..1: 2 * blue - 1 as x and y, or blue itself
-enum class FixNan { kNone, kBlack, kBox3 };  // maketx --fixnan: refuse, flat normal, mean of the 3 x 3 neighbours
 
 /// Origin of a wrap mode: nobody said one, somebody did, or it is to be found: periodic where the map tiles, else
 /// clamp.

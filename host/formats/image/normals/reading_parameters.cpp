@@ -4,11 +4,6 @@
 namespace multum {
 namespace {
 
-const Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down", GreenAxis::kDown}};
-const Choices<ZRange> kZRanges = {{"signed", ZRange::kSigned}, {"positive", ZRange::kPositive}};
-const Choices<MapSurface> kSurfaces = {{"texels", MapSurface::kTexels}, {"interpolated", MapSurface::kInterpolated}};
-const Choices<FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
-
 void apply_wrap(const std::optional<std::string>& text, WrapMode& mode, WrapOrigin& origin) {
   if (!text) return;
   // The map decides between modes that are found; until it has, it repeats.
@@ -19,20 +14,12 @@ void apply_wrap(const std::optional<std::string>& text, WrapMode& mode, WrapOrig
 
 }  // namespace
 
-const Choices<BumpFormat>& bump_formats() {
-  static const Choices<BumpFormat> kFormats = {
-      {"auto", BumpFormat::kAuto},         {"height", BumpFormat::kHeight},     {"normal", BumpFormat::kNormal},
-      {"packed16", BumpFormat::kPacked16}, {"packed24", BumpFormat::kPacked24}, {"terrarium", BumpFormat::kTerrarium},
-      {"mapbox", BumpFormat::kMapbox}};
-  return kFormats;
-}
-
-std::optional<MapSurface> map_surface(const ParameterValues& values) { return values.choice("surface", kSurfaces); }
+std::optional<MapSurface> map_surface(const ParameterValues& values) { return values.choice("surface", kMapSurfaces); }
 
 std::optional<ZRange> z_range(const ParameterValues& values) { return values.choice("z_range", kZRanges); }
 
 void apply_reading(const ParameterValues& values, NormalMapSettings& settings) {
-  settings.bump_format = values.choice("bumpformat", bump_formats()).value_or(settings.bump_format);
+  settings.bump_format = values.choice("bumpformat", kBumpFormats).value_or(settings.bump_format);
   if (const auto green = values.choice("green", kGreenAxes)) settings.green = green;
   if (values.flag("signed") || values.flag("unsigned")) settings.is_signed = values.flag("signed");
   if (values.flag("two_channel")) settings.two_channel = true;

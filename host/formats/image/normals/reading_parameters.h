@@ -10,9 +10,6 @@
 
 namespace multum {
 
-/// The words of the parameter `bumpformat`.
-const Choices<BumpFormat>& bump_formats();
-
 /// The parameter `surface`, where it is given.
 std::optional<MapSurface> map_surface(const ParameterValues& values);
 

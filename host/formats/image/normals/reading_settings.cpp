@@ -30,35 +30,28 @@ std::optional<bool> parse_yes_or_no(const std::string& text) {
 }  // namespace
 
 void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& json) {
-  for (const auto& [word, format] : bump_formats())
-    if (format == settings.bump_format) json["bump_format"] = word;
-  json["green"] = !settings.green ? "auto" : *settings.green == GreenAxis::kUp ? "up" : "down";
+  json["bump_format"] = choice_name(kBumpFormats, settings.bump_format);
+  json["green"] = settings.green ? choice_name(kGreenAxes, *settings.green) : "auto";
   json["signed"] = yes_or_no(settings.is_signed);
   json["two_channel"] = yes_or_no(settings.two_channel);
-  if (settings.z_range) json["z_range"] = *settings.z_range == ZRange::kSigned ? "signed" : "positive";
+  if (settings.z_range) json["z_range"] = choice_name(kZRanges, *settings.z_range);
   json["height_scale"] = settings.height_scale;
   if (settings.dequantize) json["dequantize"] = true;
   if (settings.normal_scale != 1.0f) json["normal_scale"] = settings.normal_scale;
   json["wrap"] = std::string(wrap_name(settings.wrap_s, settings.wrap_s_origin)) + "," +
                  wrap_name(settings.wrap_t, settings.wrap_t_origin);
-  json["fixnan"] = settings.fix_nan == FixNan::kNone ? "none" : settings.fix_nan == FixNan::kBlack ? "black" : "box3";
+  json["fixnan"] = choice_name(kFixNans, settings.fix_nan);
 }
 
 NormalMapSettings parse_reading_settings(const std::string& text) {
   NormalMapSettings settings;
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return settings;
-  const std::string bump_format = text_of(json, "bump_format");
-  for (const auto& [word, format] : bump_formats())
-    if (word == bump_format) settings.bump_format = format;
-  const std::string green = text_of(json, "green");
-  if (green == "up") settings.green = GreenAxis::kUp;
-  if (green == "down") settings.green = GreenAxis::kDown;
+  settings.bump_format = find_choice(kBumpFormats, text_of(json, "bump_format")).value_or(settings.bump_format);
+  settings.green = find_choice(kGreenAxes, text_of(json, "green"));
   settings.is_signed = parse_yes_or_no(text_of(json, "signed"));
   settings.two_channel = parse_yes_or_no(text_of(json, "two_channel"));
-  const std::string z_range = text_of(json, "z_range");
-  if (z_range == "signed") settings.z_range = ZRange::kSigned;
-  if (z_range == "positive") settings.z_range = ZRange::kPositive;
+  settings.z_range = find_choice(kZRanges, text_of(json, "z_range"));
   const auto scale = json.find("height_scale");
   if (scale != json.end() && scale->is_number() && std::isfinite(scale->get<float>()) && scale->get<float>() != 0.0f)
     settings.height_scale = scale->get<float>();
@@ -74,9 +67,7 @@ NormalMapSettings parse_reading_settings(const std::string& text) {
   if (wrap_t == "auto") settings.wrap_t_origin = WrapOrigin::kFound;
   settings.wrap_s = parse_wrap_mode(wrap.substr(0, comma)).value_or(settings.wrap_s);
   settings.wrap_t = parse_wrap_mode(wrap_t).value_or(settings.wrap_t);
-  const std::string fix_nan = text_of(json, "fixnan");
-  if (fix_nan == "none") settings.fix_nan = FixNan::kNone;
-  if (fix_nan == "black") settings.fix_nan = FixNan::kBlack;
+  settings.fix_nan = find_choice(kFixNans, text_of(json, "fixnan")).value_or(settings.fix_nan);
   return settings;
 }
 

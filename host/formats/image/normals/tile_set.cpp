@@ -320,10 +320,7 @@ std::string with_green(const std::string& record, TileSet& set, const TileSet::G
   Json json = parse_record(record);
   Json tiles = Json::array();
   for (const std::string& tile : green.asked) tiles.push_back({tile, set.file_hash(tile)});
-  json["green"] = {{"axis", !green.axis                     ? "undecided"
-                            : *green.axis == GreenAxis::kUp ? "up"
-                                                            : "down"},
-                   {"tiles", tiles}};
+  json["green"] = {{"axis", green.axis ? choice_name(kGreenAxes, *green.axis) : "undecided"}, {"tiles", tiles}};
   return json.dump();
 }
 

@@ -42,8 +42,8 @@ TEST(RepresentationTest, TexturesAreThoseOfTheFormat) {
   }
   EXPECT_EQ(textures("moments", 0), 2);
   EXPECT_EQ(textures("moments", 2), 4);
-  EXPECT_EQ(textures("sh", 0), 7) << "25 coefficients";
-  EXPECT_EQ(textures("sh", 2), 9);
+  EXPECT_EQ(textures("sh", 0), 6) << "24 coefficients: the first is a constant";
+  EXPECT_EQ(textures("sh", 2), 8);
 }
 
 // Level 0 has a normal as its family does, and gives it back as others take it.

@@ -164,6 +164,62 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   EXPECT_EQ(bake_parameters().at("iterations").default_text, "12");
 }
 
+// Files keep their settings hash: the texts, all but kernels, are those of the programs before the rows had them.
+TEST(ParameterTable, HashedTextsKeepTheirBytes) {
+  const auto text = [](std::initializer_list<std::pair<const char*, ParameterValue>> values) {
+    BakeJob job;
+    apply(bake_values(values), job);
+    Json json = Json::parse(all_settings_json(job));
+    json.erase("kernels");
+    return json.dump();
+  };
+  EXPECT_EQ(text({}),
+            R"({"albedo":"","align":0.10000000149011612,"aligned_start":true,"bump_format":"auto",)"
+            R"("coarse_normals":"condensed","compression":"zip:1","encoding":"snorm16","first_level":0,)"
+            R"("fixnan":"box3","green":"auto","height_scale":1.0,"iterations":12,"iterations_again":6,)"
+            R"("iterations_coarse":30,"iterations_top":60,"kappa_cap":500.0,"kappa_cap_slope":10.0,"lobes":4,)"
+            R"("order":"colour","periodic":[true,true],"rehearse_start":true,"representation":"movmf",)"
+            R"("settled_change":0.009999999776482582,"signed":"auto","start_amplitude_min":0.019999999552965164,)"
+            R"("start_kappa_factor":0.5,"sweeps":2,"two_channel":"auto","wrap":"periodic,periodic"})");
+  EXPECT_EQ(text({{"reference", true},
+                  {"unaligned", true},
+                  {"lobes", std::int64_t{3}},
+                  {"iterations", std::int64_t{7}},
+                  {"passes", std::int64_t{2}},
+                  {"refit_iterations", std::int64_t{5}},
+                  {"order", "scanline"},
+                  {"coarse_normals", "all"},
+                  {"no_start_search", true},
+                  {"farthest_start", true},
+                  {"align", 0.25},
+                  {"kappa_cap", 300.0},
+                  {"bumpformat", "normal"},
+                  {"green", "down"},
+                  {"unsigned", true},
+                  {"z_range", "positive"},
+                  {"normal_scale", 2.0},
+                  {"fixnan", "black"},
+                  {"wrap", "clamp"},
+                  {"twrap", "mirror"},
+                  {"surface", "interpolated"},
+                  {"data_format", "half"},
+                  {"compression", "zip:4"}}),
+            R"({"albedo":"","align":0.25,"aligned_start":false,"bump_format":"normal","coarse_normals":"all",)"
+            R"("compression":"zip:4","encoding":"half","farthest_start":true,"first_level":1,"fixnan":"black",)"
+            R"("green":"down","height_scale":1.0,"iterations":7,"iterations_again":5,"iterations_coarse":7,)"
+            R"("iterations_top":60,"kappa_cap":300.0,"kappa_cap_slope":10.0,"lobes":3,"normal_scale":2.0,)"
+            R"("order":"scanline","periodic":[false,false],"rehearse_start":false,"representation":"movmf",)"
+            R"("settled_change":0.0,"signed":"no","start_amplitude_min":0.019999999552965164,)"
+            R"("start_kappa_factor":0.5,"surface":"interpolated","sweeps":2,"two_channel":"auto",)"
+            R"("wrap":"clamp,mirror","z_range":"positive"})");
+  const std::string refined = text({{"refine", true}, {"ndf", "vmf"}});
+  EXPECT_NE(refined.find(R"("periodic":[true,true],"refined":true,"rehearse_start":true)"), std::string::npos);
+  EXPECT_EQ(text({{"ndf", "sh"}, {"sh_order", std::int64_t{3}}, {"green", "up"}}),
+            R"({"albedo":"","bump_format":"auto","compression":"zip:1","encoding":"half","first_level":0,)"
+            R"("fixnan":"box3","green":"up","height_scale":1.0,"representation":"sh","sh_order":3,"signed":"auto",)"
+            R"("two_channel":"auto","wrap":"periodic,periodic"})");
+}
+
 TEST(ParameterTable, HashKeysAreTheSettingsThatFilesState) {
   const Json before = Json::parse(all_settings_json(BakeJob()));
   for (const Parameter& row : bake_parameters().rows()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/formats/decoder/mesh_import.h"
+#include "host/formats/decoder/assimp_scene.h"
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>

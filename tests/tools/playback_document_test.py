@@ -4,7 +4,7 @@
 its parts: the path through the parameters, errors and their places,
 values between points of a curve, colours of videos.
 
-  tests/layering/playback_document_test.py --programs FOLDER
+  tests/tools/playback_document_test.py --programs FOLDER
 """
 import ctypes.util
 import json

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "host/formats/decoder/mesh_import.h"
+#include "host/formats/decoder/assimp_scene.h"
 #include "host/formats/mesh/tangent_space.h"
 
 namespace multum {

@@ -12,7 +12,7 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include "host/formats/decoder/mesh_import.h"
+#include "host/formats/decoder/assimp_scene.h"
 
 namespace multum {
 namespace {

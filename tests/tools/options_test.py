@@ -3,7 +3,7 @@
 """docs/OPTIONS.md has every option that the help of `multum bake`, `export`, `gltf`, `look`, `pack`, of `multum-view`
 and of its subcommands prints, with its default, and no other. A program that was not built is passed over.
 
-  tests/layering/options_test.py --programs FOLDER
+  tests/tools/options_test.py --programs FOLDER
 """
 import pathlib
 import re
