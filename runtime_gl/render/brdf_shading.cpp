@@ -3,6 +3,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include "host/formats/asset/baked_file.h"
 #include "host/formats/brdf/facet_distribution.h"
 #include "host/formats/brdf/fresnel.h"
 #include "host/formats/brdf/measured_brdf.h"

@@ -73,7 +73,7 @@ class CliTest : public ::testing::Test {
   /// already, as in a worker of the service. One with --threads is a program of its own, since a process keeps the
   /// threads that it began with.
   static ProgramResult multum(const std::vector<std::string>& arguments);
-  /// Whether this build of multum has it: it may lack a part (tools/multum/absent_commands.h).
+  /// Whether this build of multum has it: it may lack a part (tools/command_line/absent_commands.h).
   static bool has_command(const std::string& name);
   /// The program itself.
   static ProgramResult multum_program(const std::vector<std::string>& arguments);

@@ -7,7 +7,7 @@
 
 #include "tests/cli/program.h"
 #include "tests/unit/formats/image/image_test_files.h"
-#include "tools/multum/absent_commands.h"
+#include "tools/command_line/absent_commands.h"
 
 namespace multum::testing {
 namespace {
@@ -284,7 +284,7 @@ TEST_F(RefusalTest, WrongCommandLines) {
 }
 
 TEST_F(RefusalTest, CommandsThatABuildLacks) {
-  CLI::App app;
+  CLI::App app("", "multum");
   add_absent_commands(app, {"serve"}, "farm", "MULTUM_FARM");
   EXPECT_EQ(app.help().find("serve"), std::string::npos);
   for (const std::string words : {"serve", "serve --data x --config y", "serve --help"}) {

@@ -21,8 +21,7 @@ void submit(const nlohmann::json& body) {
                               PathRoots({fuzz::scratch_folder()}),
                               {}};
   const SubmitRequest asked = parse_submit(body, roots, {}, 1);
-  const nlohmann::json parameters = asked.parameters();
-  job_arguments(find_job_type(asked.job.type), parameters, "out");
+  job_arguments(find_job_type(asked.job.type), asked.parameters, "out");
 }
 
 constexpr char kSettingsFile[] = R"(data = "jobs"

@@ -154,7 +154,7 @@ MovmfMipmap bake(const NormalMap& map, const WeightMap* weights, bool has_roughn
   normals.set_shortened(has_roughness);
   std::optional<PlaneStore> colours;
   if (albedo != nullptr) colours = planes_of(*albedo);
-  MovmfBakeInputs inputs;
+  MapInputs inputs;
   inputs.normals = &normals;
   inputs.features = FeaturePlanes::of(colours ? &*colours : nullptr, weights);
   FitReport report;

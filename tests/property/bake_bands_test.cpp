@@ -128,7 +128,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
 
   std::optional<PlaneStore> normals_, albedo_;
   WeightMap weights_;
-  MovmfBakeInputs inputs_;
+  MapInputs inputs_;
   MovmfSettings settings_;
   FitReport report_;
 };

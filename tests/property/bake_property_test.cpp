@@ -223,10 +223,9 @@ TEST(BakeOrderTest, ScanlineConservesTooAndDiffers) {
 TEST(StartMemory, TakesTheSameStart) {
   const NormalMap map = random_map(24, 16, 11);
   StartMemory memory;
-  MovmfBakeInputs inputs;
+  MapInputs inputs;
   const PlaneStore planes = planes_of(map);
   inputs.normals = &planes;
-  inputs.starts = &memory;
   MovmfSettings two;
   two.lobe_count = 2;
   MovmfSettings refined = two;
@@ -235,7 +234,7 @@ TEST(StartMemory, TakesTheSameStart) {
   one_pass.pass_count = 1;
   const auto check = [&](const MovmfSettings& settings, bool is_known) {
     FitReport report;
-    const MovmfMipmap mipmap = bake_movmf(test_device(), inputs, settings, report, nullptr);
+    const MovmfMipmap mipmap = bake_movmf(test_device(), inputs, settings, report, nullptr, &memory);
     EXPECT_TRUE(same_pixels(mipmap, bake(map, settings)));
     EXPECT_EQ(report.start_launches == 0, is_known);
     EXPECT_EQ(report.start_remembered.processor_seconds > 0.0, is_known);

@@ -263,8 +263,8 @@ class Pair {
     const JobQueue::Recovered recovered = queue_->recover(now_);
     model_.restart(now_);
     bool is_in_place = true;
-    for (const auto& [job, identity] : recovered.publishing) {
-      RC_ASSERT(identity == "1:2");
+    for (const Job& job : recovered.publishing) {
+      RC_ASSERT(job.result_identity == "1:2");
       publish(job.id, is_in_place = !is_in_place);
     }
   }

@@ -2,7 +2,7 @@
 // What addon_test.mjs asks of a page: scenes that three.js draws with @multum/three, as linear floats.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
-import { addLobes, GltfLobes, LobeLoader, lobesOf, removeLobes } from "@multum/three";
+import { addLobes, addPoints, GltfLobes, LobeLoader, lobesOf, removeLobes, removePoints } from "@multum/three";
 import { compared, toByte } from "./linear_pictures.js";
 
 const renderer = new THREE.WebGLRenderer({ antialias: false });
@@ -146,5 +146,5 @@ async function png(pixels, width, height) {
   return btoa(text);
 }
 
-globalThis.lab = { THREE, renderer, addLobes, LobeLoader, lobesOf, removeLobes, loadLobes, loadModel, loadNormals,
+globalThis.lab = { THREE, renderer, addLobes, addPoints, LobeLoader, lobesOf, removeLobes, removePoints, loadLobes, loadModel, loadNormals,
   drawn, cameraAt, VIEWS, surface, directional, sceneOf, planeGeometry, compared, beside, png };

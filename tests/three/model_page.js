@@ -5,7 +5,7 @@ import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
-import { GltfLobes, lobesOf } from "@multum/three";
+import { addPoints, GltfLobes, lobesOf } from "@multum/three";
 import { compared, toByte } from "./linear_pictures.js";
 
 const TILE = 1024; // pixels a side that are drawn at once
@@ -28,19 +28,25 @@ function load(model) {
   return loaded.get(key);
 }
 
-/** `lobes`: by the plugin; `unfiltered`: its maps of normals and of the surface have no mips. */
-async function loadAnew({ url, lobes = false, unfiltered = false }) {
+/**
+ * `lobes`: by the plugin; `points`: evaluations of a pixel's light without lobes, three.js's own shading where unset;
+ * `options`: of either; `unfiltered`: its maps of normals and of the surface have no mips. All maps have the renderer's
+ * most anisotropic filter.
+ */
+async function loadAnew({ url, lobes = false, points, options = {}, unfiltered = false }) {
   const loader = new GLTFLoader().setKTX2Loader(ktx2);
-  if (lobes) loader.register((parser) => new GltfLobes(parser, renderer));
-  const gltf = await loader.loadAsync(url);
-  if (unfiltered)
-    for (const material of materialsOf(gltf.scene))
-      for (const name of DATA_MAPS) {
-        if (!material[name]) continue;
-        material[name].minFilter = THREE.LinearFilter;
-        material[name].generateMipmaps = false;
-        material[name].needsUpdate = true;
-      }
+  if (lobes) loader.register((parser) => new GltfLobes(parser, renderer, options));
+  const gltf = await loader.loadAsync(url), anisotropy = renderer.capabilities.getMaxAnisotropy();
+  for (const material of materialsOf(gltf.scene)) {
+    for (const [name, map] of Object.entries(material)) {
+      if (!map?.isTexture) continue;
+      if (unfiltered && DATA_MAPS.includes(name)) Object.assign(map, { minFilter: THREE.LinearFilter, generateMipmaps: false });
+      else map.anisotropy = anisotropy;
+      map.needsUpdate = true;
+    }
+    if (points !== undefined && material.isMeshStandardMaterial)
+      addPoints(material, { evaluations: points, ...options });
+  }
   return gltf;
 }
 
@@ -129,7 +135,7 @@ function framed(model, { direction, distance, ...view }) {
 }
 
 /**
- * `models`: [{ url, lobes }], the first the one whose unfiltered samples are the reference. `asked`: { eye, target,
+ * `models`: [{ url, lobes, points, options }], the first the one whose unfiltered samples are the reference. `asked`: { eye, target,
  * angle, width, height, samples, frames, edges, light, intensity, room, crop, zoom }, or direction and distance in
  * place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom, strip }, the reference first
  * in the strip; `lobed`: how many materials draw lobes.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { models: [{ file, lobes }], views: [of
+// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { models: [{ file, lobes, points, options }], views: [of
 // model_page.js, named] }, the first model the one that the reference is of, files beside the plan. Writes
 // NAME.jpg of each view to OUT; prints JSON: by view, error and energy of each model. Exit code 77: no browser here.
 //
@@ -17,7 +17,7 @@ const { chromium } = await import("../service/web/node_modules/playwright-core/i
 const { page, complaints, close } = await openPage(chromium, { package: packageFolder, files: path.dirname(planFile),
   script: "model_page.js" });
 try {
-  const models = plan.models.map(({ file, lobes }) => ({ url: `/files/${file}`, lobes }));
+  const models = plan.models.map(({ file, ...ways }) => ({ url: `/files/${file}`, ...ways }));
   const found = {};
   for (const { name, ...view } of plan.views) {
     page.setDefaultTimeout(600000);

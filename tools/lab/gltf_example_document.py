@@ -20,7 +20,8 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MODULES = ROOT / "tests" / "service" / "web" / "node_modules"
 DISTANCES = (1, 5, 25, 50)  # metres
-WAYS = ("plain mips", "one lobe", "lobes")
+EVALUATIONS = 4  # of @multum/three, in a pixel
+WAYS = ("plain mips", "points", "one lobe", "lobes")
 VIEW = {"direction": [0.3, 0.1, 1.0], "angle": 45, "width": 200, "height": 250, "samples": 12, "frames": 1, "edges": 4,
         "light": [1.0, 1.0, 0.6], "intensity": 3.0, "room": 0.3}
 PAGE = """# Models with lobes
@@ -33,21 +34,18 @@ light and three.js's RoomEnvironment. Left to right:
 
 1. the reference: {samples} x {samples} samples a pixel of the model before, whose maps of normals and roughness have no
    mips, averaged in linear light;
-2. *plain mips*: the model before, as three.js draws it;
-3. *one lobe*: the model after, as a viewer that does not know `MULTUM_lobes` draws it;
-4. *lobes*: the model after, with `@multum/three`.
+2. *plain mips*: the model before, as three.js draws it, its light evaluated once a pixel;
+3. *points*: the model before, shaded at {evaluations} points of each pixel (`addPoints` of `@multum/three`);
+4. *one lobe*: the model after, as a viewer that does not know `MULTUM_lobes` draws it, its light evaluated once;
+5. *lobes*: the model after, with `@multum/three`, which spends {evaluations} evaluations on points or on lobes.
 
-2 to 4 are one frame each, with {edges} samples of edges. What is small is shown enlarged. Errors are those of exactly
+2 to 5 are one frame each, with {edges} samples of edges and the most anisotropic filter that WebGL has here. What is small is shown enlarged. Errors are those of exactly
 these pictures: relative L1, the sum over pixels and colours of |picture - reference| over that of the reference, in
 linear light; in brackets the sum of the picture over that of the reference. Edges, and parts that are smaller than a
 pixel, are in all of them, whatever the textures say.
 
-Lobes gain where normals differ within a pixel and the surface between them is smooth. Near, one normal a pixel is all
-there is, and the ways differ by what lies between texels: where maps are rough, as on the tower, fitted textures are
-farther off than the map itself. From afar it depends on the map: here it is bumps of metal that become smaller than a
-pixel, a helmet whose maps are smoother than its shape, the bands and boards of a barrel, stone and wood of a tower full
-of edges, and the cloth of a corset, so rough itself that its bumps hardly matter. [EXPORT](EXPORT.md) and
-[LOBE_TEXTURES](LOBE_TEXTURES.md) have rough maps on smooth surfaces.
+*One lobe* costs nothing more than plain mips. Where it is farther off than they are, the table says so: near, its
+texture is another encoding of the artist's map.
 """
 SECTION = """
 ## {stem}
@@ -107,7 +105,9 @@ def section(multum, model, credit, images, folder):
         shutil.copy(file, folder)
     run(multum, "gltf", model, "--lobes", "-o", folder / "dressed.glb", "--encoder", MODULES, "--report",
         folder / "report.json")
-    plan = {"models": [{"file": model.name}, {"file": "dressed.glb"}, {"file": "dressed.glb", "lobes": True}],
+    plan = {"models": [{"file": model.name}, {"file": model.name, "points": EVALUATIONS},
+                       {"file": "dressed.glb"}, {"file": "dressed.glb", "lobes": True,
+                                                  "options": {"evaluations": EVALUATIONS}}],
             "views": [{**VIEW, "name": str(distance), "distance": distance} for distance in DISTANCES]}
     (folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
     drawn = json.loads(run("node", ROOT / "tests/three/model_pictures.mjs", folder / "shaders/three",
@@ -137,7 +137,7 @@ def main():
     options = parser.parse_args()
     multum = options.programs / "multum"
     numbers = {key: VIEW[key] for key in ("width", "height", "angle", "samples", "edges")}
-    page = PAGE.format(**numbers)
+    page = PAGE.format(**numbers, evaluations=EVALUATIONS)
     for file, credit in options.model:
         with tempfile.TemporaryDirectory() as name:
             run(multum, "shaders", "-o", pathlib.Path(name) / "shaders")

@@ -2,7 +2,7 @@
 // In place of tools/multum/farm, where the CMake option MULTUM_FARM is off.
 #include <nlohmann/json.hpp>
 
-#include "tools/multum/absent_commands.h"
+#include "tools/command_line/absent_commands.h"
 #include "tools/multum/commands.h"
 
 namespace multum {
@@ -15,6 +15,6 @@ void add_farm_commands(CLI::App& app, int*, CheckWords) {
       "MULTUM_FARM");
 }
 
-nlohmann::json job_schemas() { return nlohmann::json::object(); }
+nlohmann::ordered_json job_schemas() { return nlohmann::ordered_json::object(); }
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // In the place of fields/field_commands.cpp where fields are not built.
 #include "host/foundation/base/error.h"
-#include "tools/multum/absent_commands.h"
+#include "tools/command_line/absent_commands.h"
 #include "tools/multum/fields/field_commands.h"
 
 namespace multum {

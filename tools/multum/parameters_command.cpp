@@ -49,10 +49,11 @@ Json row_json(const Parameter& row) {
 }
 
 // Of all tables, and the schemas of jobs that follow from them (docs/openapi.json).
-Json all_json() {
-  Json json = {{"commands", Json::object()}, {"schemas", job_schemas()}};
+nlohmann::ordered_json all_json() {
+  nlohmann::ordered_json json = {{"commands", nlohmann::ordered_json::object()}, {"schemas", job_schemas()}};
   for (const ParameterTable* table : parameter_tables())
-    for (const Parameter& row : table->rows()) json["commands"][table->command()].push_back(row_json(row));
+    for (const Parameter& row : table->rows())
+      json["commands"][table->command()].push_back(nlohmann::ordered_json(row_json(row)));
   return json;
 }
 

@@ -13,6 +13,7 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/nearest_name.h"
+#include "tools/command_line/absent_commands.h"
 #include "tools/command_line/before_command.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/multum_view/driver_faults.h"
@@ -120,6 +121,7 @@ void add_commands(CLI::App& app, CommandOptions& options) {
     added->footer(command.examples);
     command.add(*added, options);
   }
+  if (field_commands().empty()) add_absent_commands(app, {"sample", "play", "probe"}, "fields", "MULTUM_FIELDS");
 }
 
 /// For a word that names no file, in the place of a subcommand; else empty.

@@ -199,7 +199,8 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   report.stored_only = job.stored_only;
   report.device = device.info().name;
   const MovmfSettings fitting = fitting_settings(job, header.wrap_s, header.wrap_t);
-  ndf_bake(job.representation).bake({job, device, source, header, fitting, memory_bytes, clock}, report, progress);
+  ndf_bake(job.representation)
+      .bake({map_inputs(job, source, memory_bytes), job, device, source, header, fitting, clock}, report, progress);
   report_counts(counts, device, report);
   warn_of_diffuse_error(job, report);
   if (!job.report.empty()) write_text_file(job.report, report.to_json());

@@ -4,7 +4,7 @@
 
 #include "host/bakes/accuracy/accuracy.h"
 #include "host/bakes/bake/bake_report.h"
-#include "host/bakes/movmf/movmf_inputs.h"
+#include "host/bakes/movmf/row_origin.h"
 #include "host/formats/asset/lobes/movmf_writer.h"
 
 namespace multum {

@@ -41,8 +41,9 @@ class RoundingSink : public Sink {
 
 /// Inputs of a bake of averages, from its source; `waiting_bytes`: what its writer holds (memory_beside_writer()).
 inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
-  return {{&run.source.map.normals, run.source.features(), memory_beside_writer(run, waiting_bytes), run.job.threads},
-          run.header.first_level};
+  AverageInputs inputs{run, run.header.first_level};
+  inputs.memory_bytes = memory_beside_writer(run, waiting_bytes);
+  return inputs;
 }
 
 /// Settings of the measurement of a bake's error; BakeJob::highlights come behind the BRDFs that are measured of every

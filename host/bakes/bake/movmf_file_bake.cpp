@@ -11,7 +11,6 @@
 #include "host/bakes/bake/file_bake_steps.h"
 #include "host/bakes/bake/output_state.h"
 #include "host/bakes/bake/shard_source.h"
-#include "host/bakes/movmf/gathered_shards.h"
 #include "host/bakes/movmf/map_shard.h"
 #include "host/bakes/movmf/movmf_bake.h"
 #include "host/formats/asset/lobes/lobe_family.h"
@@ -67,20 +66,6 @@ std::uint64_t waiting_bytes(const BakeRun& run) {
          (header.first_level == 0 ? tile_row_bytes(header, 0, tile, 4 + features) : 0);
 }
 
-MovmfBakeInputs fit_inputs(const BakeRun& run) {
-  MovmfBakeInputs inputs{{&run.source.map.normals, run.source.features(), run.memory_bytes, run.job.threads}};
-  inputs.spill.scratch_folder = scratch_folder(run.job);
-  inputs.starts = run.job.starts.get();
-  return inputs;
-}
-
-// Rows go to the share.
-class NoSink : public MovmfSink {
- public:
-  void add_level(int, int, MovmfLevel) override {}
-  void add_finest(int, MovmfFinest) override {}
-};
-
 void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   const MapShard& shard = *job.shard;
@@ -89,17 +74,30 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
   if (shard.index > 0) coarse.emplace(job.output, MapShard{0, shard.count}, key);
   ShardWriter writer(report.shard, key, shard.index > 0 ? "" : shard_note(job, run.source));
   if (shard.index == 0) write_map_rows(run.source, writer);
-  const ShardInputs share{shard, &writer, coarse ? &*coarse : nullptr};
-  MovmfBakeInputs inputs = fit_inputs(run);
-  inputs.shard = &share;
-  NoSink sink;
+  ShareRows rows(run.spill, shard, plan_shard(make_mip_schedule(*run.normals, run.fitting), run.fitting, shard), writer,
+                 coarse ? &*coarse : nullptr);
   const auto units = movmf_bake_units(run.header.width, run.header.height, job.fitting.first_level);
   progress_start(progress, shard.index == 0 ? units : units / static_cast<std::uint64_t>(shard.count));
-  bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);
+  bake_movmf(run.device, run, run.fitting, rows, job.starts.get(), report.fit, progress);
   run.clock.finish("fit");
   progress_stage(progress, "write");
   writer.commit();
   run.clock.finish("write");
+}
+
+// Of a file that is no share.
+std::unique_ptr<RowOrigin> make_rows(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output) {
+  const BakeJob& job = run.job;
+  const std::string key = rows_key(header.header.provenance);
+  if (job.merged_shards > 0)
+    return std::make_unique<GatheredRows>(
+        &output, GatheredShards(job.output, job.merged_shards, key, *run.normals, run.features, run.fitting));
+  if (!job.onto.empty()) return std::make_unique<RegionBake>(job.onto, header, *job.region, run.spill, output);
+  auto checkpoint = BakeCheckpoint::open(job.output, key, job.resume);
+  // Another process bakes the same output.
+  if (checkpoint == nullptr) return std::make_unique<RowOrigin>(&output, run.spill);
+  const bool has_finest = job.resume || std::int64_t{run.header.width} * run.header.height > kQuickTexels;
+  return std::make_unique<ResumedRows>(&output, run.spill, std::move(checkpoint), has_finest);
 }
 
 // A region alone, or all of the map.
@@ -119,29 +117,16 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
     run.device.prepare({MovmfModel::program(job.representation, job.fitting.lobe_count, job.fitting.first_level)});
   }
   BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report.output);
-  MovmfBakeInputs inputs = fit_inputs(run);
-  inputs.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
-  std::optional<RegionBake> region;
-  std::unique_ptr<BakeCheckpoint> checkpoint;
-  std::optional<GatheredShards> gathered;
-  const std::string key = rows_key(header.header.provenance);
-  if (job.merged_shards > 0)
-    gathered.emplace(job.output, job.merged_shards, key, run.source.map.normals, run.source.features(), run.fitting);
-  else if (job.onto.empty()) checkpoint = BakeCheckpoint::open(job.output, key, job.resume);
-  else region.emplace(job.onto, header, *job.region, inputs.spill, output);
-  inputs.gathered = gathered ? &*gathered : nullptr;
-  inputs.region = region ? &*region : nullptr;
-  inputs.checkpoint = checkpoint.get();
-  inputs.checkpoint_has_finest = job.resume || std::int64_t{width} * height > kQuickTexels;
-  MovmfSink& sink = region ? static_cast<MovmfSink&>(*region) : output;
+  MapInputs map = run;
+  map.writer_bytes = run.memory_bytes - memory_beside_writer(run, waiting_bytes(run));
+  const std::unique_ptr<RowOrigin> rows = make_rows(run, header, output);
   try {
-    bake_movmf(run.device, inputs, run.fitting, sink, report.fit, progress);
+    bake_movmf(run.device, map, run.fitting, *rows, job.starts.get(), report.fit, progress);
   } catch (const Cancelled&) {
-    if (job.resume && checkpoint != nullptr) checkpoint->leave();
+    if (job.resume) rows->leave();
     throw;
   }
-  if (region) region->finish();
-  if (checkpoint != nullptr) report.rows_resumed = checkpoint->rows_resumed();
+  report.rows_resumed = rows->rows_resumed();
   run.clock.finish("fit");
   warn_of_sharp_lobes(job, header, report.output);
   measure_and_commit(run, meter ? &*meter : nullptr, level_units, writer, report, progress);
@@ -150,7 +135,7 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
 
 std::unique_ptr<AccuracyMeter> try_lobes(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                          Progress* progress) {
-  MovmfMipmap mipmap = bake_movmf(run.device, fit_inputs(run), run.fitting, report.fit, progress);
+  MovmfMipmap mipmap = bake_movmf(run.device, run, run.fitting, report.fit, progress, run.job.starts.get());
   mipmap.header.encoding = run.header.encoding;
   mipmap.header.mean_cosine = run.header.mean_cosine;
   quantize_movmf(mipmap, run.job.threads);

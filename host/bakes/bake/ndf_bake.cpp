@@ -11,6 +11,12 @@
 
 namespace multum {
 
+MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t memory_bytes) {
+  MapInputs inputs{&source.map.normals, source.features(), memory_bytes, job.threads};
+  inputs.spill.scratch_folder = scratch_folder(job);
+  return inputs;
+}
+
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count) {
   const auto texels = static_cast<std::uint64_t>(mip_level_size(header.width, level)) *
                       static_cast<std::uint64_t>(std::min(tile_size, mip_level_size(header.height, level)));
@@ -54,12 +60,12 @@ std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const Bak
   job.fitting.first_level = std::min(std::max(job.fitting.first_level, accuracy.first_level), coarsest);
   accuracy.threads = job.threads;
   StageClock clock(report);
-  const BakeRun run{job,
+  const BakeRun run{map_inputs(job, source, machine_memory_bytes() / 4),
+                    job,
                     device,
                     source,
                     baked_header_of(job, source),
                     fitting_settings(job, source.map.report.wrap_s, source.map.report.wrap_t),
-                    machine_memory_bytes() / 4,
                     clock};
   return ndf_bake(job.representation).try_bake(run, accuracy, report, progress);
 }

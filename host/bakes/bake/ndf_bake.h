@@ -26,16 +26,18 @@ class StageClock {
   Stopwatch stopwatch_;
 };
 
-/// One bake, its source read.
-struct BakeRun {
+/// One bake, its source read: what is baked, in as much memory as there is, with whatever its job says.
+struct BakeRun : MapInputs {
   const BakeJob& job;
   Device& device;
   const BakeSource& source;
-  BakedHeader header;          // of the file to be
-  MovmfSettings fitting;       // fitting_settings() of the map
-  std::uint64_t memory_bytes;  // for windows and buffers
+  BakedHeader header;     // of the file to be
+  MovmfSettings fitting;  // fitting_settings() of the map
   StageClock& clock;
 };
+
+/// What a job and its source give to a bake in so much memory.
+MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t memory_bytes);
 
 /// Bytes that the writer holds of a level until a row of tiles is full, at `value_count` values per texel, with the
 /// buffers that turn floats into halfs.

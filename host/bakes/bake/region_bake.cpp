@@ -165,28 +165,50 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
 
 RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region,
                        const SpillPolicy& spill, BakeOutput& output)
-    : old_(old), header_(header), region_(region), spill_(spill), output_(output), next_row_(header.levels.size(), 0) {
+    : RowOrigin(this, spill),
+      old_(old),
+      header_(header),
+      region_(region),
+      output_(output),
+      next_row_(header.levels.size(), 0) {
   check_old(old, old_.header(), header);
   // Of settings, which a header that changes are looked for with has not yet.
   check_same(old, "a surface of", baked_surface(old_.header().header), baked_surface(header.header));
   check_region(region, header);
 }
 
-TexelRange RegionBake::range(int level) const {
+TexelRange RegionBake::texels(int level) const {
   const MovmfLevel& size = header_.levels[static_cast<std::size_t>(level)];
   const auto [x0, x1] = touched(region_.x, region_.width, header_.width(), size.width);
   const auto [y0, y1] = touched(region_.y, region_.height, header_.height(), size.height);
   return {x0, y0, x1, y1};
 }
 
-RowStore RegionBake::kept(int level) const {
+LevelTask RegionBake::begin(const LevelShape& level) {
+  start_from(old_lobes(level.level));
+  return RowOrigin::begin(level);
+}
+
+// Rows that were fitted hold, beside the region, what was there.
+void RegionBake::end() {
+  const TexelRange where = texels(level_.level);
+  std::vector<unsigned char> row(level_.lobe_row_bytes);
+  for (int y = where.y0; own_ && y < where.y1; ++y) {
+    own_->read(y, 1, row.data());
+    before_->write(y, 1, row.data());
+  }
+  own_ = std::move(before_);
+  RowOrigin::end();
+}
+
+RowStore RegionBake::old_lobes(int level) const {
   const MovmfLevel& size = header_.levels[static_cast<std::size_t>(level)];
   const auto width = static_cast<std::size_t>(size.width);
   const std::size_t lobes = size.lobes.size();
   RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), spill_);
   std::vector<MultumVmfLobe> rows(lobes * width);
   store.write(size.height - 1, 1, rows.data());  // what is not looked at is there, as zeros
-  const TexelRange where = range(level);
+  const TexelRange where = texels(level);
   for (int first = 0; first < size.height; first += old_.tile_size()) {
     if (!is_near(first, first + old_.tile_size(), where, size.height)) continue;
     const MovmfLevel stored = old_.read_level(level, first, std::min(old_.tile_size(), size.height - first));
@@ -231,7 +253,7 @@ void RegionBake::add_level(int level, int first_row, MovmfLevel rows) {
   copy_level_until(level, first_row);
   output_.round(rows);
   MovmfLevel merged = old_.read_level(level, first_row, rows.height);
-  const TexelRange where = range(level);
+  const TexelRange where = texels(level);
   for (std::size_t j = 0; j < rows.lobes.size(); ++j)
     copy_columns(rows.lobes[j], merged.lobes[j], rows.width, rows.height, where.x0, where.x1);
   for (std::size_t j = 0; j < rows.colours.size(); ++j)
@@ -246,7 +268,7 @@ void RegionBake::add_finest(int first_row, MovmfFinest rows) {
   output_.round(rows);
   MovmfFinest merged = old_.read_finest(first_row, rows.height);
   // What the parents that were fitted again cover: their lobes may have changed places.
-  TexelRange where = header_.levels.size() > 1 ? range(1) : range(0);
+  TexelRange where = header_.levels.size() > 1 ? texels(1) : texels(0);
   const bool to_the_end = header_.levels.size() == 1 || where.x1 == header_.levels[1].width;
   const int x0 = header_.levels.size() > 1 ? 2 * where.x0 : 0, x1 = to_the_end ? header_.width() : 2 * where.x1;
   copy_columns(rows.normals, merged.normals, rows.width, rows.height, x0, x1);

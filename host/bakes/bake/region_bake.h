@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/bakes/bake/bake_output.h"
-#include "host/bakes/movmf/movmf_fit.h"
+#include "host/bakes/movmf/row_origin.h"
 #include "host/bakes/pyramid/feature_planes.h"
 #include "host/formats/asset/lobes/movmf_reader.h"
 
@@ -39,7 +39,7 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
 /// Texels beyond a region's own that are fitted again on every level: what a texel's neighbours are held to.
 constexpr int kRegionHalo = 2;
 
-class RegionBake : public RegionInputs, public MovmfSink {
+class RegionBake : public RowOrigin, public MovmfSink {
  public:
   /// `old` is the file to bake onto, `header` says what will be written: both must agree in sizes, lobes, encoding,
   /// first level and colours. Throws Error(kInput) naming the file and what differs, Error(kUsage) for a region that is
@@ -47,14 +47,17 @@ class RegionBake : public RegionInputs, public MovmfSink {
   RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const SpillPolicy& spill,
              BakeOutput& output);
 
-  TexelRange range(int level) const override;
-  RowStore kept(int level) const override;
+  std::optional<TexelRange> range(int level) const override { return texels(level); }
+  LevelTask begin(const LevelShape& level) override;
+  void end() override;
   void add_level(int level, int first_row, MovmfLevel rows) override;
   void add_finest(int first_row, MovmfFinest rows) override;
   /// Copies what the old file has behind the last rows.
-  void finish();
+  void finish() override;
 
  private:
+  TexelRange texels(int level) const;
+  RowStore old_lobes(int level) const;
   void write_level(int level, int first_row, MovmfLevel rows);
   void write_finest(int first_row, MovmfFinest rows);
   void copy_level_until(int level, int row);
@@ -63,7 +66,6 @@ class RegionBake : public RegionInputs, public MovmfSink {
   mutable MovmfReader old_;
   const MovmfMipmap& header_;
   const MapRegion region_;
-  const SpillPolicy spill_;
   BakeOutput& output_;
   std::vector<int> next_row_;  // by level: the first row that is not written yet
 };

@@ -40,19 +40,21 @@ int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_b
 
 }  // namespace
 
-BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count,
-                        const PlanMemory& memory, const SpillPolicy& spill, const LaunchShape& shape) {
+BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, const MapInputs& map,
+                        const LaunchShape& shape) {
   BakePlan plan;
-  MULTUM_CHECK(memory.writer_bytes <= memory.bytes);
+  MULTUM_CHECK(map.writer_bytes <= map.memory_bytes);
   const bool on_device = shape.window_bytes_max > 0;
-  const std::uint64_t memory_bytes = on_device ? shape.window_bytes_max : memory.bytes - memory.writer_bytes;
-  const WindowMemory fitting{memory_bytes, on_device}, binning{on_device ? memory_bytes : memory.bytes, on_device};
+  const int rgb_plane_count = map.features.rgb_plane_count();
+  const std::uint64_t memory_bytes = on_device ? shape.window_bytes_max : map.memory_bytes - map.writer_bytes;
+  // Of binning the writer holds nothing yet.
+  const WindowMemory fitting{memory_bytes, on_device}, binning{on_device ? memory_bytes : map.memory_bytes, on_device};
   plan.memory_bytes = memory_bytes;
   const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
   const std::uint64_t useful =
       on_device ? shape.window_bytes_useful
                 : std::max(kUsefulWindowBytes, static_cast<std::uint64_t>(map_width) * kUsefulBytesAColumn);
-  plan.spill = spill;
+  plan.spill_bytes = map.spill.memory_bytes;
   for (const LevelSchedule& level : schedule.levels) {
     const int height = level.fit.height, map_height = level.fit.map_height;
     BandPlan& band = plan.levels[level.level];
@@ -82,7 +84,7 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
 std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const {
   std::string text =
       fmt::format("plan: windows and buffers of at most {} MiB; levels larger than {} MiB go to scratch files\n",
-                  memory_bytes >> 20, spill.memory_bytes >> 20);
+                  memory_bytes >> 20, spill_bytes >> 20);
   for (const LevelSchedule& level : schedule.levels) {
     const BandPlan& band = levels.at(level.level);
     const bool whole = band.band_rows >= level.fit.height;

@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names some rows of a level.
+// Names some rows of a level, or some of its texels.
 #pragma once
+
+#include <algorithm>
 
 namespace multum {
 
 /// Rows [begin, end). Of a map that repeats they may lie beyond its borders.
 struct LevelRows {
   int begin = 0, end = 0;
+};
+
+/// None where begin is not below end.
+inline LevelRows common_rows(const LevelRows& a, const LevelRows& b) {
+  return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
+}
+
+/// Texels [x0, x1) x [y0, y1) of a level.
+struct TexelRange {
+  int x0, y0, x1, y1;
 };
 
 }  // namespace multum

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/bakes/movmf/lobe_rows.h"
+#include "host/bakes/movmf/movmf_bake.h"
 #include "host/bakes/pyramid/average_pass.h"
 #include "host/bakes/pyramid/feature_planes.h"
 #include "host/formats/asset/lobes/lobe_family.h"
@@ -98,20 +99,19 @@ class NormalPlanes : public AveragedPlanes {
 
 }  // namespace
 
-bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settings) {
-  return settings.lobe_count == 1 && lobe_family(settings.representation).one_lobe_is_mean && inputs.region == nullptr;
+bool averages_suffice(const RowOrigin& rows, const MovmfSettings& settings) {
+  return settings.lobe_count == 1 && lobe_family(settings.representation).one_lobe_is_mean && !rows.range(0);
 }
 
-void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+void average_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, MovmfSink& sink,
                    FitReport& report, Progress* progress) {
-  MULTUM_CHECK(averages_suffice(inputs, settings));
-  const AverageInputs averages{inputs, settings.first_level};
+  const AverageInputs averages{map, settings.first_level};
   NormalPlanes planes(device, averages, settings, sink, report);
   AverageReport averaged;
   average_map(device, averages, planes, averaged, progress);
   report.plan = averaged.plan;
   // The pass counts as one level.
-  const int width = inputs.normals->width(), height = inputs.normals->height();
+  const int width = map.normals->width(), height = map.normals->height();
   progress_advance(progress, movmf_bake_units(width, height, settings.first_level) -
                                  static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
 }

@@ -5,17 +5,18 @@
 
 #include "host/bakes/movmf/bake_settings.h"
 #include "host/bakes/movmf/fit_report.h"
-#include "host/bakes/movmf/movmf_inputs.h"
+#include "host/bakes/movmf/row_origin.h"
+#include "host/bakes/pyramid/feature_planes.h"
 #include "host/formats/opencl/device.h"
 #include "host/foundation/base/progress.h"
 
 namespace multum {
 
-/// Do plain averages give what these settings ask for? Not for a region, which lies beside lobes that are there.
-bool averages_suffice(const MovmfBakeInputs& inputs, const MovmfSettings& settings);
+/// Do plain averages give what these settings ask for? Not of a part of a map, which lies beside lobes that are there.
+bool averages_suffice(const RowOrigin& rows, const MovmfSettings& settings);
 
 /// As bake_movmf(), of settings that averages_suffice() takes. Progress advances by movmf_bake_units().
-void average_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
+void average_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, MovmfSink& sink,
                    FitReport& report, Progress* progress);
 
 }  // namespace multum

@@ -13,7 +13,6 @@
 #include "host/bakes/movmf/movmf_average.h"
 #include "host/bakes/movmf/movmf_fit.h"
 #include "host/bakes/movmf/movmf_start.h"
-#include "host/bakes/movmf/start_memory.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/run_times.h"
 #include "host/foundation/base/stopwatch.h"
@@ -68,9 +67,10 @@ class StartTrial {
       : device_(device),
         proxy_(proxy),
         planes_(planes_of(proxy)),
+        map_{&planes_},
         settings_(settings),
         schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
-        plan_(make_bake_plan(schedule_, settings, 0, {std::uint64_t{1} << 30}, {}, device.shape())) {}
+        plan_(make_bake_plan(schedule_, settings, map_, device.shape())) {}
 
   // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
   // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
@@ -78,9 +78,10 @@ class StartTrial {
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     FitReport ignored;
     MovmfMipmapSink sink(planes_, settings_, {});
-    MovmfBakeInputs inputs;
-    inputs.normals = &planes_;
-    fit_movmf(device_, inputs, start, settings_, schedule_, plan_, sink, ignored, nullptr);
+    RowOrigin rows(&sink, map_.spill);
+    MovmfFit fit(
+        device_, map_, settings_, schedule_, plan_, rows, [&] { return start; }, ignored, nullptr);
+    for (const LevelSchedule& level : schedule_.levels) fit.fit(level);
     const MovmfMipmap mipmap = sink.take();
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
@@ -102,6 +103,7 @@ class StartTrial {
   Device& device_;
   const NormalMap& proxy_;
   const PlaneStore planes_;
+  const MapInputs map_;
   const MovmfSettings settings_;
   const MipSchedule schedule_;
   const BakePlan plan_;
@@ -203,40 +205,37 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
                                                settings.first_level, level_max, map_width, map_height));
 }
 
-void bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, MovmfSink& sink,
-                FitReport& report, Progress* progress) {
-  const PlaneStore& normals = *inputs.normals;
+void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, RowOrigin& rows,
+                StartMemory* starts, FitReport& report, Progress* progress) {
+  const PlaneStore& normals = *map.normals;
   validate(settings, normals.width(), normals.height());
   if (settings.refine && normals.is_shortened())
     throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it knows unit normals alone");
-  const FeaturePlanes& features = inputs.features;
+  const FeaturePlanes& features = map.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
-  if (inputs.shard != nullptr && averages_suffice(inputs, settings))
-    throw Error(ErrorCode::kUsage,
-                "--shard is given with one lobe a texel, which is a plain average: it is not divided");
-  if (averages_suffice(inputs, settings)) {
-    average_movmf(device, inputs, settings, sink, report, progress);
+  if (averages_suffice(rows, settings)) {
+    if (rows.sink() == nullptr)
+      throw Error(ErrorCode::kUsage,
+                  "--shard is given with one lobe a texel, which is a plain average: it is not divided");
+    average_movmf(device, map, settings, *rows.sink(), report, progress);
     return;
   }
   const MipSchedule schedule = make_mip_schedule(normals, settings);
-  const BakePlan plan = make_bake_plan(schedule, settings, features.rgb_plane_count(),
-                                       {inputs.memory_bytes, inputs.writer_bytes}, inputs.spill, device.shape());
+  const BakePlan plan = make_bake_plan(schedule, settings, map, device.shape());
   report.plan = plan.to_text(schedule, settings, features.rgb_plane_count());
   prepare_fit(device, schedule, settings, !features.empty());
-  std::vector<MultumVmfLobe> top_start;
-  const bool is_band = inputs.shard != nullptr && inputs.shard->shard.index > 0;
-  if (inputs.region == nullptr && inputs.gathered == nullptr &&
-      !is_band) {  // others grow from the lobes that are there
-    progress_stage(progress, "choose a start");
-    top_start = choose_start(device, normals, settings, schedule, inputs.starts, report);
-  }
-  fit_movmf(device, inputs, top_start, settings, schedule, plan, sink, report, progress);
+  const auto start = [&] { return choose_start(device, normals, settings, schedule, starts, report); };
+  MovmfFit fit(device, map, settings, schedule, plan, rows, start, report, progress);
+  for (const LevelSchedule& level : schedule.levels) fit.fit(level);
+  if (schedule.levels.empty() && settings.first_level == 0) fit.fit_single_texel();
+  rows.finish();
 }
 
-MovmfMipmap bake_movmf(Device& device, const MovmfBakeInputs& inputs, const MovmfSettings& settings, FitReport& report,
-                       Progress* progress) {
-  MovmfMipmapSink sink(*inputs.normals, settings, inputs.features);
-  bake_movmf(device, inputs, settings, sink, report, progress);
+MovmfMipmap bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, FitReport& report,
+                       Progress* progress, StartMemory* starts) {
+  MovmfMipmapSink sink(*map.normals, settings, map.features);
+  RowOrigin rows(&sink, map.spill);
+  bake_movmf(device, map, settings, rows, starts, report, progress);
   return sink.take();
 }
 
@@ -245,9 +244,7 @@ MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* al
   const PlaneStore normals = planes_of(map);
   std::optional<PlaneStore> colours;
   if (albedo != nullptr) colours = planes_of(*albedo);
-  MovmfBakeInputs inputs;
-  inputs.normals = &normals;
-  inputs.features = FeaturePlanes::of(colours ? &*colours : nullptr, nullptr);
+  const MapInputs inputs{&normals, FeaturePlanes::of(colours ? &*colours : nullptr, nullptr)};
   return bake_movmf(device, inputs, settings, report, progress);
 }
 

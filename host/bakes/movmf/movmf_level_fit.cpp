@@ -57,12 +57,12 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
 
 // Rows that are handed over at a time: a band, or of a device with memory of its own, whose bands are large, as many as
 // the host should hold.
-int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
-                const LevelInputs& inputs, int band_rows) {
+int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings, const MapInputs& map,
+                int band_rows) {
   constexpr std::size_t kHandedBytes = std::size_t{64} << 20;
   if (device.shape().window_bytes_max == 0) return band_rows;
   const std::size_t texel = static_cast<std::size_t>(settings.lobe_count) *
-                            (sizeof(MultumVmfLobe) + inputs.map.features.rgb_planes.size() * 3 * sizeof(float));
+                            (sizeof(MultumVmfLobe) + map.features.rgb_planes.size() * 3 * sizeof(float));
   const std::size_t rows = kHandedBytes / (texel * static_cast<std::size_t>(level.fit.width));
   return static_cast<int>(std::clamp<std::size_t>(rows, 1, static_cast<std::size_t>(band_rows)));
 }
@@ -74,25 +74,30 @@ bool is_refined(const LevelSchedule& level, const MovmfSettings& settings) {
 }
 
 LevelFit::LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
-                   const LevelInputs& inputs, const BandPlan& plan, Progress* progress)
+                   const MapInputs& map, CoarseTexels& coarse, const RowOrigin& origin, const LevelRows& fitted,
+                   const BandPlan& plan, Progress* progress)
     : em_step_(em_step),
       level_(level),
       fit_(level.fit),
-      inputs_(inputs),
+      map_(map),
+      coarse_(coarse),
+      has_parent_(level.fit.parent_width > 0 && settings.aligned_start),
+      range_(origin.range(level.level)),
+      before_(origin.before()),
+      parent_(has_parent_ ? origin.parent() : nullptr),
       lobe_count_(settings.lobe_count),
       gaussians_(lobe_family(settings.representation).is_planar),
       whole_(is_whole(level, settings, plan)),
       band_rows_(whole_ ? level.fit.height : plan.band_rows),
       em_steps_(em_steps(level, settings)),
       steps_(total_steps(level, settings)),
-      handed_rows_(handed_rows(device, level, settings, inputs, band_rows_)),
-      wanted_(inputs.range != nullptr ? RowRange{inputs.range->y0, inputs.range->y1}
-                                      : inputs.rows.value_or(RowRange{0, level.fit.height})),
+      handed_rows_(handed_rows(device, level, settings, map, band_rows_)),
+      wanted_(range_ ? RowRange{range_->y0, range_->y1} : fitted),
       progress_(progress) {
-  make_windows(device, settings, plan);
+  make_windows(device, settings, coarse, plan);
 }
 
-void LevelFit::make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan) {
+void LevelFit::make_windows(Device& device, const MovmfSettings& settings, CoarseTexels& coarse, const BandPlan& plan) {
   const WindowRows rows = window_rows(level_, settings, plan);
   const auto row_bytes = [](int columns, std::size_t texel) { return static_cast<std::size_t>(columns) * texel; };
   const std::size_t lobe_row = row_bytes(fit_.width, sizeof(MultumVmfLobe));
@@ -100,9 +105,9 @@ void LevelFit::make_windows(Device& device, const MovmfSettings& settings, const
   windows_.alignment_vectors = RowWindow(device, lobe_count_, lobe_row, rows.level, "the directions of a level");
   if (refines()) windows_.refined = RowWindow(device, lobe_count_, lobe_row, rows.level, "refined lobes of a level");
   if (has_features())
-    windows_.features = RowWindow(device, lobe_count_ * static_cast<int>(inputs_.map.features.rgb_planes.size()),
+    windows_.features = RowWindow(device, lobe_count_ * static_cast<int>(map_.features.rgb_planes.size()),
                                   row_bytes(fit_.width, 3 * sizeof(float)), rows.level, "the features of a level");
-  if (inputs_.parent != nullptr)
+  if (has_parent_)
     windows_.parent = RowWindow(device, lobe_count_, row_bytes(fit_.parent_width, sizeof(MultumVmfLobe)), rows.parent,
                                 "the lobes of the next coarser level");
   else fit_.parent_width = fit_.parent_height = 0;
@@ -110,12 +115,12 @@ void LevelFit::make_windows(Device& device, const MovmfSettings& settings, const
     const std::size_t samples = binned_bytes(fit_);
     windows_.binned = RowWindow(device, 1, row_bytes(fit_.width, samples), rows.level, "binned normals");
     windows_.binned_counts = RowWindow(device, 1, row_bytes(fit_.width, sizeof(int)), rows.level, "numbers of them");
-    for (std::size_t t = 0; t < inputs_.map.features.rgb_planes.size(); ++t)
+    for (std::size_t t = 0; t < map_.features.rgb_planes.size(); ++t)
       windows_.binned_planes.emplace_back(device, 1, row_bytes(fit_.width, samples), rows.level, "binned features");
   } else {
-    if (inputs_.on_device == nullptr || !whole_)
-      windows_of_map_.emplace(device, *inputs_.map.normals, inputs_.map.features.rgb_planes, rows.map);
-    windows_.map = windows_of_map_ ? &*windows_of_map_ : inputs_.on_device;
+    if (!coarse.on_device || !whole_)
+      windows_of_map_.emplace(device, *map_.normals, map_.features.rgb_planes, rows.map);
+    windows_.map = windows_of_map_ ? &*windows_of_map_ : &*coarse.on_device;
   }
 }
 
@@ -145,7 +150,7 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
 
 // The rows that step `step` must fit so that the last step's rows are right: those, and as many more as steps follow.
 LevelFit::RowRange LevelFit::rows_of_step(int step) const {
-  if (inputs_.range != nullptr) return wanted_;  // what lies outside stays as it is
+  if (range_) return wanted_;  // what lies outside stays as it is
   if (whole_) return {0, fit_.height};
   const int more = steps_ - 1 - step;
   return {std::max(wanted_.begin - more, lower_bound()), std::min(wanted_.end + more, upper_bound())};
@@ -153,16 +158,14 @@ LevelFit::RowRange LevelFit::rows_of_step(int step) const {
 
 void LevelFit::move_windows(RowRange rows) {
   const int count = rows.end - rows.begin;
-  const RowStore* there = inputs_.kept != nullptr ? inputs_.kept : inputs_.start;
-  const RowWindow::Fill fill = there == nullptr ? nullptr : fill_planes(*there);
-  windows_.lobes.move_to(rows.begin, count, fill);
-  if (refines()) windows_.refined.move_to(rows.begin, count, inputs_.kept == nullptr ? nullptr : fill);
-  if (inputs_.kept == nullptr) windows_.alignment_vectors.move_to(rows.begin, count, nullptr);
-  else windows_.alignment_vectors.move_to(rows.begin, count, fill_alignment_vectors(fill));
+  windows_.lobes.move_to(rows.begin, count, before_);
+  // Texels beside those that are fitted say what they are.
+  if (refines()) windows_.refined.move_to(rows.begin, count, range_ ? before_ : nullptr);
+  windows_.alignment_vectors.move_to(rows.begin, count, range_ ? fill_alignment_vectors(before_) : nullptr);
   if (has_features()) windows_.features.move_to(rows.begin, count, nullptr);
   fit_.first_row = wrapped_row(rows.begin, fit_.height);
   fit_.window_rows = windows_.lobes.capacity_rows();
-  if (inputs_.parent != nullptr) {
+  if (has_parent_) {
     int begin = 0, end = fit_.parent_height;
     if (!whole_) {
       begin = parent_row_of(fit_, rows.begin) - 1;
@@ -172,12 +175,12 @@ void LevelFit::move_windows(RowRange rows) {
         end = std::min(end, fit_.parent_height);
       }
     }
-    windows_.parent.move_to(begin, end - begin, fill_planes(*inputs_.parent));
+    windows_.parent.move_to(begin, end - begin, parent_);
     fit_.parent_first_row = wrapped_row(begin, fit_.parent_height);
     fit_.parent_window_rows = windows_.parent.capacity_rows();
   }
   if (level_.method == FitMethod::kBinned) {
-    const BinnedLevel& from = *inputs_.binned;
+    const BinnedLevel& from = coarse_.binned.at(level_.level);
     windows_.binned.move_to(rows.begin, count, fill_binned(from, from.samples, binned_bytes(fit_)));
     windows_.binned_counts.move_to(rows.begin, count, fill_planes(from.counts));
     for (std::size_t t = 0; t < windows_.binned_planes.size(); ++t)
@@ -234,10 +237,10 @@ void LevelFit::run_step(int step, RowRange rows) {
 
 std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {
   std::vector<int> texels = step_texels(level_, step, rows.begin, rows.end, windows_.lobes.first_row());
-  if (inputs_.range != nullptr)
+  if (range_)
     std::erase_if(texels, [&](int texel) {
       const int x = texel % fit_.width;
-      return x < inputs_.range->x0 || x >= inputs_.range->x1;
+      return x < range_->x0 || x >= range_->x1;
     });
   return texels;
 }
@@ -249,10 +252,10 @@ void LevelFit::refine(RowRange rows) {
 }
 
 std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
-                                     const LevelInputs& inputs, const BandPlan& plan) {
+                                     const MapInputs& map, const BandPlan& plan) {
   const int height = level.fit.height, more = total_steps(level, settings) - 1;
   const bool whole = is_whole(level, settings, plan), repeats = level.fit.periodic_y != 0 && level.fit.parent_width > 0;
-  const int band = whole ? height : plan.band_rows, handed = handed_rows(device, level, settings, inputs, band);
+  const int band = whole ? height : plan.band_rows, handed = handed_rows(device, level, settings, map, band);
   std::vector<LevelRows> ranges;
   for (int begin = whole ? 0 : repeats ? -2 * more : -more; begin < height; begin += band)
     for (int row = std::max(begin, 0); row < std::min(begin + band, height); row += handed)

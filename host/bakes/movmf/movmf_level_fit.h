@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -25,26 +26,17 @@
 #include "host/bakes/movmf/level_rows.h"
 #include "host/bakes/movmf/movmf_binning.h"
 #include "host/bakes/movmf/movmf_em_step.h"
-#include "host/bakes/movmf/movmf_inputs.h"
+#include "host/bakes/movmf/row_origin.h"
+#include "host/bakes/pyramid/feature_planes.h"
 #include "kernels/shared/vmf_lobe.h"
 
 namespace multum {
 
-/// What the fit of a level reads beside the map.
-struct LevelInputs {
-  const MovmfBakeInputs& map;
-  MapWindows* on_device = nullptr;      // the map's normals and features, whole; null: windows of them are made
-  const BinnedLevel* binned = nullptr;  // kBinned
-  const RowStore* parent = nullptr;     // lobes of the next coarser level, by rows [lobe][column]; null: none
-  // Where there is no parent: the lobes that each texel starts from, by rows as above.
-  const RowStore* start = nullptr;
-  // Rows that are handed over: the others are done already, or somebody else's. Of a map that repeats they may lie
-  // beyond its borders.
-  std::optional<LevelRows> rows = std::nullopt;  // nothing: all of them
-  // Set: only these texels are fitted, from the lobes that the level has in `kept`, beside its other texels as they
-  // are.
-  const TexelRange* range = nullptr;
-  const RowStore* kept = nullptr;
+/// What is read of the map once for all coarse levels.
+struct CoarseTexels {
+  bool is_read = false;
+  std::optional<MapWindows> on_device;  // normals and features, whole, where the device has room for them
+  std::map<int, BinnedLevel> binned;    // levels of kBinned
 };
 
 /// Some finished rows, while the windows still hold them.
@@ -68,17 +60,20 @@ struct BandPlan {
 /// The fit of one level, or of a part of its rows.
 class LevelFit {
  public:
+  /// `fitted`: rows that are handed over: the others are done already, or somebody else's. Of a map that repeats they
+  /// may lie beyond its borders. `origin` has parents, what the level starts from, and which of its texels are fitted.
   LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
-           const LevelInputs& inputs, const BandPlan& plan, Progress* progress);
+           const MapInputs& map, CoarseTexels& coarse, const RowOrigin& origin, const LevelRows& fitted,
+           const BandPlan& plan, Progress* progress);
 
   /// Calls `finished` with rows in order from 0. Throws Cancelled.
   void run(const std::function<void(const FittedRows&)>& finished);
 
  private:
   using RowRange = LevelRows;
-  void make_windows(Device& device, const MovmfSettings& settings, const BandPlan& plan);
+  void make_windows(Device& device, const MovmfSettings& settings, CoarseTexels& coarse, const BandPlan& plan);
   bool refines() const { return steps_ > em_steps_; }
-  bool has_features() const { return !inputs_.map.features.empty(); }
+  bool has_features() const { return !map_.features.empty(); }
   // The map's rows that the window's rows cover, and no more.
   bool reads_map_rows() const { return level_.method == FitMethod::kTexels || level_.method == FitMethod::kChoice; }
   // Rows beyond a border are there when the map repeats, as many as the steps reach.
@@ -96,7 +91,11 @@ class LevelFit {
   MovmfEmStep& em_step_;
   const LevelSchedule& level_;
   MultumMovmfFit fit_;
-  const LevelInputs inputs_;
+  const MapInputs& map_;
+  const CoarseTexels& coarse_;
+  const bool has_parent_;
+  const std::optional<TexelRange> range_;  // else all texels
+  const RowWindow::Fill before_, parent_;
   const int lobe_count_;
   const bool gaussians_;
   const bool whole_;
@@ -113,7 +112,7 @@ class LevelFit {
 /// The rows that LevelFit hands over at a time, of all rows of a level that grows from another: files have their tiles
 /// in that order.
 std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
-                                     const LevelInputs& inputs, const BandPlan& plan);
+                                     const MapInputs& map, const BandPlan& plan);
 
 /// Steps of a level: what a row's fit depends on reaches as many rows to either side.
 int fit_steps(const LevelSchedule& level, const MovmfSettings& settings);

@@ -12,6 +12,7 @@
 #include "host/bakes/movmf/mip_schedule.h"
 #include "host/bakes/movmf/normal_mixture.h"
 #include "host/formats/asset/lobes/lobe_family.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/foundation/base/mean_cosine.h"
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/split_mix.h"

@@ -11,6 +11,7 @@
 
 #include "host/formats/image/material_maps.h"
 #include "host/formats/image/plane_store.h"
+#include "host/foundation/base/files/spill_policy.h"
 
 namespace multum {
 
@@ -35,6 +36,8 @@ struct MapInputs {
   FeaturePlanes features = {};                          // of the same size
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
   int threads = 1;                                      // of the host's own loops
+  std::uint64_t writer_bytes = 0;              // of memory_bytes, what the writer holds while levels are fitted
+  SpillPolicy spill{.memory_bytes = 4 << 20};  // of what one level leaves for the next
 };
 
 /// Features of some texels, [triple][texel], as files have them: colours, and weights texel by texel.

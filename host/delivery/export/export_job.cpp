@@ -69,16 +69,6 @@ std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::s
   return made;
 }
 
-// Shows stored rows to the measurement.
-class MeterSink : public MaterialSink {
- public:
-  explicit MeterSink(ExportMeter& meter) : meter_(meter) {}
-  void add_level(int level, int first_row, MaterialRows rows) override { meter_.add_rows(level, first_row, rows); }
-
- private:
-  ExportMeter& meter_;
-};
-
 // Null where the job is not to be resumed, or another process exports to the same place.
 std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
   const ExportPlace place = export_place(job.output);
@@ -99,10 +89,8 @@ void make_files(const ExportJob& job, const ExportSource& source, const Material
   ExportAccuracySettings accuracy = job.accuracy;
   accuracy.texels = output.texels;
   if (job.measure) meter.emplace(report.width, report.height, accuracy, source.lobes.get());
-  std::optional<MeterSink> stored;
-  if (meter) stored.emplace(*meter);
   const std::unique_ptr<MaterialWriter> writer =
-      make_material_folder(output, report.width, report.height, device, stored ? &*stored : nullptr);
+      make_material_folder(output, report.width, report.height, device, meter ? &*meter : nullptr);
   OneLobeInputs inputs = source.inputs(job);
   inputs.journal = journal;
   report.plan = fit_one_lobe(device, inputs, job.lobe, *writer, progress).plan;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <utility>
 
@@ -163,6 +164,45 @@ class LevelSink : public MaterialSink {
   bool is_one_ = true;  // of the surface, so far
 };
 
+// Whether two codes of a normal say the same direction, but for how they are rounded and how long they are.
+bool is_same_direction(const std::uint8_t* one, const std::uint8_t* other) {
+  constexpr float kCosineOfADegree = 0.99985f;
+  const auto decoded = [](const std::uint8_t* code) {
+    return glm::vec3(code[0], code[1], code[2]) * (2.0f / kCodeMax) - 1.0f;
+  };
+  const glm::vec3 a = decoded(one), b = decoded(other);
+  return glm::dot(a, b) > kCosineOfADegree * glm::length(a) * glm::length(b);
+}
+
+// Level 0 stays as the artist made it: unit vectors that are rounded anew are up to 0.4 degrees off, which mirrors
+// show.
+void keep_finest_normals(const std::string& file, LevelFile& normal, const SourceFitSettings& settings) {
+  ImageReader reader(file, reading_of(settings));
+  const RawImageInfo info = reader.info();
+  if (info.width != normal.width() || info.height != normal.height() || info.channel_count < 3) return;
+  const SampleConverter converter(info.base_type);
+  const auto channels = size_of(info.channel_count), width = size_of(info.width);
+  reader.read(
+      [&](const RawBand& band) {
+        std::vector<std::uint8_t> rows = normal.read_rows(0, band.first_row, band.row_count);
+        for_each_row_band(band.row_count, kRowsPerBand, settings.threads, [&](int, int begin, int end) {
+          const std::size_t texels = width * size_of(end - begin);
+          std::vector<float> values(texels * channels);
+          converter.convert(band.samples + size_of(begin) * info.row_bytes, values.size(), values.data());
+          std::uint8_t* code = rows.data() + 4 * width * size_of(begin);
+          for (std::size_t i = 0; i < texels; ++i, code += 4) {
+            std::array<std::uint8_t, 3> given;
+            for (std::size_t c = 0; c < 3; ++c)
+              given[c] =
+                  static_cast<std::uint8_t>(std::lround(std::clamp(values[i * channels + c], 0.0f, 1.0f) * kCodeMax));
+            if (is_same_direction(given.data(), code)) std::copy(given.begin(), given.end(), code);
+          }
+        });
+        normal.write_rows(0, band.first_row, rows);
+      },
+      nullptr);
+}
+
 int rounded_up(int side, int multiple) { return (side + multiple - 1) / multiple * multiple; }
 
 }  // namespace
@@ -270,6 +310,8 @@ FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSo
   if (source.is_anisotropic) made.anisotropy = level_file("anisotropy");
   LevelSink sink(made, source.has_occlusion);
   fit_one_lobe(device, inputs, lobe, sink, progress);
+  of_image(asset, source.normal_image, prepared.normal_file,
+           [&] { keep_finest_normals(prepared.normal_file, *made.normal, settings); });
   if (!source.surface_image && sink.is_one()) made.surface = nullptr;
   return made;
 }

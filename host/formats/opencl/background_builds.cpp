@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/formats/opencl/background_builds.h"
-#include "host/foundation/base/processes/machine.h"
 
-#include <algorithm>
 #include <utility>
+
+#include "host/foundation/base/processes/machine.h"
 
 namespace multum {
 
@@ -36,7 +36,7 @@ std::optional<std::string> BackgroundBuilds::take(const std::string& key) {
 }
 
 void BackgroundBuilds::work() {
-  std::shared_ptr<void> kept;
+  cl::Context context;
   std::unique_lock lock(mutex_);
   for (;;) {
     ++idle_;
@@ -46,7 +46,7 @@ void BackgroundBuilds::work() {
     Task task = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
-    task(kept);
+    task(context);
     lock.lock();
   }
 }

@@ -7,19 +7,21 @@
 #include <functional>
 #include <future>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "host/formats/opencl/cl_headers.h"
+
 namespace multum {
 
 class BackgroundBuilds {
  public:
-  /// A program's binary. `kept` is empty for the first of a thread, and what a build leaves there the next one finds.
-  using Build = std::function<std::string(std::shared_ptr<void>& kept)>;
+  /// A program's binary, built in the thread's context: none at first, and what a build leaves there the next one
+  /// finds.
+  using Build = std::function<std::string(cl::Context& context)>;
 
   BackgroundBuilds() = default;
   /// Waits for the builds that run; those that wait are dropped.
@@ -34,7 +36,7 @@ class BackgroundBuilds {
   std::optional<std::string> take(const std::string& key);
 
  private:
-  using Task = std::packaged_task<std::string(std::shared_ptr<void>&)>;
+  using Task = std::packaged_task<std::string(cl::Context&)>;
 
   void work();
 

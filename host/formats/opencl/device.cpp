@@ -19,59 +19,54 @@ namespace multum {
 namespace {
 
 struct FoundDevice {
-  cl_device_id id;
+  cl::Device device;
   DeviceInfo info;
 };
+
+template <auto What, typename Of>
+auto value_of(const Of& of, const char* call) {
+  cl_int status = CL_SUCCESS;
+  auto value = of.template getInfo<What>(&status);
+  check_cl(status, call);
+  return value;
+}
+
+template <auto What>
+auto device_value(const cl::Device& device) {
+  return value_of<What>(device, "clGetDeviceInfo");
+}
 
 std::string trimmed(std::string text) {
   while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
   return text;
 }
 
-std::string device_text(cl_device_id device, cl_device_info what) {
-  std::size_t size = 0;
-  check_cl(clGetDeviceInfo(device, what, 0, nullptr, &size), "clGetDeviceInfo");
-  std::string text(size, '\0');
-  check_cl(clGetDeviceInfo(device, what, size, text.data(), nullptr), "clGetDeviceInfo");
-  return trimmed(text);
+template <auto What>
+std::string device_text(const cl::Device& device) {
+  return trimmed(device_value<What>(device));
 }
 
-template <typename Value>
-Value device_value(cl_device_id device, cl_device_info what) {
-  Value value{};
-  check_cl(clGetDeviceInfo(device, what, sizeof(value), &value, nullptr), "clGetDeviceInfo");
-  return value;
+bool has_extension(const cl::Device& device, const std::string& name) {
+  return (" " + device_text<CL_DEVICE_EXTENSIONS>(device) + " ").find(" " + name + " ") != std::string::npos;
 }
 
-std::string platform_text(cl_platform_id platform, cl_platform_info what) {
-  std::size_t size = 0;
-  check_cl(clGetPlatformInfo(platform, what, 0, nullptr, &size), "clGetPlatformInfo");
-  std::string text(size, '\0');
-  check_cl(clGetPlatformInfo(platform, what, size, text.data(), nullptr), "clGetPlatformInfo");
-  return trimmed(text);
-}
-
-bool has_extension(cl_device_id device, const std::string& name) {
-  return (" " + device_text(device, CL_DEVICE_EXTENSIONS) + " ").find(" " + name + " ") != std::string::npos;
-}
-
-DeviceInfo info_of(cl_device_id id, int index, const std::string& platform) {
+DeviceInfo info_of(const cl::Device& device, int index, const std::string& platform) {
   DeviceInfo info{};
   info.index = index;
-  info.name = device_text(id, CL_DEVICE_NAME);
+  info.name = device_text<CL_DEVICE_NAME>(device);
   info.platform = platform;
-  info.driver = device_text(id, CL_DRIVER_VERSION);
-  info.version = device_text(id, CL_DEVICE_VERSION);
-  info.is_cpu = (device_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
-  info.shares_memory = info.is_cpu || device_value<cl_bool>(id, CL_DEVICE_HOST_UNIFIED_MEMORY) != CL_FALSE;
-  const auto floats = device_value<cl_device_fp_config>(id, CL_DEVICE_SINGLE_FP_CONFIG);
+  info.driver = device_text<CL_DRIVER_VERSION>(device);
+  info.version = device_text<CL_DEVICE_VERSION>(device);
+  info.is_cpu = (device_value<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
+  info.shares_memory = info.is_cpu || device_value<CL_DEVICE_HOST_UNIFIED_MEMORY>(device) != CL_FALSE;
+  const auto floats = device_value<CL_DEVICE_SINGLE_FP_CONFIG>(device);
   info.rounds_when_asked = !info.is_cpu && (floats & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-  info.has_atomic_longs = has_extension(id, "cl_khr_int64_base_atomics");
-  info.compute_units = static_cast<int>(device_value<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS));
-  info.work_group_max = static_cast<int>(device_value<std::size_t>(id, CL_DEVICE_MAX_WORK_GROUP_SIZE));
-  info.local_bytes = device_value<cl_ulong>(id, CL_DEVICE_LOCAL_MEM_SIZE);
-  info.memory_bytes = device_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
-  info.buffer_bytes_max = device_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  info.has_atomic_longs = has_extension(device, "cl_khr_int64_base_atomics");
+  info.compute_units = static_cast<int>(device_value<CL_DEVICE_MAX_COMPUTE_UNITS>(device));
+  info.work_group_max = static_cast<int>(device_value<CL_DEVICE_MAX_WORK_GROUP_SIZE>(device));
+  info.local_bytes = device_value<CL_DEVICE_LOCAL_MEM_SIZE>(device);
+  info.memory_bytes = device_value<CL_DEVICE_GLOBAL_MEM_SIZE>(device);
+  info.buffer_bytes_max = device_value<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device);
   if (info.is_cpu) {  // PoCL says what the machine has, whatever a container leaves of it
     info.memory_bytes = std::min(info.memory_bytes, machine_memory_bytes());
     info.buffer_bytes_max = std::min(info.buffer_bytes_max, machine_memory_bytes());
@@ -84,20 +79,15 @@ std::vector<FoundDevice> find_devices() {
   ask_pocl_for_usual_threads();
   prepare_kernel_caches();
   std::vector<FoundDevice> found;
-  cl_uint platform_count = 0;
-  const cl_int status = clGetPlatformIDs(0, nullptr, &platform_count);
-  if (status == CL_PLATFORM_NOT_FOUND_KHR || platform_count == 0) return found;
-  check_cl(status, "clGetPlatformIDs");
-  std::vector<cl_platform_id> platforms(platform_count);
-  check_cl(clGetPlatformIDs(platform_count, platforms.data(), nullptr), "clGetPlatformIDs");
-  for (cl_platform_id platform : platforms) {
-    cl_uint count = 0;
-    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
-    std::vector<cl_device_id> ids(count);
-    check_cl(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "clGetDeviceIDs");
-    ask_pocl_for_safe_loops(platform_text(platform, CL_PLATFORM_VERSION));
-    const std::string name = platform_text(platform, CL_PLATFORM_NAME);
-    for (cl_device_id id : ids) found.push_back({id, info_of(id, static_cast<int>(found.size()), name)});
+  std::vector<cl::Platform> platforms;
+  if (cl::Platform::get(&platforms) != CL_SUCCESS) return found;
+  for (const cl::Platform& platform : platforms) {
+    std::vector<cl::Device> devices;
+    if (platform.getDevices(CL_DEVICE_TYPE_ALL, &devices) != CL_SUCCESS) continue;
+    ask_pocl_for_safe_loops(value_of<CL_PLATFORM_VERSION>(platform, "clGetPlatformInfo"));
+    const std::string name = trimmed(value_of<CL_PLATFORM_NAME>(platform, "clGetPlatformInfo"));
+    for (const cl::Device& device : devices)
+      found.push_back({device, info_of(device, static_cast<int>(found.size()), name)});
   }
   return found;
 }
@@ -138,12 +128,7 @@ std::vector<DeviceInfo> infos_of(const std::vector<FoundDevice>& devices) {
 
 std::vector<DeviceInfo> list_devices() { return infos_of(find_devices()); }
 
-DeviceState::~DeviceState() {
-  release_staging(*this);
-  for (auto& entry : programs) clReleaseProgram(entry.second);
-  if (queue != nullptr) clReleaseCommandQueue(queue);
-  if (context != nullptr) clReleaseContext(context);
-}
+DeviceState::~DeviceState() { release_staging(*this); }
 
 namespace {
 
@@ -163,11 +148,11 @@ std::shared_ptr<DeviceState> open_state(const std::string& selector) {
   auto opened = std::make_shared<DeviceState>();
   DeviceState& state = *opened;
   state.info = devices[*number].info;
-  state.device = devices[*number].id;
+  state.device = devices[*number].device;
   cl_int status = CL_SUCCESS;
-  state.context = clCreateContext(nullptr, 1, &state.device, on_context_error, nullptr, &status);
+  state.context = cl::Context(state.device, nullptr, on_context_error, nullptr, &status);
   check_cl(status, state.info.name + ": clCreateContext");
-  state.queue = clCreateCommandQueue(state.context, state.device, 0, &status);
+  state.queue = cl::CommandQueue(state.context, state.device, 0, &status);
   check_cl(status, state.info.name + ": clCreateCommandQueue");
   state.shape = LaunchShape::of(state.info);
   return opened;
@@ -219,22 +204,22 @@ std::map<std::string, int> Device::build_counts() const {
 
 namespace {
 
-std::shared_ptr<void> create_memory(const DeviceState& state, cl_mem_flags flags, std::size_t byte_count, void* host,
-                                    const std::string& what) {
+std::shared_ptr<cl::Buffer> create_memory(const DeviceState& state, cl_mem_flags flags, std::size_t byte_count,
+                                          void* host, const std::string& what) {
   if (byte_count > state.info.buffer_bytes_max)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: needs a buffer of {} MiB, the device {} allows at most {} MiB", what, byte_count >> 20,
                             state.info.name, state.info.buffer_bytes_max >> 20));
   cl_int status = CL_SUCCESS;
-  cl_mem memory = clCreateBuffer(state.context, flags, std::max<std::size_t>(byte_count, 1), host, &status);
+  cl::Buffer memory(state.context, flags, std::max<std::size_t>(byte_count, 1), host, &status);
   check_cl(status, fmt::format("{}: a buffer of {} bytes", what, byte_count));
   const std::shared_ptr<BufferBytes> counted = state.buffer_bytes;
   const std::size_t bytes = (flags & CL_MEM_USE_HOST_PTR) != 0 ? 0 : byte_count;
   counted->now += bytes;
   counted->peak = std::max(counted->peak, counted->now);
-  return {memory, [counted, bytes](void* m) {
+  return {new cl::Buffer(std::move(memory)), [counted, bytes](cl::Buffer* buffer) {
             counted->now -= bytes;
-            clReleaseMemObject(static_cast<cl_mem>(m));
+            delete buffer;
           }};
 }
 
@@ -256,8 +241,8 @@ DeviceBuffer Device::wrap_buffer(const void* data, std::size_t byte_count, const
   return buffer;
 }
 
-void Device::finish() { check_cl(clFinish(state().queue), "clFinish"); }
-void Device::flush() { check_cl(clFlush(state().queue), "clFlush"); }
+void Device::finish() { check_cl(state().queue.finish(), "clFinish"); }
+void Device::flush() { check_cl(state().queue.flush(), "clFlush"); }
 
 std::uint64_t Device::buffer_bytes_peak() const { return state().buffer_bytes->peak; }
 void Device::restart_buffer_peak() {
@@ -270,10 +255,10 @@ void Device::time_launches(bool on) {
   finish();
   release_staging(state());  // mapped by the queue that goes
   cl_int status = CL_SUCCESS;
-  QueueHandle queue(clCreateCommandQueue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status));
+  cl::CommandQueue queue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
   check_cl(status, state().info.name + ": clCreateCommandQueue");
   collect_times(state());
-  clReleaseCommandQueue(std::exchange(state().queue, queue.release()));
+  state().queue = std::move(queue);
   state().times_launches = on;
 }
 
@@ -306,11 +291,11 @@ Kernel Device::kernel(const std::string& file, const std::string& kernel_name, c
   if (found == state().programs.end())
     found = state().programs.emplace(key, load_program(state(), file, options)).first;
   cl_int status = CL_SUCCESS;
-  cl_kernel made = clCreateKernel(found->second, kernel_name.c_str(), &status);
+  const cl::Kernel made(found->second, kernel_name.c_str(), &status);
   check_cl(status, "kernel " + kernel_name + " of " + file + ".cl");
   Kernel kernel;
   kernel.device_ = opened();
-  kernel.kernel_ = {made, [](void* k) { clReleaseKernel(static_cast<cl_kernel>(k)); }};
+  kernel.kernel_ = std::make_shared<cl::Kernel>(made);
   kernel.name_ = kernel_name;
   return kernel;
 }

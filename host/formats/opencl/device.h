@@ -15,6 +15,11 @@
 #include "host/formats/opencl/build_options.h"
 #include "host/foundation/base/source_edit.h"
 
+namespace cl {
+class Buffer;
+class Kernel;
+}  // namespace cl
+
 namespace multum {
 
 struct DeviceInfo {
@@ -60,7 +65,7 @@ class DeviceBuffer {
  private:
   friend class Device;
   friend class Kernel;
-  std::shared_ptr<void> memory_;
+  std::shared_ptr<cl::Buffer> memory_;
   std::size_t byte_count_ = 0;
 };
 
@@ -104,7 +109,7 @@ class Kernel {
   void enqueue(const WorkSize& size);
 
   std::shared_ptr<DeviceState> device_;
-  std::shared_ptr<void> kernel_;
+  std::shared_ptr<cl::Kernel> kernel_;
   std::string name_;
 };
 

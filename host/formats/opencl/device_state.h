@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,22 +16,12 @@
 
 namespace multum {
 
-struct EventRelease {
-  void operator()(cl_event event) const { clReleaseEvent(event); }
-};
-using EventHandle = std::unique_ptr<std::remove_pointer_t<cl_event>, EventRelease>;
-
-struct QueueRelease {
-  void operator()(cl_command_queue queue) const { clReleaseCommandQueue(queue); }
-};
-using QueueHandle = std::unique_ptr<std::remove_pointer_t<cl_command_queue>, QueueRelease>;
-
 /// Host memory that the device copies from by itself, while the host goes on.
 struct StagingBuffer {
-  cl_mem memory = nullptr;
+  cl::Buffer memory;
   unsigned char* bytes = nullptr;
   std::size_t size = 0;
-  EventHandle copied;  // when it may be written again; null: now
+  cl::Event copied;  // when it may be written again; none: now
 };
 
 /// Bytes of buffers, which may outlive the device's state.
@@ -60,14 +49,14 @@ class DeviceState {
 
   DeviceInfo info;
   LaunchShape shape{};
-  cl_device_id device = nullptr;
-  cl_context context = nullptr;
-  cl_command_queue queue = nullptr;
-  std::map<std::string, cl_program> programs;  // by file, options and edits of the file
+  cl::Device device;
+  cl::Context context;
+  cl::CommandQueue queue;
+  std::map<std::string, cl::Program> programs;  // by file, options and edits of the file
   std::vector<SourceEdit> edits;
   std::map<std::string, std::uint64_t> launch_counts;
   bool times_launches = false;
-  std::vector<std::pair<std::string, EventHandle>> timed;  // launches whose times are still to be asked for
+  std::vector<std::pair<std::string, cl::Event>> timed;  // launches whose times are still to be asked for
   std::map<std::string, double> launch_seconds;
   TransferCounts transfers;
   std::shared_ptr<BufferBytes> buffer_bytes = std::make_shared<BufferBytes>();
@@ -89,7 +78,7 @@ std::string program_key(const DeviceState& state, const std::string& file, const
 
 /// Builds kernels/FILE.cl with `options`, or loads the binary that is prepared or that an earlier run left in the cache
 /// folder.
-cl_program load_program(DeviceState& state, const std::string& file, const std::string& options);
+cl::Program load_program(DeviceState& state, const std::string& file, const std::string& options);
 
 /// Begins to build it, unless it is there already or there is no cache folder, whose binaries alone can be handed from
 /// one context to another.

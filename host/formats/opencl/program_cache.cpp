@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -29,59 +28,38 @@ std::string g_cache_folder;
 // driver.
 constexpr std::size_t kDigestSize = 64;
 
-std::string build_log(const DeviceState& state, cl_program program) {
-  std::size_t size = 0;
-  if (clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS) return "";
-  std::string text(size, '\0');
-  clGetProgramBuildInfo(program, state.device, CL_PROGRAM_BUILD_LOG, size, text.data(), nullptr);
-  return text;
-}
-
 // In the state's context, or in another of its device.
-cl_program build_from_source(const DeviceState& state, cl_context context, const std::string& file,
-                             std::string_view source, const std::string& options) {
+cl::Program build_from_source(const DeviceState& state, const cl::Context& context, const std::string& file,
+                              const std::string& source, const std::string& options) {
   cl_int status = CL_SUCCESS;
-  const char* text = source.data();
-  const std::size_t length = source.size();
-  cl_program program = clCreateProgramWithSource(context, 1, &text, &length, &status);
+  cl::Program program(context, source, false, &status);
   check_cl(status, file + ".cl: clCreateProgramWithSource");
-  status = clBuildProgram(program, 1, &state.device, options.c_str(), nullptr, nullptr);
-  if (status != CL_SUCCESS) {
-    const std::string log = build_log(state, program);
-    clReleaseProgram(program);
-    // At a signal LLVM, which PoCL compiles with, deletes the files that it is writing.
-    if (is_interrupted()) throw Cancelled();
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}.cl does not build on {} with {}: {}\n{}", file,
-                                                     state.info.name, options, cl_error_name(status), log));
-  }
-  return program;
+  status = program.build(state.device, options.c_str());
+  if (status == CL_SUCCESS) return program;
+  // At a signal LLVM, which PoCL compiles with, deletes the files that it is writing.
+  if (is_interrupted()) throw Cancelled();
+  throw Error(ErrorCode::kEnvironment,
+              fmt::format("{}.cl does not build on {} with {}: {}\n{}", file, state.info.name, options,
+                          cl_error_name(status), program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(state.device)));
 }
 
-// Null when there is none, or the driver does not take it: it is another's, or damaged.
-cl_program build_from_binary(const DeviceState& state, const std::string& bytes, const std::string& options) {
-  if (bytes.empty()) return nullptr;
-  const std::size_t length = bytes.size();
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  cl_int binary_status = CL_SUCCESS, status = CL_SUCCESS;
-  cl_program program =
-      clCreateProgramWithBinary(state.context, 1, &state.device, &length, &data, &binary_status, &status);
-  if (status != CL_SUCCESS || binary_status != CL_SUCCESS) return nullptr;
-  if (clBuildProgram(program, 1, &state.device, options.c_str(), nullptr, nullptr) != CL_SUCCESS) {
-    clReleaseProgram(program);
-    return nullptr;
-  }
+// None when there is none, or the driver does not take it: it is another's, or damaged.
+std::optional<cl::Program> build_from_binary(const DeviceState& state, const std::string& bytes,
+                                             const std::string& options) {
+  if (bytes.empty()) return std::nullopt;
+  std::vector<cl_int> binary_status;
+  cl_int status = CL_SUCCESS;
+  cl::Program program(state.context, {state.device}, cl::Program::Binaries{{bytes.begin(), bytes.end()}},
+                      &binary_status, &status);
+  if (status != CL_SUCCESS || binary_status.at(0) != CL_SUCCESS) return std::nullopt;
+  if (program.build(state.device, options.c_str()) != CL_SUCCESS) return std::nullopt;
   return program;
 }
 
 // Empty when the driver has none.
-std::string binary_of(cl_program program) {
-  std::size_t length = 0;
-  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(length), &length, nullptr) != CL_SUCCESS || length == 0)
-    return {};
-  std::string bytes(length, '\0');
-  auto* data = reinterpret_cast<unsigned char*>(bytes.data());
-  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(data), &data, nullptr) != CL_SUCCESS) return {};
-  return bytes;
+std::string binary_of(const cl::Program& program) {
+  const cl::Program::Binaries binaries = program.getInfo<CL_PROGRAM_BINARIES>();
+  return binaries.empty() ? "" : std::string(binaries[0].begin(), binaries[0].end());
 }
 
 // Empty when there is no usable one.
@@ -141,20 +119,18 @@ void tell_of_building(DeviceState& state) {
   log_info("compiling kernels for " + state.info.name + ", once: they are kept in " + g_cache_folder);
 }
 
-std::string build_binary(const DeviceState& state, cl_context context, const std::string& file, const Source& source,
-                         const std::string& options) {
-  cl_program program = build_from_source(state, context, file, source.text, options);
-  const std::shared_ptr<void> program_end(program, [](void* p) { clReleaseProgram(static_cast<cl_program>(p)); });
-  const std::string bytes = binary_of(program);
+std::string build_binary(const DeviceState& state, const cl::Context& context, const std::string& file,
+                         const Source& source, const std::string& options) {
+  const std::string bytes = binary_of(build_from_source(state, context, file, source.text, options));
   save_binary(bytes, source.path);
   return bytes;
 }
 
-std::shared_ptr<void> make_context(cl_device_id device) {
+cl::Context make_context(const cl::Device& device) {
   cl_int status = CL_SUCCESS;
-  cl_context context = clCreateContext(nullptr, 1, &device, nullptr, nullptr, &status);
+  cl::Context context(device, nullptr, nullptr, nullptr, &status);
   check_cl(status, "clCreateContext");
-  return {context, [](void* c) { clReleaseContext(static_cast<cl_context>(c)); }};
+  return context;
 }
 
 }  // namespace
@@ -177,28 +153,28 @@ void prepare_program(DeviceState& state, const std::string& file, const std::str
   tell_of_building(state);
   // PoCL builds one program at a time in a context, and reads its library of functions once for each, in half the time
   // that a small program takes: a context a thread. The state outlives its builds, which read what it is a state of.
-  state.builds.add(key, [&state, file, source, options](std::shared_ptr<void>& context) {
-    if (context == nullptr) context = make_context(state.device);
-    return build_binary(state, static_cast<cl_context>(context.get()), file, source, options);
+  state.builds.add(key, [&state, file, source, options](cl::Context& context) {
+    if (context() == nullptr) context = make_context(state.device);
+    return build_binary(state, context, file, source, options);
   });
 }
 
-cl_program load_program(DeviceState& state, const std::string& file, const std::string& options) {
+cl::Program load_program(DeviceState& state, const std::string& file, const std::string& options) {
   const std::optional<std::string> prepared = state.builds.take(program_key(state, file, options));
   if (prepared)
-    if (cl_program program = build_from_binary(state, *prepared, options)) return program;
+    if (const auto program = build_from_binary(state, *prepared, options)) return *program;
   const Source source = source_of(state, file, options);
   if (!prepared && !g_cache_folder.empty()) {
-    if (cl_program program = build_from_binary(state, read_binary(source.path), options)) {
+    if (const auto program = build_from_binary(state, read_binary(source.path), options)) {
       log_verbose("program cache: " + file + " loaded");
-      return program;
+      return *program;
     }
     ++state.unprepared_count;
     log_verbose("program cache: " + file + " is built while its caller waits");
     tell_of_building(state);
     // What was just built is taken as a binary, too: the first run does what every later one does.
     const std::string bytes = build_binary(state, state.context, file, source, options);
-    if (cl_program program = build_from_binary(state, bytes, options)) return program;
+    if (const auto program = build_from_binary(state, bytes, options)) return *program;
   }
   return build_from_source(state, state.context, file, source.text, options);
 }

@@ -22,17 +22,14 @@ std::size_t total_of(const std::vector<BufferRange>& ranges) {
   return sum;
 }
 
-void wait_for(EventHandle& handle) {
-  if (handle == nullptr) return;
-  const cl_event event = handle.get();
-  check_cl(clWaitForEvents(1, &event), "clWaitForEvents");
-  handle.reset();
+void wait_for(cl::Event& event) {
+  if (event() == nullptr) return;
+  check_cl(event.wait(), "clWaitForEvents");
+  event = cl::Event();
 }
 
 void release(DeviceState& state, StagingBuffer& staging) {
-  if (staging.bytes != nullptr)
-    clEnqueueUnmapMemObject(state.queue, staging.memory, staging.bytes, 0, nullptr, nullptr);
-  if (staging.memory != nullptr) clReleaseMemObject(staging.memory);
+  if (staging.bytes != nullptr) state.queue.enqueueUnmapMemObject(staging.memory, staging.bytes);
   staging = StagingBuffer();
 }
 
@@ -44,11 +41,10 @@ StagingBuffer& next_staging(DeviceState& state, std::size_t byte_count) {
   if (staging.size >= byte_count) return staging;
   release(state, staging);
   cl_int status = CL_SUCCESS;
-  staging.memory =
-      clCreateBuffer(state.context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, byte_count, nullptr, &status);
+  staging.memory = cl::Buffer(state.context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, byte_count, nullptr, &status);
   check_cl(status, "pinned memory of " + std::to_string(byte_count) + " bytes");
-  staging.bytes = static_cast<unsigned char*>(clEnqueueMapBuffer(
-      state.queue, staging.memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, byte_count, 0, nullptr, nullptr, &status));
+  staging.bytes = static_cast<unsigned char*>(state.queue.enqueueMapBuffer(
+      staging.memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, byte_count, nullptr, nullptr, &status));
   check_cl(status, "clEnqueueMapBuffer of pinned memory");
   staging.size = byte_count;
   return staging;
@@ -63,8 +59,6 @@ Device::Bytes places_in(unsigned char* bytes, const std::vector<BufferRange>& ra
   return places;
 }
 
-cl_mem memory_of(const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); }
-
 // Ranges of CPUs' buffers as the host sees them, until it goes; of one that is empty nothing. They are mapped together,
 // so that the host waits once for the launches before; the launches that follow wait in the queue. Whoever has written
 // ends with unmap(): where that fails, the device may not see what was written.
@@ -72,18 +66,18 @@ class MappedRanges {
  public:
   explicit MappedRanges(const DeviceState& state) : queue_(state.queue) {}
   ~MappedRanges() {
-    for (const auto& [memory, bytes] : mapped_) clEnqueueUnmapMemObject(queue_, memory, bytes, 0, nullptr, nullptr);
-    if (!mapped_.empty()) clFlush(queue_);
+    for (const auto& [memory, bytes] : mapped_) queue_.enqueueUnmapMemObject(memory, bytes);
+    if (!mapped_.empty()) queue_.flush();
   }
   MappedRanges(const MappedRanges&) = delete;
   MappedRanges& operator=(const MappedRanges&) = delete;
 
-  void add(cl_mem memory, std::size_t begin, std::size_t count) {
+  void add(const cl::Buffer& memory, std::size_t begin, std::size_t count) {
     void* bytes = nullptr;
     if (count > 0) {
       cl_int status = CL_SUCCESS;
-      bytes = clEnqueueMapBuffer(queue_, memory, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, begin, count, 0, nullptr,
-                                 nullptr, &status);
+      bytes = queue_.enqueueMapBuffer(memory, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, begin, count, nullptr, nullptr,
+                                      &status);
       check_cl(status, "clEnqueueMapBuffer");
       mapped_.emplace_back(memory, bytes);
     }
@@ -91,21 +85,21 @@ class MappedRanges {
   }
   /// Waits until the host may read and write them.
   const Device::Bytes& bytes() const {
-    check_cl(clFinish(queue_), "clFinish");
+    check_cl(queue_.finish(), "clFinish");
     return bytes_;
   }
   void unmap() {
     while (!mapped_.empty()) {
       const auto [memory, bytes] = mapped_.back();
       mapped_.pop_back();
-      check_cl(clEnqueueUnmapMemObject(queue_, memory, bytes, 0, nullptr, nullptr), "clEnqueueUnmapMemObject");
+      check_cl(queue_.enqueueUnmapMemObject(memory, bytes), "clEnqueueUnmapMemObject");
     }
-    check_cl(clFlush(queue_), "clFlush");
+    check_cl(queue_.flush(), "clFlush");
   }
 
  private:
-  cl_command_queue queue_;
-  std::vector<std::pair<cl_mem, void*>> mapped_;
+  cl::CommandQueue queue_;
+  std::vector<std::pair<cl::Buffer, void*>> mapped_;
   Device::Bytes bytes_;
 };
 
@@ -130,18 +124,14 @@ void Device::write(DeviceBuffer& buffer, const void* data, std::size_t byte_coun
 void Device::queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count) {
   MULTUM_CHECK(byte_count <= buffer.byte_count_);
   if (byte_count == 0) return;
-  check_cl(clEnqueueWriteBuffer(state().queue, memory_of(buffer.memory_), CL_FALSE, 0, byte_count, data, 0, nullptr,
-                                nullptr),
-           "clEnqueueWriteBuffer");
+  check_cl(state().queue.enqueueWriteBuffer(*buffer.memory_, CL_FALSE, 0, byte_count, data), "clEnqueueWriteBuffer");
   state().count_upload(byte_count);
 }
 
 void Device::read(const DeviceBuffer& buffer, void* data, std::size_t byte_count) {
   MULTUM_CHECK(byte_count <= buffer.byte_count_);
   if (byte_count == 0) return;
-  check_cl(clEnqueueReadBuffer(state().queue, static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, byte_count, data,
-                               0, nullptr, nullptr),
-           "clEnqueueReadBuffer");
+  check_cl(state().queue.enqueueReadBuffer(*buffer.memory_, CL_TRUE, 0, byte_count, data), "clEnqueueReadBuffer");
   state().count_download(byte_count);
 }
 
@@ -151,15 +141,15 @@ void Device::read_ranges(const std::vector<BufferRange>& ranges, const WithBytes
   if (total == 0) return;
   if (is_mapped(state())) {
     MappedRanges mapped(state());
-    for (const BufferRange& range : ranges) mapped.add(memory_of(range.buffer->memory_), range.begin, range.count);
+    for (const BufferRange& range : ranges) mapped.add(*range.buffer->memory_, range.begin, range.count);
     body(mapped.bytes());
     return mapped.unmap();
   }
   const Bytes places = places_in(next_staging(state(), total).bytes, ranges);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     if (ranges[i].count == 0) continue;
-    check_cl(clEnqueueReadBuffer(state().queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
-                                 ranges[i].count, places[i], 0, nullptr, nullptr),
+    check_cl(state().queue.enqueueReadBuffer(*ranges[i].buffer->memory_, CL_FALSE, ranges[i].begin, ranges[i].count,
+                                             places[i]),
              "clEnqueueReadBuffer");
     state().count_download(ranges[i].count);
   }
@@ -177,11 +167,9 @@ void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithByte
   body(places);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     if (ranges[i].count == 0) continue;
-    cl_event copied = nullptr;
-    check_cl(clEnqueueWriteBuffer(state().queue, memory_of(ranges[i].buffer->memory_), CL_FALSE, ranges[i].begin,
-                                  ranges[i].count, places[i], 0, nullptr, &copied),
+    check_cl(state().queue.enqueueWriteBuffer(*ranges[i].buffer->memory_, CL_FALSE, ranges[i].begin, ranges[i].count,
+                                              places[i], nullptr, &staging.copied),
              "clEnqueueWriteBuffer");
-    staging.copied.reset(copied);
     state().count_upload(ranges[i].count);
   }
   flush();  // the last copy's end is the end of all: the queue keeps its order
@@ -192,7 +180,7 @@ void Device::move_down(const std::vector<BufferMove>& moves) {
     MULTUM_CHECK(to <= from.begin && from.begin + from.count <= from.buffer->byte_count_);
   if (is_mapped(state())) {
     MappedRanges mapped(state());
-    for (const auto& [from, to] : moves) mapped.add(memory_of(from.buffer->memory_), to, from.begin - to + from.count);
+    for (const auto& [from, to] : moves) mapped.add(*from.buffer->memory_, to, from.begin - to + from.count);
     const Bytes& bytes = mapped.bytes();
     for (std::size_t i = 0; i < moves.size(); ++i)
       std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
@@ -200,11 +188,11 @@ void Device::move_down(const std::vector<BufferMove>& moves) {
   }
   // In pieces that do not overlap what they are copied to, one after another.
   for (const auto& [from, to] : moves) {
-    const cl_mem memory = memory_of(from.buffer->memory_);
+    const cl::Buffer& memory = *from.buffer->memory_;
     const std::size_t distance = from.begin - to;
     for (std::size_t done = 0; distance > 0 && done < from.count; done += distance)
-      check_cl(clEnqueueCopyBuffer(state().queue, memory, memory, from.begin + done, to + done,
-                                   std::min(distance, from.count - done), 0, nullptr, nullptr),
+      check_cl(state().queue.enqueueCopyBuffer(memory, memory, from.begin + done, to + done,
+                                               std::min(distance, from.count - done)),
                "clEnqueueCopyBuffer");
   }
 }
@@ -213,14 +201,12 @@ void Device::fill_zero(DeviceBuffer& buffer) {
   if (buffer.byte_count_ == 0) return;
   if (is_mapped(state())) {
     MappedRanges mapped(state());
-    mapped.add(memory_of(buffer.memory_), 0, buffer.byte_count_);
+    mapped.add(*buffer.memory_, 0, buffer.byte_count_);
     std::memset(mapped.bytes()[0], 0, buffer.byte_count_);
     return mapped.unmap();
   }
   const unsigned char zero = 0;
-  check_cl(clEnqueueFillBuffer(state().queue, memory_of(buffer.memory_), &zero, 1, 0, buffer.byte_count_, 0, nullptr,
-                               nullptr),
-           "clEnqueueFillBuffer");
+  check_cl(state().queue.enqueueFillBuffer(*buffer.memory_, zero, 0, buffer.byte_count_), "clEnqueueFillBuffer");
 }
 
 }  // namespace multum

@@ -11,7 +11,7 @@ const NAME = "MULTUM_lobes";
  *     loader.register((parser) => new GltfLobes(parser, renderer));
  *
  * What GLTFLoader returns has the LobeTextures in `userData.lobes`, to be disposed of with the model. `options` are
- * addLobes()'s. A damaged extension makes the loading fail; a material that cannot have lobes keeps its own textures,
+ * addLobes()'s. Maps get the renderer's most anisotropic filter. A damaged extension makes the loading fail; a material that cannot have lobes keeps its own textures,
  * with a warning on the console.
  */
 export class GltfLobes {
@@ -19,6 +19,7 @@ export class GltfLobes {
     this.name = NAME;
     this.parser = parser;
     this.options = options;
+    this.anisotropy = renderer.capabilities.getMaxAnisotropy();
     this.loader = new LobeLoader().detectSupport(renderer);
   }
 
@@ -66,5 +67,7 @@ export class GltfLobes {
     material.roughnessMap = null;
     if (extension.metallicRoughnessTexture !== undefined)
       await this.parser.assignTexture(material, "roughnessMap", extension.metallicRoughnessTexture);
+    for (const map of Object.values(material))
+      if (map?.isTexture) map.anisotropy = this.anisotropy;
   }
 }

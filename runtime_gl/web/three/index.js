@@ -2,4 +2,4 @@
 // @multum/three: lobes of normals in three.js's physical materials. README.md has a page on it.
 export { LobeLoader, LobeTexture } from "./lobe_texture.js";
 export { GltfLobes } from "./gltf_lobes.js";
-export { addLobes, lobesOf, removeLobes } from "./lobe_material.js";
+export { addLobes, addPoints, lobesOf, removeLobes, removePoints } from "./lobe_material.js";

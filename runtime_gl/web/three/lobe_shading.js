@@ -4,6 +4,7 @@
 // like, behind its shadows, attenuations and maps; those that depend on normals are replaced here, by ones that add up
 // over lobes. Lobes are taken to the space of the view, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
+import { fragmentAtPoints, replaced } from "./shading_points.js";
 
 // The normal map's share: level 0 of 8 bits holds unit vectors but for their rounding, so its four texels are fetched
 // and made unit; coarser levels are averages whose length counts.
@@ -46,37 +47,126 @@ vec3 multum_finest_normal(vec2 st, float level) {
 }
 `;
 
+// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. Where lobes are narrow
+// they are spent on points, whose lobes are added up to one; where they are wide, on lobes.
+//
+// Lobes are read at points, each over its part of the footprint, and turned by the frame of its own place before they
+// are added up: the map of a model with few polygons cancels the turns of its interpolated normals.
 const FETCH = `
-#define MULTUM_NORMALS (MULTUM_LOBE_COUNT + 1)
 uniform sampler2D u_ggx_lobe_table;
-vec4 multum_lobes[MULTUM_NORMALS];  // (a r, a), the normal map's last
-vec3 multum_mean_normal;  // the sum of a r
+vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in the space of the view
+vec4 multum_lobe;  // the evaluation's own, of amplitude 1
+bool multum_lobes_pay = false;
 
-void multum_fetch_lobes(vec2 st, mat3 frame) {
-  MultumFootprint footprint = multum_surface_footprint(st);
-  MultumSurface surface = multum_fetch_surface(st, footprint);
-  vec4 finest = vec4(0.0);
-  if (footprint.level < 0.0) {
-    MultumFootprint on_map =
-        multum_footprint_on(footprint, multum_lobe_map_size(), textureSize(normalMap, 0));
-    float level = clamp(on_map.level, 0.0, float(MULTUM_FIRST_LEVEL - 1));
-    vec2 place = multum_first_tap(st, on_map);
-    vec3 sum = vec3(0.0);
-    for (int i = 0; i < on_map.tap_count; ++i)
-      sum += multum_finest_normal(place + float(i) * on_map.tap_step, level);
-    finest = multum_normal_map_share(footprint.level) *
-        multum_movmf_magnified(vec4(sum / float(on_map.tap_count), 1.0),
-                               multum_footprint_longer_lod(on_map, textureSize(normalMap, 0)));
+vec4 multum_turned(mat3 frame, vec4 lobe) {
+  // Tangents that are not at right angles turn a lobe, and leave it its width.
+  vec3 turned = frame * lobe.xyz;
+  return vec4(turned * (length(lobe.xyz) / max(length(turned), 1e-12)), lobe.w);
+}
+
+vec4 multum_normal_map_part(vec2 st, MultumFootprint on_map) {
+  float level = clamp(on_map.level, 0.0, float(MULTUM_FIRST_LEVEL - 1));
+  vec2 place = multum_first_tap(st, on_map);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < on_map.tap_count; ++i) sum += multum_finest_normal(place + float(i) * on_map.tap_step, level);
+  return multum_movmf_magnified(vec4(sum / float(on_map.tap_count), 1.0),
+                                multum_footprint_longer_lod(on_map, textureSize(normalMap, 0)));
+}
+
+// three.js's getTangentFrame() with derivatives taken before.
+mat3 multum_tangent_frame(vec3 n) {
+  vec3 across_y = cross(-multum_along_y_vViewPosition, n), across_x = cross(n, -multum_along_x_vViewPosition);
+  vec2 along_x = multum_along_x_vNormalMapUv, along_y = multum_along_y_vNormalMapUv;
+  vec3 t = across_y * along_x.x + across_x * along_y.x, b = across_y * along_x.y + across_x * along_y.y;
+  float square = max(dot(t, t), dot(b, b));
+  float scale = square == 0.0 ? 0.0 : inversesqrt(square);
+  return mat3(t * scale, b * scale, n);
+}
+
+// At \`shift\` pixels from the point that is shaded.
+mat3 multum_frame(vec2 shift, float side) {
+#ifdef FLAT_SHADED
+  vec3 n = normalize(cross(dFdx(vViewPosition), dFdy(vViewPosition)));
+#else
+  vec3 n = normalize(vNormal + shift.x * multum_along_x_vNormal + shift.y * multum_along_y_vNormal);
+#ifdef DOUBLE_SIDED
+  n *= side;
+#endif
+#endif
+#ifdef USE_TANGENT
+  mat3 frame = mat3(normalize(vTangent), normalize(vBitangent), n);
+#else
+  mat3 frame = multum_tangent_frame(n);
+#endif
+#if defined(DOUBLE_SIDED) && !defined(FLAT_SHADED)
+  frame[0] *= side;
+  frame[1] *= side;
+#endif
+  frame[0] *= sign(normalScale.x);
+  frame[1] *= sign(normalScale.y);
+  return frame;
+}
+
+// Over a part of the pixel, \`part\` of its width and height.
+MultumFootprint multum_part_footprint(vec2 part) {
+  vec2 size = vec2(multum_lobe_map_size());
+  return multum_footprint_of(part.x * multum_along_x_vNormalMapUv * size, part.y * multum_along_y_vNormalMapUv * size,
+                             size);
+}
+
+// Lobes of the part of the pixel about the point that is shaded, read at \`points\` x \`points\` places of it.
+void multum_fetch_lobes(ivec2 points, vec2 part, float side) {
+  vec2 share = part / vec2(points);
+  MultumFootprint footprint = multum_part_footprint(share);
+  MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), textureSize(normalMap, 0));
+  float map_share = multum_normal_map_share(footprint.level);
+  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) multum_lobes[j] = vec4(0.0);
+  for (int i = 0; i < points.x * points.y; ++i) {
+    vec2 shift = (vec2(i % points.x, i / points.x) + 0.5) * share - 0.5 * part;
+    vec2 place = vNormalMapUv + shift.x * multum_along_x_vNormalMapUv + shift.y * multum_along_y_vNormalMapUv;
+    mat3 frame = multum_frame(shift, side);
+    MultumSurface surface = multum_fetch_surface(place, footprint);
+    for (int j = 0; j < MULTUM_LOBE_COUNT; ++j)
+      multum_lobes[j] += (1.0 - map_share) * multum_turned(frame, surface.lobes[j]);
+    if (map_share > 0.0) multum_lobes[0] += map_share * multum_turned(frame, multum_normal_map_part(place, on_map));
   }
-  multum_mean_normal = vec3(0.0);
-  for (int j = 0; j < MULTUM_NORMALS; ++j) {
-    vec4 lobe = j < MULTUM_LOBE_COUNT ? (1.0 - finest.w) * surface.lobes[min(j, MULTUM_LOBE_COUNT - 1)] : finest;
-    // Tangents that are not at right angles turn a lobe, and leave it its width.
-    vec3 turned = frame * lobe.xyz;
-    turned *= length(lobe.xyz) / max(length(turned), 1e-12);
-    multum_lobes[j] = vec4(turned, lobe.w);
-    multum_mean_normal += turned;
-  }
+}
+
+// Whether a pixel's evaluations are spent on lobes: by the spread of all its normals, two levels finer than its own.
+void multum_decide() {
+#if MULTUM_EVALUATIONS >= MULTUM_LOBE_COUNT && MULTUM_LOBE_COUNT > 1
+  MultumFootprint footprint = multum_part_footprint(vec2(1.0));
+  if (multum_normal_map_share(footprint.level - 1.0) > 0.0) return;
+  footprint.level -= 2.0;
+  MultumSurface surface = multum_fetch_surface(vNormalMapUv, footprint);
+  vec4 sum = vec4(0.0);
+  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += surface.lobes[j];
+  multum_lobes_pay = multum_movmf_spread(sum) > MULTUM_LOBES_FROM;
+#endif
+}
+
+ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
+
+// Point of the evaluation, from the pixel's middle, in pixels.
+vec2 multum_shift(int evaluation) {
+  ivec2 points = multum_points();
+  int point = multum_lobes_pay ? evaluation / MULTUM_LOBE_COUNT : evaluation;
+  return (vec2(point % points.x, point / points.x) + 0.5) / vec2(points) - 0.5;
+}
+
+// Sets the evaluation's lobe. Returns its weight.
+float multum_take_lobe(int evaluation, float side) {
+  ivec2 points = multum_points();
+  vec2 part = 1.0 / vec2(points);
+  int number = multum_lobes_pay ? evaluation % MULTUM_LOBE_COUNT : 0;
+  if (number == 0) multum_fetch_lobes(max(2 / points, ivec2(1)), part, side);
+  vec4 sum = vec4(0.0);
+  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += multum_lobes[j];
+  multum_lobe = multum_lobes_pay ? multum_lobes[number] : sum;
+  float weight = part.x * part.y * multum_lobe.w / max(sum.w, 1e-6);
+  multum_lobe = vec4(multum_lobe.xyz / max(multum_lobe.w, 1e-6), 1.0);
+  // Three lobes leave one of four evaluations over.
+  return multum_lobes_pay && evaluation >= points.x * points.y * MULTUM_LOBE_COUNT ? 0.0 : weight;
 }
 `;
 
@@ -92,65 +182,47 @@ void RE_Direct_Multum(const in IncidentLight directLight, const in vec3 geometry
 #endif
   vec3 h = normalize(l + v);
   float v_h = saturate(dot(v, h));
-  float alpha = pow2(max(material.roughness, 0.045));
-  float specular = 0.0, lambert = 0.0;
-  for (int j = 0; j < MULTUM_NORMALS; ++j) {
-    specular += multum_movmf_ggx_specular(u_ggx_lobe_table, multum_lobes[j], l, v, h, alpha);
-    lambert += multum_movmf_lambert(multum_lobes[j], l);
-  }
+  float specular = multum_movmf_ggx_specular(u_ggx_lobe_table, multum_lobe, l, v, h,
+                                             pow2(max(material.roughness, 0.045)));
   vec3 fresnel = F_Schlick(material.specularColorBlended, material.specularF90, v_h);
 #ifdef USE_IRIDESCENCE
   fresnel = mix(fresnel, material.iridescenceFresnel, material.iridescence);
 #endif
   reflectedLight.directSpecular += directLight.color * specular * fresnel * material.multiScatteringCompensation;
   vec3 through = 1.0 - F_Schlick(material.specularColor, material.specularF90, v_h);
-  reflectedLight.directDiffuse += directLight.color * lambert * BRDF_Lambert(material.diffuseContribution) * through;
+  reflectedLight.directDiffuse += directLight.color * multum_movmf_lambert(multum_lobe, l) *
+                                  BRDF_Lambert(material.diffuseContribution) * through;
 }
 #undef RE_Direct
 #define RE_Direct RE_Direct_Multum
 `;
 
 // Light that three.js knows for one normal and roughness alone: a lobe is its mean direction, and a roughness that is
-// wider by the lobe's slopes, alpha^2 + 2 / kappa.
+// wider by the lobe's slopes, alpha^2 + 2 / kappa. How much the surface reflects is that of its own roughness.
 const INDIRECT = `
-PhysicalMaterial multum_widened(const in PhysicalMaterial material, vec4 lobe, vec3 mu, vec3 v) {
+PhysicalMaterial multum_widened(const in PhysicalMaterial material, vec3 v) {
   PhysicalMaterial part = material;
   float alpha = pow2(material.roughness);
-  part.roughness = sqrt(sqrt(min(alpha * alpha + 2.0 / max(multum_vmf_kappa(multum_movmf_spread(lobe)), 1e-6), 1.0)));
-  part.dfg = texture2D(dfgLUT, vec2(part.roughness, saturate(dot(mu, v)))).rg;
+  float kappa = max(multum_vmf_kappa(multum_movmf_spread(multum_lobe)), 1e-6);
+  part.roughness = sqrt(sqrt(min(alpha * alpha + 2.0 / kappa, 1.0)));
+  float n_v = multum_vmf_mean_cosine(multum_movmf_spread(multum_lobe), dot(multum_movmf_mean_direction(multum_lobe), v));
+  part.dfg = texture2D(dfgLUT, vec2(material.roughness, n_v)).rg;
   return part;
 }
-
-#if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
-// Of a lobe: the environment's harmonics of order 1 shrink by the length of its mean vector.
-vec3 multum_environment_irradiance(vec3 mu, float spread) {
-  vec3 along = getIBLIrradiance(mu);
-  return spread > 0.0 ? mix(along, getIBLIrradiance(-mu), 0.5 * spread) : along;
-}
-#endif
 
 void RE_IndirectSpecular_Multum(const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance,
                                 const in vec3 geometryPosition, const in vec3 geometryNormal,
                                 const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                 const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
 #if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
-  for (int j = 0; j < MULTUM_NORMALS; ++j) {
-    vec4 lobe = multum_lobes[j];
-    if (lobe.w <= MULTUM_AMPLITUDE_MIN) continue;
-    vec3 mu = multum_movmf_mean_direction(lobe);
-    PhysicalMaterial part = multum_widened(material, lobe, mu, geometryViewDir);
-    ReflectedLight of_part = ReflectedLight(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    RE_IndirectSpecular_Physical(getIBLRadiance(geometryViewDir, mu, part.roughness),
-                                 multum_environment_irradiance(mu, multum_movmf_spread(lobe)), vec3(0.0),
-                                 geometryPosition, mu, geometryViewDir, geometryClearcoatNormal, part, of_part);
-    reflectedLight.indirectSpecular += lobe.w * of_part.indirectSpecular;
-    reflectedLight.indirectDiffuse += lobe.w * of_part.indirectDiffuse;
-  }
-#ifdef USE_CLEARCOAT
-  clearcoatSpecularIndirect += clearcoatRadiance *
-      EnvironmentBRDF(geometryClearcoatNormal, geometryViewDir, material.clearcoatF0, material.clearcoatF90,
-                      material.clearcoatRoughness);
-#endif
+  PhysicalMaterial part = multum_widened(material, geometryViewDir);
+  // The environment's harmonics of order 1 shrink by the length of the lobe's mean vector.
+  vec3 along = getIBLIrradiance(geometryNormal);
+  float spread = multum_movmf_spread(multum_lobe);
+  if (spread > 0.0) along = mix(along, getIBLIrradiance(-geometryNormal), 0.5 * spread);
+  RE_IndirectSpecular_Physical(getIBLRadiance(geometryViewDir, geometryNormal, part.roughness), along,
+                               clearcoatRadiance, geometryPosition, geometryNormal, geometryViewDir,
+                               geometryClearcoatNormal, part, reflectedLight);
 #else
   RE_IndirectSpecular_Physical(radiance, irradiance, clearcoatRadiance, geometryPosition, geometryNormal,
                                geometryViewDir, geometryClearcoatNormal, material, reflectedLight);
@@ -164,19 +236,8 @@ void RE_Direct_RectArea_Multum(const in RectAreaLight rectAreaLight, const in ve
                                const in vec3 geometryNormal, const in vec3 geometryViewDir,
                                const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material,
                                inout ReflectedLight reflectedLight) {
-  vec3 clearcoat = clearcoatSpecularDirect;
-  for (int j = 0; j < MULTUM_NORMALS; ++j) {
-    vec4 lobe = multum_lobes[j];
-    if (lobe.w <= MULTUM_AMPLITUDE_MIN) continue;
-    clearcoatSpecularDirect = clearcoat;  // each part adds the same
-    vec3 mu = multum_movmf_mean_direction(lobe);
-    PhysicalMaterial part = multum_widened(material, lobe, mu, geometryViewDir);
-    ReflectedLight of_part = ReflectedLight(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    RE_Direct_RectArea_Physical(rectAreaLight, geometryPosition, mu, geometryViewDir, geometryClearcoatNormal, part,
-                                of_part);
-    reflectedLight.directSpecular += lobe.w * of_part.directSpecular;
-    reflectedLight.directDiffuse += lobe.w * of_part.directDiffuse;
-  }
+  RE_Direct_RectArea_Physical(rectAreaLight, geometryPosition, geometryNormal, geometryViewDir,
+                              geometryClearcoatNormal, multum_widened(material, geometryViewDir), reflectedLight);
 }
 #undef RE_Direct_RectArea
 #define RE_Direct_RectArea RE_Direct_RectArea_Multum
@@ -185,27 +246,20 @@ void RE_Direct_RectArea_Multum(const in RectAreaLight rectAreaLight, const in ve
 
 // Green points the way that normalScale says; how far is in the lobes.
 const NORMAL = `
-multum_fetch_lobes(vNormalMapUv, mat3(sign(normalScale.x) * tbn[0], sign(normalScale.y) * tbn[1], tbn[2]));
-if (dot(multum_mean_normal, multum_mean_normal) > 1e-12) normal = normalize(multum_mean_normal);
+multum_weight = multum_take_lobe(multum_evaluation, faceDirection);
+if (dot(multum_lobe.xyz, multum_lobe.xyz) > 1e-12) normal = normalize(multum_lobe.xyz);
 `;
-
-/** `text` with `to` in place of `from`; an Error where it is not there. */
-function replaced(text, from, to, revision) {
-  if (!text.includes(from))
-    throw new Error(`@multum/three: found no ${from.trim()} in the shaders of three.js r${revision}, expected one as ` +
-      "r187 has it: a newer version of the package may know this release");
-  return text.replace(from, () => to);
-}
 
 /** The fragment shader of a physical material with lobes; `defines` by name, `chunks` of three.js. */
 export function fragmentWithLobes(fragment, defines, chunks, revision) {
-  const head = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}\n`).join("");
-  const shading = [head, lobesGlsl, lobeTextureGlsl, NORMAL_MAP, FETCH, DIRECT, INDIRECT].join("\n");
-  const after = (text, include, more) => replaced(text, include, `${include}\n${more}`, revision);
-  let text = after(fragment, "#include <normalmap_pars_fragment>", shading);
-  text = after(text, "#include <normal_fragment_maps>", NORMAL);
-  // A hemisphere's light is linear in the normal: the mean of the lobes' is exact.
-  const lights = replaced(chunks.lights_fragment_begin, "hemisphereLights[ i ], geometryNormal",
-    "hemisphereLights[ i ], multum_mean_normal", revision);
-  return replaced(text, "#include <lights_fragment_begin>", lights, revision);
+  const edit = (name, chunk) => {
+    if (name === "normal_fragment_maps") return `${chunk}\n${NORMAL}`;
+    // A hemisphere's light is linear in the normal: that of the lobe's mean is exact.
+    if (name === "lights_fragment_begin")
+      return replaced(chunk, "hemisphereLights[ i ], geometryNormal", "hemisphereLights[ i ], multum_lobe.xyz",
+        revision);
+    return chunk;
+  };
+  const lobes = [lobesGlsl, lobeTextureGlsl, NORMAL_MAP, FETCH, DIRECT, INDIRECT].join("\n");
+  return fragmentAtPoints(fragment, chunks, revision, { defines, lobes, edit });
 }

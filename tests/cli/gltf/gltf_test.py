@@ -116,6 +116,18 @@ class GltfTest(FolderCase):
         self.assertEqual(report["bytes_before"], len(self.read("in.glb")))
         self.assertIn("outside of KHR_texture_basisu", self.messages)
 
+    def test_level_0_of_normals_stays_as_it_was(self):
+        """Also vectors that are no unit vectors, whose directions another rounding would turn."""
+        def texel(x, y):
+            length = 0.93 + 0.01 * x
+            return code(0.3 * length), code(0.1 * (y % 3) * length), code(0.93 * length)
+
+        after, _ = self.convert(plain_model(normal=png(8, 8, texel), surface=packed(8, 8)))
+        normal = after.levels(0)
+        self.assertEqual([normal[0].at(x, y)[:3] for y in range(8) for x in range(8)],
+                         [texel(x, y) for y in range(8) for x in range(8)])
+        self.assertAlmostEqual(math.hypot(*(2 * c / 255 - 1 for c in normal[1].at(1, 1)[:3])), 1.0, delta=0.01)
+
     def test_factors_move_into_the_textures(self):
         model = plain_model(normal=png(4, 4, lambda x, y: (code(0.3), code(0.0), code(math.sqrt(1 - 0.09)))),
                             surface=png(4, 4, lambda x, y: (255, 128, 200)), roughnessFactor=0.5, metallicFactor=0.25)
@@ -404,13 +416,15 @@ class GltfTest(FolderCase):
         self.assertAlmostEqual(abs(2 * red / 255 - 1), 1.0, delta=0.02)  # along x, which the normals lean to
         self.assertAlmostEqual(2 * green / 255 - 1, 0.0, delta=0.05)
         self.assertGreater(blue, 150)
-        model = plain_model()
-        turned = {"extensions": {"KHR_texture_transform": {"rotation": 1.0}}}
-        model.json["materials"][0]["normalTexture"].update(turned)
-        model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(turned)
-        after, report = self.convert(model, "--anisotropy")
-        self.assertNotIn("extensions", after.json["materials"][0])
-        self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
+        for transform in ({"rotation": 1.0}, {"scale": [-1.0, 1.0]}, {"scale": [1.0, -1.0]}):
+            with self.subTest(transform):
+                model = plain_model()
+                turned = {"extensions": {"KHR_texture_transform": transform}}
+                model.json["materials"][0]["normalTexture"].update(turned)
+                model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(turned)
+                after, report = self.convert(model, "--anisotropy")
+                self.assertNotIn("extensions", after.json["materials"][0])
+                self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
 
     def test_png_has_level_0_alone_and_says_so(self):
         self.write("in.glb", plain_model().glb())

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "host/farm/service/http/http_client.h"
+#include "host/farm/service/ledger/job_fields.h"
 #include "host/farm/service/workers/job_types.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/regular_file.h"
@@ -95,10 +96,8 @@ void print_job(const ClientOptions& o, const Json& job) {
 
 struct SubmitOptions {
   ClientOptions client;
-  std::string input, output, queue, label, device;
-  int priority = 0, attempt_max = 5;
-  std::int64_t deadline_s = 0, memory = 0;
-  std::vector<std::int64_t> needs;
+  std::string output;
+  Job asked;  // of it the fields that have an option; `deadline` in seconds from now
   bool again = false, wait = false;
   std::map<std::string, std::string> values;
   std::map<std::string, bool> flags;
@@ -117,6 +116,25 @@ Json value_of(const Parameter& parameter, const std::string& text) {
 
 int wait_for(HttpClient& client, const ClientOptions& o, std::set<std::int64_t> ids);
 
+// What differs from the value that a job has by itself.
+template <typename Value>
+void add_asked(Json& job, const JobField& field, const Value& value) {
+  static const Job kNone;
+  if (value == kNone.*std::get<Value Job::*>(field.member)) return;
+  if constexpr (std::is_same_v<Value, std::optional<std::int64_t>>) job[field.asked_as] = *value;
+  else if constexpr (!std::is_same_v<Value, std::optional<int>>) job[field.asked_as] = value;
+}
+
+template <typename Value>
+void add_field_option(CLI::App& command, const JobField& field, Value& value) {
+  if constexpr (!std::is_same_v<Value, JobState> && !std::is_same_v<Value, std::optional<int>>) {
+    CLI::Option* const option = command.add_option(field.option, value, field.option_help);
+    if (field.has_default) option->capture_default_str();
+    if (field.form == JobField::Form::kBytes) option->transform(CLI::AsSizeValue(false));
+    if constexpr (std::is_same_v<Value, std::vector<std::int64_t>>) option->delimiter(',');
+  }
+}
+
 int run_submit(const JobType& type, SubmitOptions& o) {
   Json parameters = Json::object();
   for (const Parameter& parameter : type.table->rows()) {
@@ -124,15 +142,12 @@ int run_submit(const JobType& type, SubmitOptions& o) {
     if (const auto found = o.values.find(parameter.name); found != o.values.end() && !found->second.empty())
       parameters[parameter.name] = value_of(parameter, found->second);
   }
-  Json job = {
-      {"type", type.name}, {"parameters", parameters}, {"priority", o.priority}, {"attempt_max", o.attempt_max}};
+  Json job = {{"type", type.name}, {"parameters", parameters}};
   if (!o.output.empty()) job["output"] = text_of_path(fs::absolute(o.output).lexically_normal().string());
-  if (!o.queue.empty()) job["queue"] = o.queue;
-  if (!o.label.empty()) job["label"] = o.label;
-  if (!o.device.empty()) job["device"] = o.device;
-  if (o.deadline_s > 0) job["deadline_s"] = o.deadline_s;
-  if (o.memory > 0) job["memory_bytes"] = o.memory;
-  if (!o.needs.empty()) job["needs"] = o.needs;
+  for (const JobField& field : job_fields()) {
+    if (field.option == nullptr) continue;
+    with_field(field, o.asked, [&](const auto& value) { add_asked(job, field, value); });
+  }
   if (o.again) job["again"] = true;
   HttpClient client = client_of(o.client);
   const Json answer = client.ask("POST", "/v1/jobs", job);
@@ -177,16 +192,10 @@ void add_submit(CLI::App& app, int* exit_code) {
     CLI::Option* output =
         command->add_option("-o,--output", o->output, "file or folder of the result, on the service's disk");
     if (type.needs_output) output->required();
-    command->add_option("--queue", o->queue, "queue of the job (default: default)");
-    command->add_option("--priority", o->priority, "priority, -1000 to 1000, higher first");
-    command->add_option("--label", o->label, "label, any text");
-    command->add_option("--needs", o->needs, "numbers of jobs that must succeed before this one")->delimiter(',');
-    command->add_option("--attempts", o->attempt_max, "attempts before the job is dead")->capture_default_str();
-    command->add_option("--deadline", o->deadline_s, "seconds from now within which the job must be done");
-    command->add_option("--job-memory", o->memory, "memory that the service counts for the job")
-        ->transform(CLI::AsSizeValue(false));
-    if (find_job_type(type.name).command.empty())
-      command->add_option("--device", o->device, "device that the service counts the job on");
+    for (const JobField& field : job_fields())
+      // A type's own --device is OpenCL's.
+      if (field.option != nullptr && command->get_option_no_throw(field.option) == nullptr)
+        with_field(field, o->asked, [&](auto& value) { add_field_option(*command, field, value); });
     command->add_flag("--again", o->again, "run the job even if an earlier one has made the same");
     command->add_flag("--wait", o->wait, "wait until the job is done; the exit code is 0 when it succeeded");
     add_client_options(*command, o->client);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/multum/farm/farm_commands.h"
 
-#include <nlohmann/json.hpp>
-
 #include "tools/multum/farm/multum_job_types.h"
 
 namespace multum {
@@ -16,16 +14,6 @@ void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words) {
   add_openjd_command(app, exit_code, check_words);
   add_serve_commands(app, exit_code);
   add_client_commands(app, exit_code);
-}
-
-nlohmann::json job_schemas() {
-  nlohmann::json schemas = nlohmann::json::object();
-  for (const JobType& type : job_types()) {
-    std::string name = type.name + "Parameters";
-    name[0] = static_cast<char>(name[0] - 'a' + 'A');
-    schemas[name] = parameters_schema(type);
-  }
-  return schemas;
 }
 
 }  // namespace multum

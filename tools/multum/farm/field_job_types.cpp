@@ -24,7 +24,8 @@ JobType infer_type() {
           .views = {{.files = {"render.png"},
                      .program = "multum-view",
                      .words = {"thumbnails", "--context=osmesa"},
-                     .writes_folder = true}},
+                     .writes_folder = true,
+                     .shown = {{"render.png", "its first frame"}}}},
           .no_other_view = "there is a picture of its first frame alone"};
 }
 
@@ -38,7 +39,10 @@ JobType pack_type() {
           .fixed_options = {"--absolute-geometry"},
           .memory_bytes = kFieldJobBytes,
           .table = &pack_parameters(),
-          .views = {{.files = {"player.html"}, .words = {"player", "-q"}, .takes_roots = true}},
+          .views = {{.files = {"player.html"},
+                     .words = {"player", "-q"},
+                     .takes_roots = true,
+                     .shown = {{"player.html", "Play it", "Save a player"}}}},
           .no_other_view = "there is a player of it, and no pictures"};
 }
 

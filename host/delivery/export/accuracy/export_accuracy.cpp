@@ -101,7 +101,7 @@ ExportMeter::ExportMeter(int width, int height, const ExportAccuracySettings& se
   }
 }
 
-void ExportMeter::add_rows(int level, int first_row, const MaterialRows& rows) {
+void ExportMeter::add_level(int level, int first_row, MaterialRows rows) {
   for (Cell& cell : cells_)
     if (cell.level == level && cell.y >= first_row && cell.y < first_row + rows.height)
       cell.lobe = lobe_of_texel(rows, size_of(cell.y - first_row) * size_of(rows.width) + size_of(cell.x));

@@ -60,11 +60,11 @@ struct ExportAccuracy {
 };
 
 /// Sees the rows of an export as they are stored, then measures.
-class ExportMeter {
+class ExportMeter : public MaterialSink {
  public:
   /// `baked`: lobes to measure beside, of a file that has the levels; null: none. Must outlive it.
   ExportMeter(int width, int height, const ExportAccuracySettings& settings, BakedLobes* baked = nullptr);
-  void add_rows(int level, int first_row, const MaterialRows& rows);
+  void add_level(int level, int first_row, MaterialRows rows) override;
   /// After all rows. Progress: names its stage and cancels between cells; counts no units.
   ExportAccuracy run(const OneLobeInputs& inputs, const OneLobeSettings& settings, Progress* progress);
 

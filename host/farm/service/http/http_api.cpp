@@ -7,6 +7,7 @@
 #include <openssl/crypto.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -27,6 +28,7 @@
 #include "host/farm/service/http/openapi.h"
 #include "host/farm/service/http/result_archive.h"
 #include "host/farm/service/http/web_files.h"
+#include "host/farm/service/ledger/job_fields.h"
 #include "host/farm/service/ledger/job_json.h"
 #include "host/farm/service/workers/driver_probe.h"
 #include "host/farm/service/workers/job_types.h"
@@ -120,7 +122,7 @@ struct HttpApi::State {
     Job job;
     co_await in_ledger([&](JobQueue& queue) {
       result = queue.submit(
-          submission, [&](const Job& other) { return is_result_intact(queue, roots, other); }, wall_clock_ms());
+          submission, [&](const Job& other) { return is_result_intact(roots, other); }, wall_clock_ms());
       job = *queue.find(result.id);
       queue.take_changed();
     });
@@ -138,7 +140,7 @@ struct HttpApi::State {
       StagedResult(roots.outputs, submission.output, dispatcher.instance(), 0, roots.seal)
           .check_place(type.output_is_folder);
     if (type.input.empty()) return;
-    const InputList inputs = list_inputs_in_child(type, asked.parameters(), roots.inputs);
+    const InputList inputs = list_inputs_in_child(type, asked.parameters, roots.inputs);
     std::vector<std::string> file_hashes;
     for (const std::string& named : inputs.files) {
       const std::string file = roots.inputs.input(named);
@@ -148,7 +150,7 @@ struct HttpApi::State {
       file_hashes.push_back(hashes.hash(file, roots.inputs.open_input(file)));
     }
     submission.inputs = inputs.identity;
-    if (!asked.again) submission.key = idempotency_key(type, asked.parameters(), file_hashes);
+    if (!asked.again) submission.key = idempotency_key(type, asked.parameters, file_hashes);
   }
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {
@@ -328,9 +330,7 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> picture(std::string text, const char* name) {
     const Job job = co_await job_of(std::move(text));
-    std::string identity;
-    co_await in_ledger([&](JobQueue& queue) { identity = queue.result_identity(job.id); });
-    co_return co_await pictures.answer(job, identity, name);
+    co_return co_await pictures.answer(job, name);
   }
 
   asio::awaitable<HttpResponse> upload(std::string name, HttpRequest request) {
@@ -393,15 +393,29 @@ struct HttpApi::State {
   }
 
   static HttpResponse types() {
-    Json list = Json::array();
-    for (const JobType& type : job_types())
+    Json list = Json::array(), fields = Json::array();
+    for (const JobType& type : job_types()) {
+      Json views = Json::array();
+      for (const JobView& view : type.views)
+        for (const JobView::Shown& shown : view.shown)
+          views.push_back({{"file", shown.file},
+                           {"caption", shown.caption},
+                           {"saved_caption", shown.saved_caption},
+                           {"only_for", view.only_for}});
       list.push_back({{"name", type.name},
                       {"summary", type.summary},
                       {"input", type.input.empty() ? Json(nullptr) : Json(type.input)},
                       {"output_is_folder", type.output_is_folder},
                       {"output_extension", type.output_extension},
-                      {"parameters", parameters_schema(type)}});
-    return json_response({{"types", list}});
+                      {"parameters", parameters_schema(type)},
+                      {"views", views}});
+    }
+    constexpr std::array kForms = {"plain", "plain", "object", "time", "bytes", "job"};
+    for (const JobField& field : job_fields())
+      if (field.label != nullptr)
+        fields.push_back(
+            {{"name", field.name}, {"label", field.label}, {"form", kForms.at(static_cast<std::size_t>(field.form))}});
+    return json_response({{"types", list}, {"fields", fields}});
   }
 
   HttpResponse event_stream(const HttpRequest& request, std::int64_t job) const {

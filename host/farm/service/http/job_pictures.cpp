@@ -128,13 +128,13 @@ JobPictures::~JobPictures() {
   pool_.join();
 }
 
-asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string identity, std::string name) {
+asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
   const JobView& view = find_view(job, name);
-  std::string file_name = identity;
+  std::string file_name = job.result_identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
   const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, view.folder_ending);
   // Named: GCC 12 destroys what is made in braces within a co_await twice.
-  Request request{std::move(job), std::move(identity), folder, view};
+  Request request{std::move(job), folder, view};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
   response.headers = {{"Cache-Control", "private, no-cache"}};
@@ -224,7 +224,7 @@ std::vector<std::string> JobPictures::command(const Request& request, const std:
 }
 
 bool JobPictures::has_result(const Request& request) const {
-  return is_as_made(roots_.outputs, request.job.output, request.identity, roots_.seal);
+  return is_as_made(roots_.outputs, request.job.output, request.job.result_identity, roots_.seal);
 }
 
 // By what the maps that the job was given are told from others; of one that is not there any more a word.

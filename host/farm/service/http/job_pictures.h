@@ -42,10 +42,9 @@ class JobPictures {
   JobPictures(const JobPictures&) = delete;
   JobPictures& operator=(const JobPictures&) = delete;
 
-  /// `name`: of a file of one of the type's views, as "render.png"; `identity`: of the job's result when
-  /// it was published. Many may ask at once: the first has them made, all wait. Throws Refusal 404 "no_picture" with
-  /// the reason, 507 "quota" where data_max has no room for them.
-  boost::asio::awaitable<HttpResponse> answer(Job job, std::string identity, std::string name);
+  /// `name`: of a file of one of the type's views, as "render.png". Many may ask at once: the first has them
+  /// made, all wait. Throws Refusal 404 "no_picture" with the reason, 507 "quota" where data_max has no room for them.
+  boost::asio::awaitable<HttpResponse> answer(Job job, std::string name);
 
   /// Blocks.
   void remove(const std::vector<std::int64_t>& ids);
@@ -56,7 +55,7 @@ class JobPictures {
  private:
   struct Request {
     Job job;
-    std::string identity, folder;
+    std::string folder;
     const JobView& view;
   };
   boost::asio::awaitable<void> made(Request request);

@@ -8,9 +8,12 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "host/farm/service/http/http_reply.h"
+#include "host/farm/service/ledger/job_fields.h"
 #include "host/farm/service/workers/job_types.h"
+#include "host/foundation/base/error.h"
 #include "host/foundation/base/path_text.h"
 
 namespace multum {
@@ -50,6 +53,19 @@ bool is_plain(const Json& value) { return value.is_string() && is_plain_text(val
 bool is_id_list(const Json& value) {
   return value.is_array() && value.size() <= 1000 &&
          std::all_of(value.begin(), value.end(), integer_between(1, INT64_MAX));
+}
+
+template <typename Value>
+void read_field(const Json& json, const JobField& field, TimeMs now, Value& value) {
+  if (!json.contains(field.asked_as)) return;
+  const auto taken = [&](const auto& is) { return value_of<Value>(json, field.asked_as, value, is, field.expected); };
+  if constexpr (std::is_same_v<Value, std::string>) value = taken(is_plain);
+  else if constexpr (std::is_same_v<Value, std::vector<std::int64_t>>) value = taken(is_id_list);
+  else if constexpr (std::is_same_v<Value, std::optional<TimeMs>>)
+    value = now + 1000 * value_of<std::int64_t>(json, field.asked_as, 0, integer_between(field.low, field.high),
+                                                field.expected);
+  else if constexpr (std::is_arithmetic_v<Value>) value = taken(integer_between(field.low, field.high));
+  else MULTUM_CHECK(false);  // clients set no field of this type
 }
 
 // A name without a slash at its start lies among the results that can be downloaded, and nowhere else.
@@ -116,20 +132,19 @@ Json parse_body(const HttpRequest& request) {
   return json;
 }
 
-Json SubmitRequest::parameters() const { return Json::parse(job.parameters); }
-
 SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimLimits& limits, TimeMs now) {
-  only_keys(json,
-            {"type", "parameters", "output", "queue", "label", "priority", "needs", "attempt_max", "deadline_s",
-             "memory_bytes", "device", "again"},
-            "the job");
+  std::vector<std::string> keys;
+  for (const JobField& field : job_fields())
+    if (field.asked_as != nullptr) keys.emplace_back(field.asked_as);
+  keys.emplace_back("again");
+  only_keys(json, keys, "the job");
   SubmitRequest request;
   JobSubmission& s = request.job;
   const auto is_text = [](const Json& value) { return is_plain(value); };
   if (!json.contains("type")) throw Refusal{400, "usage", "type is missing"};
   s.type = value_of<std::string>(json, "type", "", is_text, "a text");
   const JobType& type = find_job_type(s.type);
-  Json parameters = json.value("parameters", Json::object());
+  Json& parameters = request.parameters = json.value("parameters", Json::object());
   check_parameters(type, parameters);
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
@@ -152,16 +167,12 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
     for (const auto& [name, of_queue] : limits.queues) names.push_back(name);
     throw Refusal{400, "usage", fmt::format("queue is \"{}\", expected one of {}", s.queue, fmt::join(names, ", "))};
   }
-  s.label = value_of<std::string>(json, "label", "", is_text, "a text of up to 1000 characters");
-  s.priority = value_of<int>(json, "priority", 0, integer_between(-1000, 1000), "an integer from -1000 to 1000");
-  s.needs = value_of<std::vector<std::int64_t>>(json, "needs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
-  s.attempt_max = value_of<int>(json, "attempt_max", 5, integer_between(1, 100), "an integer from 1 to 100");
-  s.memory_bytes =
-      value_of<std::int64_t>(json, "memory_bytes", type.memory_bytes, integer_between(0, 1LL << 50), "bytes");
-  s.device = value_of<std::string>(json, "device", "", is_text, "a device's name");
-  if (json.contains("deadline_s"))
-    s.deadline = now + 1000 * value_of<std::int64_t>(json, "deadline_s", 0, integer_between(1, 100000000),
-                                                     "seconds from now, 1 to 100000000");
+  s.memory_bytes = type.memory_bytes;
+  Job asked;
+  static_cast<JobSubmission&>(asked) = s;
+  for (const JobField& field : job_fields())
+    if (field.expected != nullptr) with_field(field, asked, [&](auto& value) { read_field(json, field, now, value); });
+  s = asked;
   request.again = value_of<bool>(
       json, "again", false, [](const Json& v) { return v.is_boolean(); }, "true or false");
   return request;
@@ -203,7 +214,7 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
                               what, path, job.queue)};
   };
   if (!job.output.empty()) check("output", job.output);
-  const Json parameters = request.parameters();
+  const Json& parameters = request.parameters;
   for (const Parameter& parameter : find_job_type(job.type).table->rows())
     if (parameter.kind == ParameterKind::kFile && parameters.contains(parameter.name))
       check("parameters." + parameter.name, path_of_text(parameters[parameter.name].get<std::string>()));

@@ -3,7 +3,7 @@
 // docs/openapi.json says is a Refusal that names the key, what was found and what was expected.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ nlohmann::json parse_body(const HttpRequest& request);
 /// (path_text.h); those that a scene names in it are for check_input_files().
 struct SubmitRequest {
   JobSubmission job;  // without its key
-  nlohmann::json parameters() const;
+  nlohmann::json parameters;
   bool again = false;  // though it has been made
 };
 SubmitRequest parse_submit(const nlohmann::json& body, const JobRoots& roots, const ClaimLimits& limits, TimeMs now);

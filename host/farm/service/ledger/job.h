@@ -29,6 +29,7 @@ std::optional<JobState> parse_job_state(const std::string& name);
 /// jobs are measured by a clock that never goes back, in the process that holds them.
 using TimeMs = std::int64_t;
 
+/// What clients say of a job. Each member of it and of Job has a row in job_fields.cpp.
 struct JobSubmission {
   std::string type;               // of job_types.h
   std::string parameters = "{}";  // JSON object, checked against the type
@@ -56,6 +57,9 @@ struct Job : JobSubmission {
   std::optional<int> exit_code;             // of the last attempt
   std::string message;                      // why it is where it is, for people
   std::optional<std::int64_t> reused_from;  // the job whose result was taken instead of making it again
+  int attempts_counted = 0;                 // against attempt_max
+  std::string result_identity;              // of what was published last; "": nothing was
+  std::string stop_asked;  // why it is to be cancelled as soon as its attempt ends without a result; "": it is not
 };
 
 enum class AttemptOutcome {

@@ -5,6 +5,7 @@
 
 #include <ctime>
 
+#include "host/farm/service/ledger/job_fields.h"
 #include "host/foundation/base/path_text.h"
 
 namespace multum {
@@ -19,6 +20,21 @@ nlohmann::json or_null(const std::optional<Value>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
 }
 
+template <typename Value>
+nlohmann::json value_json(const JobField& field, const Value& value) {
+  using Form = JobField::Form;
+  if constexpr (std::is_same_v<Value, JobState>) return job_state_name(value);
+  else if constexpr (std::is_same_v<Value, std::int64_t>)
+    return field.form == Form::kTime ? nlohmann::json(time_text(value)) : nlohmann::json(value);
+  else if constexpr (std::is_same_v<Value, std::optional<std::int64_t>>)
+    return field.form == Form::kTime ? time_or_null(value) : or_null(value);
+  else if constexpr (std::is_same_v<Value, std::optional<int>>) return or_null(value);
+  else if constexpr (std::is_same_v<Value, std::string>)
+    return field.form == Form::kObject ? nlohmann::json::parse(value)
+                                       : nlohmann::json(field.form == Form::kPath ? text_of_path(value) : value);
+  else return value;
+}
+
 }  // namespace
 
 std::string time_text(TimeMs time) {
@@ -30,27 +46,11 @@ std::string time_text(TimeMs time) {
 }
 
 nlohmann::json job_json(const Job& job) {
-  return {{"id", job.id},
-          {"type", job.type},
-          {"state", job_state_name(job.state)},
-          {"queue", job.queue},
-          {"priority", job.priority},
-          {"label", job.label},
-          {"parameters", nlohmann::json::parse(job.parameters)},
-          {"output", text_of_path(job.output)},
-          {"needs", job.needs},
-          {"attempt", job.attempt},
-          {"attempt_max", job.attempt_max},
-          {"memory_bytes", job.memory_bytes},
-          {"device", job.device},
-          {"created", time_text(job.created)},
-          {"not_before", time_or_null(job.not_before)},
-          {"deadline", time_or_null(job.deadline)},
-          {"started", time_or_null(job.started)},
-          {"finished", time_or_null(job.finished)},
-          {"exit_code", or_null(job.exit_code)},
-          {"message", job.message},
-          {"reused_from", or_null(job.reused_from)}};
+  nlohmann::json json;
+  for (const JobField& field : job_fields())
+    if (field.described != nullptr)
+      json[field.name] = with_field(field, job, [&](const auto& value) { return value_json(field, value); });
+  return json;
 }
 
 std::string job_text(const Job& job) { return job_json(job).dump(); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "host/farm/service/ledger/job_fields.h"
 #include "host/farm/service/ledger/job_queue.h"
 #include "host/farm/service/ledger/ledger_schema.h"
 
@@ -72,11 +73,11 @@ std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
   // As blobs: the length of a text is one of characters, for which all of it is read. Ten bytes a need, and 500 of a
   // job's names and times.
   static const FilteredQueries sql([](const char* conditions) {
-    return fmt::format(
-        "SELECT IFNULL(SUM(bytes), 0) FROM (SELECT 500 + length(CAST(parameters AS BLOB)) + length(CAST(label AS "
-        "BLOB)) + length(CAST(output AS BLOB)) + length(CAST(inputs AS BLOB)) + length(CAST(message AS BLOB)) + 10 * "
-        "(SELECT COUNT(*) FROM needs WHERE needs.job = jobs.id) AS bytes FROM jobs {})",
-        conditions);
+    std::string bytes = "500 + 10 * (SELECT COUNT(*) FROM needs WHERE needs.job = jobs.id)";
+    for (const JobField& field : job_fields())
+      if (std::holds_alternative<std::string Job::*>(field.member))
+        bytes += fmt::format(" + length(CAST({} AS BLOB))", field.name);
+    return fmt::format("SELECT IFNULL(SUM(bytes), 0) FROM (SELECT {} AS bytes FROM jobs {})", bytes, conditions);
   });
   SqliteStatement& query = bind_filter(statement(sql.of(filter)), filter);
   query.step();

@@ -130,19 +130,12 @@ SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact,
       throw Error(ErrorCode::kUsage, fmt::format("needs job {}, which is {}", id, job_state_name(needed->state)));
     needs_left += needed->state != JobState::kSucceeded ? 1 : 0;
   }
-  SqliteStatement& insert = statement(
-      "INSERT INTO jobs (type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, "
-      "output, key, inputs, state, needs_left, created) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  insert.bind(1, s.type).bind(2, s.parameters).bind(3, s.queue).bind(4, s.label).bind(5, s.priority);
-  insert.bind(6, s.attempt_max)
-      .bind(7, s.deadline)
-      .bind(8, s.memory_bytes)
-      .bind(9, s.device)
-      .bind(10, text_of_path(s.output));
-  insert.bind(11, s.key).bind(12, s.inputs);
-  insert.bind(13, number_of(needs_left > 0 ? JobState::kWaiting : JobState::kQueued));
-  insert.bind(14, needs_left).bind(15, now).run();
-  const std::int64_t id = database_.last_insert_id();
+  Job job;
+  static_cast<JobSubmission&>(job) = s;
+  job.state = needs_left > 0 ? JobState::kWaiting : JobState::kQueued;
+  job.needs_left = needs_left;
+  job.created = now;
+  const std::int64_t id = insert_job(database_, job);
   reserve(id);
   for (const std::int64_t needed : needs)
     statement("INSERT INTO needs (job, needs) VALUES (?, ?)").bind(1, id).bind(2, needed).run();
@@ -244,14 +237,6 @@ void JobQueue::forget_key(std::int64_t id) {
   statement("UPDATE jobs SET key = '', reused_from = NULL WHERE id = ?").bind(1, id).run();
 }
 
-std::string JobQueue::result_identity(std::int64_t id) {
-  SqliteStatement& query = statement("SELECT result_identity FROM jobs WHERE id = ?");
-  query.bind(1, id);
-  const std::string identity = query.step() ? query.text(0) : "";
-  query.reset();
-  return identity;
-}
-
 void JobQueue::published(std::int64_t id, TimeMs now) {
   const std::optional<Job> job = find(id);
   MULTUM_CHECK(job && job->state == JobState::kPublishing);
@@ -298,28 +283,15 @@ void JobQueue::close_attempt(const Job& job, const AttemptResult& result, TimeMs
   statement("UPDATE jobs SET exit_code = ? WHERE id = ?").bind(1, result.exit_code).bind(2, job.id).run();
 }
 
-// Why it is to be cancelled; "": it is not.
-std::string JobQueue::stop_asked(std::int64_t id) {
-  SqliteStatement& asked = statement("SELECT stop_asked FROM jobs WHERE id = ?");
-  asked.bind(1, id).step();
-  std::string why = asked.text(0);
-  asked.reset();
-  return why;
-}
-
 void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now) {
-  if (const std::string why = stop_asked(job.id); !why.empty()) {
-    finish(job.id, JobState::kCancelled, why, now);
+  if (!job.stop_asked.empty()) {
+    finish(job.id, JobState::kCancelled, job.stop_asked, now);
     fail_dependents(job.id, now);
     return;
   }
   const bool is_counted = result.outcome != AttemptOutcome::kReturned;
-  if (!is_counted)
-    statement("UPDATE jobs SET attempts_counted = attempts_counted - 1 WHERE id = ?").bind(1, job.id).run();
-  SqliteStatement& query = statement("SELECT attempts_counted FROM jobs WHERE id = ?");
-  query.bind(1, job.id).step();
-  const auto counted = static_cast<int>(query.integer(0));
-  query.reset();
+  const int counted = job.attempts_counted - (is_counted ? 0 : 1);
+  statement("UPDATE jobs SET attempts_counted = ? WHERE id = ?").bind(1, counted).bind(2, job.id).run();
   if (result.outcome == AttemptOutcome::kRefused || counted >= job.attempt_max) {
     finish(job.id, JobState::kDead, result.message, now);
     fail_dependents(job.id, now);
@@ -517,7 +489,6 @@ std::vector<std::int64_t> JobQueue::purge(const std::vector<std::int64_t>& wante
   for (const std::int64_t id : wanted) {
     const std::optional<Job> job = find(id);
     if (!job || !is_final(job->state)) continue;
-    const std::string identity = result_identity(id);
     SqliteStatement& query = statement(
         "DELETE FROM jobs WHERE id = ?1 AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON other.id = needs.job "
         "WHERE needs.needs = ?1 AND other.state < 4)");
@@ -526,7 +497,7 @@ std::vector<std::int64_t> JobQueue::purge(const std::vector<std::int64_t>& wante
     statement("INSERT OR REPLACE INTO left_overs (job, output, identity) VALUES (?, ?, ?)")
         .bind(1, id)
         .bind(2, is_ours ? text_of_path(job->output) : "")
-        .bind(3, identity)
+        .bind(3, job->result_identity)
         .run();
     purged.push_back(id);
     changed_.insert(id);
@@ -585,12 +556,12 @@ JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
   for (const std::int64_t id : ids(query)) {
     const Job job = *find(id);
     if (job.state == JobState::kPublishing) {
-      recovered.publishing.emplace_back(job, result_identity(id));
+      recovered.publishing.push_back(job);
       continue;
     }
     const bool is_slurm = keeps_slurm && is_slurm_owner(job.owner);
     // Nobody is left who would stop what was asked to stop: it is cancelled here, and then at Slurm as unknown.
-    if (is_slurm && slurm_.has_sent(id, job.attempt) && stop_asked(id).empty()) {
+    if (is_slurm && slurm_.has_sent(id, job.attempt) && job.stop_asked.empty()) {
       recovered.with_slurm.push_back(job);
       continue;
     }

@@ -104,8 +104,6 @@ class JobQueue {
   void published(std::int64_t id, TimeMs now);
   /// Removes a job's key: its inputs have changed since it was submitted, so that its result is another.
   void forget_key(std::int64_t id);
-  /// Identity that begin_publishing() was given; empty: no result was published.
-  std::string result_identity(std::int64_t id);
   /// An attempt ended otherwise, or without a result to publish. False: the holder is not the holder any more.
   bool ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now);
 
@@ -139,12 +137,12 @@ class JobQueue {
   /// Reads what is kept beside the database again, after an error has undone a transaction.
   void resync();
 
-  /// Recovers after a start: what ran is lost and counts as an attempt; what was being published is returned, with the
-  /// identity of its staged result, to be looked after.
+  /// Recovers after a start: what ran is lost and counts as an attempt; what was being published is returned, to be
+  /// looked after.
   struct Recovered {
     std::vector<std::int64_t> lost;
     std::vector<Job> with_slurm;
-    std::vector<std::pair<Job, std::string>> publishing;
+    std::vector<Job> publishing;
   };
   /// `keeps_slurm`: what is with Slurm runs on.
   Recovered recover(TimeMs now, bool keeps_slurm = false);
@@ -174,7 +172,6 @@ class JobQueue {
   std::set<std::int64_t> take_changed() { return std::exchange(changed_, {}); }
 
  private:
-  std::string stop_asked(std::int64_t id);
   void requeue_or_die(const Job& job, const AttemptResult& result, TimeMs now);
   void set_state(std::int64_t id, JobState state, const std::string& message);
   void finish(std::int64_t id, JobState state, const std::string& message, TimeMs now);

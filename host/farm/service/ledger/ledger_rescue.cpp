@@ -2,6 +2,7 @@
 #include "host/farm/service/ledger/ledger_rescue.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -12,7 +13,9 @@
 
 #include "host/farm/service/files/data_folder.h"
 #include "host/farm/service/files/data_lock.h"
+#include "host/farm/service/ledger/job_fields.h"
 #include "host/farm/service/ledger/job_queue.h"
+#include "host/farm/service/ledger/ledger_schema.h"
 #include "host/farm/service/ledger/ledger_start.h"
 #include "host/farm/service/workers/dispatcher.h"
 #include "host/foundation/base/error.h"
@@ -27,35 +30,30 @@ using Ids = std::set<std::int64_t>;
 struct RescuedTable {
   const char* name;
   const char* number;
-  std::vector<const char*> columns;
-  const char* is_whole;
+  std::vector<std::string> columns;
+  std::string is_whole;
 };
 
-const RescuedTable kJobs = {
-    "jobs",
-    "id",
-    {"id",           "type",
-     "parameters",   "queue",
-     "label",        "priority",
-     "attempt_max",  "deadline",
-     "memory_bytes", "device",
-     "output",       "key",
-     "inputs",       "state",
-     "attempt",      "attempts_counted",
-     "owner",        "needs_left",
-     "created",      "not_before",
-     "started",      "finished",
-     "exit_code",    "message",
-     "reused_from",  "result_identity",
-     "stop_asked"},
-    "CASE WHEN typeof(parameters) = 'text' AND json_valid(parameters) THEN json_type(parameters) = 'object' ELSE 0 END "
-    "AND typeof(type) = 'text' AND "
-    "typeof(queue) = 'text' AND typeof(label) = 'text' AND typeof(output) = 'text' AND typeof(key) = 'text' AND "
-    "typeof(priority) = 'integer' AND attempt_max BETWEEN 1 AND 100 AND typeof(memory_bytes) = 'integer' AND state "
-    "BETWEEN 0 AND 6 AND attempt BETWEEN 0 AND 1000000000 AND typeof(attempts_counted) = 'integer' AND "
-    "typeof(needs_left) = 'integer' AND typeof(created) = 'integer' AND typeof(deadline) IN ('integer', 'null') AND "
-    "typeof(not_before) IN ('integer', 'null') AND typeof(started) IN ('integer', 'null') AND typeof(finished) IN "
-    "('integer', 'null') AND (state < 4) = (finished IS NULL)"};
+// Each of a job's columns is of its type and within its limits.
+std::string is_whole_job() {
+  std::string text = "(state < 4) = (finished IS NULL)";
+  for (const JobField& field : job_fields()) {
+    const bool is_text = std::holds_alternative<std::string Job::*>(field.member),
+               may_lack = std::holds_alternative<std::optional<int> Job::*>(field.member) ||
+                          std::holds_alternative<std::optional<std::int64_t> Job::*>(field.member);
+    if (!field.has_column()) continue;
+    text += fmt::format(" AND typeof({}) IN ({})", field.name,
+                        is_text    ? "'text'"
+                        : may_lack ? "'integer', 'null'"
+                                   : "'integer'");
+    if (field.is_number()) text += fmt::format(" AND {} BETWEEN {} AND {}", field.name, field.low, field.high);
+    if (field.form == JobField::Form::kObject)
+      text += fmt::format(" AND CASE WHEN json_valid({0}) THEN json_type({0}) = 'object' ELSE 0 END", field.name);
+  }
+  return text;
+}
+
+const RescuedTable kJobs = {"jobs", "id", job_columns(), is_whole_job()};
 const RescuedTable kAttempts = {
     "attempts",
     "job",
@@ -161,17 +159,14 @@ class Rescue {
   Ids copy(const RescuedTable& table, const Ids& numbers) {
     RescueReport::Table& report = tables_.emplace_back();
     report.name = table.name;
-    std::string names, marks;
-    for (const char* column : table.columns) {
-      names += (names.empty() ? "" : ", ") + std::string(column);
-      marks += marks.empty() ? "?" : ", ?";
-    }
+    const std::string names = fmt::format("{}", fmt::join(table.columns, ", "));
+    const std::vector<std::string> marks(table.columns.size(), "?");
     Ids saved;
     const bool is_known = reads([&] {
       SqliteStatement rows(
           old_, fmt::format("SELECT {}, ({}) FROM {} WHERE {} = ?", names, table.is_whole, table.name, table.number));
-      SqliteStatement insert(ledger_,
-                             fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})", table.name, names, marks));
+      SqliteStatement insert(
+          ledger_, fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})", table.name, names, fmt::join(marks, ", ")));
       for (const std::int64_t number : numbers) {
         const bool is_read = reads([&] {
           rows.reset();
@@ -197,7 +192,7 @@ class Rescue {
       insert.reset();
       for (int c = 0; c < static_cast<int>(table.columns.size()); ++c) {
         // A message may quote a name that is no UTF-8, as earlier versions noted it.
-        const bool is_message = table.columns[static_cast<std::size_t>(c)] == std::string_view("message");
+        const bool is_message = table.columns[static_cast<std::size_t>(c)] == "message";
         if (row.is_text(c) && !is_message && !is_text(row.text(c))) return;
         if (row.is_text(c)) insert.bind(c + 1, row.text(c));
         else insert.bind(c + 1, row, c);
@@ -351,6 +346,7 @@ Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, con
   reads([&] {
     SqliteDatabase old(copy);
     old.execute("PRAGMA cell_size_check = ON");
+    reads([&] { add_job_columns(old); });
     Rescue rescue(old, ledger.database(), DataFolder(data, 0).highest_number());
     rescued.tables = rescue.run(is_list_lent);
     rescued.is_whole = rescue.is_whole() && !is_list_lent;

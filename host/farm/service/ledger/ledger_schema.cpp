@@ -2,17 +2,24 @@
 #include "host/farm/service/ledger/ledger_schema.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <set>
+#include <type_traits>
+
+#include "host/farm/service/ledger/job_fields.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/path_text.h"
 
 namespace multum {
 namespace {
 
+// A new field of jobs needs no new version: its column has a default, and an earlier multum passes it over.
 constexpr std::int64_t kSchemaVersion = 6;
 constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": what `file` and others know a ledger by
 
-// States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered.
+// States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered. Columns of
+// jobs that are not here are added behind (job_fields.cpp): all ledgers have them in one order, which a rescue needs.
 constexpr const char* kSchema = R"sql(
 CREATE TABLE jobs (
   id INTEGER PRIMARY KEY AUTOINCREMENT,  -- a number is never used again
@@ -100,16 +107,6 @@ CREATE INDEX slurm_parts_sent ON slurm_parts (batch) WHERE state = 0;
 // Of version 6 on: numbers of jobs in a state, in order, for lists of one.
 constexpr const char* kListSchema = "CREATE INDEX IF NOT EXISTS jobs_listed ON jobs (state);";
 
-// From versions 1 and 2, of multum 0.1 before its release.
-constexpr const char* kAddInputs = R"sql(
-ALTER TABLE jobs ADD COLUMN inputs TEXT NOT NULL DEFAULT '';
-UPDATE jobs SET key = '';  -- whether inputs are still what they were cannot be known
-PRAGMA user_version = 2;
-)sql";
-constexpr const char* kAddStopAsked = R"sql(
-ALTER TABLE jobs ADD COLUMN stop_asked TEXT NOT NULL DEFAULT '';
-PRAGMA user_version = 3;
-)sql";
 // From version 3.
 constexpr const char* kKeepNeeds = R"sql(
 DROP INDEX needs_of;
@@ -120,13 +117,38 @@ INSERT INTO needs SELECT job, needs FROM needs_3;
 DROP TABLE needs_3;
 )sql";
 
-constexpr const char* kColumns =
-    "id, type, parameters, queue, label, priority, attempt_max, deadline, memory_bytes, device, output, key, inputs, "
-    "state, attempt, owner, needs_left, created, not_before, started, finished, exit_code, message, reused_from";
-
 std::int64_t first_integer(SqliteDatabase& database, const char* sql) {
   SqliteStatement query(database, sql);
   return query.step() ? query.integer(0) : 0;
+}
+
+// The others are those of needs, which have a table of their own.
+void read_column(const SqliteStatement& row, int column, const JobField& field, std::string& value) {
+  value = field.form == JobField::Form::kPath ? path_of_text(row.text(column)) : row.text(column);
+}
+void read_column(const SqliteStatement& row, int column, const JobField&, std::optional<int>& value) {
+  value = row.optional_int(column);
+}
+void read_column(const SqliteStatement& row, int column, const JobField&, std::optional<std::int64_t>& value) {
+  value = row.optional_integer(column);
+}
+void read_column(const SqliteStatement&, int, const JobField&, std::vector<std::int64_t>&) {}
+template <typename Number>
+void read_column(const SqliteStatement& row, int column, const JobField&, Number& value) {
+  value = static_cast<Number>(row.integer(column));
+}
+
+void bind_column(SqliteStatement& insert, int number, const JobField& field, const std::string& value) {
+  insert.bind(number, field.form == JobField::Form::kPath ? text_of_path(value) : value);
+}
+template <typename Number>
+void bind_column(SqliteStatement& insert, int number, const JobField&, const std::optional<Number>& value) {
+  insert.bind(number, std::optional<std::int64_t>(value));
+}
+void bind_column(SqliteStatement&, int, const JobField&, const std::vector<std::int64_t>&) {}
+template <typename Number>
+void bind_column(SqliteStatement& insert, int number, const JobField&, Number value) {
+  insert.bind(number, static_cast<std::int64_t>(value));
 }
 
 }  // namespace
@@ -154,8 +176,9 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
   if (found < kSchemaVersion) {
     SqliteTransaction transaction(database);
     if (found == 0) database.execute(kSchema);
-    if (found == 1) database.execute(kAddInputs);
-    if (found == 1 || found == 2) database.execute(kAddStopAsked);
+    add_job_columns(database);
+    // Inputs are known from version 2 on: whether those of earlier jobs are still what they were cannot be known.
+    if (found == 1) database.execute("UPDATE jobs SET key = ''");
     if (found < 4) {
       if (found != 0) database.execute(kKeepNeeds);
       database.execute(kNeedsSchema);
@@ -168,38 +191,56 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
         fmt::format("PRAGMA user_version = {}; PRAGMA application_id = {}", kSchemaVersion, kApplicationId));
     transaction.commit();
   }
+  add_job_columns(database);
 }
 
-std::string select_jobs(const char* rest) { return fmt::format("SELECT {} FROM jobs {}", kColumns, rest); }
+void add_job_columns(SqliteDatabase& database) {
+  static const Job kNone;
+  SqliteStatement known(database, "SELECT name FROM pragma_table_info('jobs')");
+  std::set<std::string> names;
+  while (known.step()) names.insert(known.text(0));
+  for (const JobField& field : job_fields()) {
+    if (!field.has_column() || names.contains(field.name)) continue;
+    const char* const definition = with_field(field, kNone, [](const auto& value) {
+      using Value = std::remove_cvref_t<decltype(value)>;
+      if (std::is_same_v<Value, std::string>) return "TEXT NOT NULL DEFAULT ''";
+      return std::is_arithmetic_v<Value> ? "INTEGER NOT NULL DEFAULT 0" : "INTEGER";
+    });
+    database.execute(fmt::format("ALTER TABLE jobs ADD COLUMN {} {}", field.name, definition));
+  }
+}
+
+std::vector<std::string> job_columns() {
+  std::vector<std::string> names;
+  for (const JobField& field : job_fields())
+    if (field.has_column()) names.emplace_back(field.name);
+  return names;
+}
+
+std::string select_jobs(const char* rest) {
+  return fmt::format("SELECT {} FROM jobs {}", fmt::join(job_columns(), ", "), rest);
+}
 
 Job job_from_row(const SqliteStatement& row) {
   Job job;
-  int c = 0;
-  job.id = row.integer(c++);
-  job.type = row.text(c++);
-  job.parameters = row.text(c++);
-  job.queue = row.text(c++);
-  job.label = row.text(c++);
-  job.priority = static_cast<int>(row.integer(c++));
-  job.attempt_max = static_cast<int>(row.integer(c++));
-  job.deadline = row.optional_integer(c++);
-  job.memory_bytes = row.integer(c++);
-  job.device = row.text(c++);
-  job.output = path_of_text(row.text(c++));
-  job.key = row.text(c++);
-  job.inputs = row.text(c++);
-  job.state = static_cast<JobState>(row.integer(c++));
-  job.attempt = static_cast<int>(row.integer(c++));
-  job.owner = row.text(c++);
-  job.needs_left = static_cast<int>(row.integer(c++));
-  job.created = row.integer(c++);
-  job.not_before = row.optional_integer(c++);
-  job.started = row.optional_integer(c++);
-  job.finished = row.optional_integer(c++);
-  job.exit_code = row.optional_int(c++);
-  job.message = row.text(c++);
-  job.reused_from = row.optional_integer(c++);
+  int column = 0;
+  for (const JobField& field : job_fields())
+    if (field.has_column()) with_field(field, job, [&](auto& value) { read_column(row, column++, field, value); });
   return job;
+}
+
+std::int64_t insert_job(SqliteDatabase& database, const Job& job) {
+  static const std::string sql = [] {
+    const std::vector<std::string> names = job_columns(), marks(names.size(), "?");
+    return fmt::format("INSERT INTO jobs ({}) VALUES ({})", fmt::join(names, ", "), fmt::join(marks, ", "));
+  }();
+  SqliteStatement& insert = database.statement(sql.c_str());
+  int number = 0;
+  for (const JobField& field : job_fields())
+    if (field.has_column())
+      with_field(field, job, [&](const auto& value) { bind_column(insert, ++number, field, value); });
+  insert.bind(1, std::optional<std::int64_t>()).run();  // the ledger gives the number, which is the first column
+  return database.last_insert_id();
 }
 
 }  // namespace multum

@@ -41,14 +41,13 @@ SlurmEstimate estimate_work(const WorkOrder& work, const SlurmSettings& settings
   if (!work.copy_from.empty()) return estimate;
   try {
     const JobType& type = find_job_type(work.type);
-    const Json parameters = Json::parse(work.parameters);
-    if (type.estimated_seconds != nullptr) estimate.seconds = type.estimated_seconds(parameters);
+    if (type.estimated_seconds != nullptr) estimate.seconds = type.estimated_seconds(work.parameters);
     if (type.estimate_command.empty()) return estimate;
     std::vector<std::string> words = {own_program(), "confined"};
     for (const std::string& root : roots) words.push_back("--read=" + root);
     words.insert(words.end(), {"--", own_program(), type.estimate_command, "--json", "--threads=1",
                                fmt::format("--share-seconds={}", settings.share_seconds)});
-    const std::vector<std::string> arguments = job_arguments(type, parameters, "");
+    const std::vector<std::string> arguments = job_arguments(type, work.parameters, "");
     words.insert(words.end(), arguments.begin() + 1, arguments.end());
     const ChildResult child = run_child(
         words, {.time_max = kEstimateTimeMax, .memory_max = kEstimateMemoryMax, .output_max = kEstimateOutputMax});

@@ -48,34 +48,6 @@ std::optional<Value> read_as(const std::string& path, const Read& read) {
   return std::nullopt;
 }
 
-Json work_json(const WorkOrder& work) {
-  return {{"job", work.job},
-          {"attempt", work.attempt},
-          {"arguments", texts_of_paths(work.arguments)},
-          {"output", text_of_path(work.output)},
-          {"folder", text_of_path(work.folder)},
-          {"type", work.type},
-          {"parameters", work.parameters},
-          {"inputs", work.inputs},
-          {"copy_from", text_of_path(work.copy_from)},
-          {"copy_to", text_of_path(work.copy_to)}};
-}
-
-WorkOrder work_of(const Json& json) {
-  WorkOrder work;
-  work.job = json.at("job");
-  work.attempt = json.at("attempt");
-  work.arguments = paths_of_texts(json.at("arguments").get<std::vector<std::string>>());
-  work.output = path_of_text(json.at("output").get<std::string>());
-  work.folder = path_of_text(json.at("folder").get<std::string>());
-  work.type = json.at("type");
-  work.parameters = json.at("parameters");
-  work.inputs = json.at("inputs");
-  work.copy_from = path_of_text(json.at("copy_from").get<std::string>());
-  work.copy_to = path_of_text(json.at("copy_to").get<std::string>());
-  return work;
-}
-
 void append_to(const std::string& path, const std::string& text) {
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file < 0) fail_by_errno(path, "cannot be written");
@@ -109,15 +81,21 @@ bool SlurmBatchFolder::has_order() const {
 SlurmOrder SlurmBatchFolder::read_order() const {
   const std::optional<Json> json = read_json(path_ + "/order.json");
   if (!json) throw Error(ErrorCode::kEnvironment, path_ + "/order.json: is not there: the daemon has withdrawn it");
-  SlurmOrder order;
-  order.is_array = json->at("is_array");
-  order.roots = paths_of_texts(json->at("roots").get<std::vector<std::string>>());
-  order.threads = json->at("threads");
-  order.lease = milliseconds(json->at("lease_ms").get<std::int64_t>());
-  order.no_progress = milliseconds(json->at("no_progress_ms").get<std::int64_t>());
-  order.cancel_grace = milliseconds(json->at("cancel_grace_ms").get<std::int64_t>());
-  for (const Json& item : json->at("items")) order.items.push_back({item.at("item"), work_of(item)});
-  return order;
+  try {
+    SlurmOrder order;
+    order.is_array = json->at("is_array");
+    order.roots = paths_of_texts(json->at("roots").get<std::vector<std::string>>());
+    order.threads = json->at("threads");
+    order.lease = milliseconds(json->at("lease_ms").get<std::int64_t>());
+    order.no_progress = milliseconds(json->at("no_progress_ms").get<std::int64_t>());
+    order.cancel_grace = milliseconds(json->at("cancel_grace_ms").get<std::int64_t>());
+    for (const Json& item : json->at("items")) order.items.push_back({item.at("item"), work_from(item)});
+    return order;
+  } catch (const Json::exception& error) {
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}/order.json: is no order of multum {}: {}; the daemon sends its jobs again", path_,
+                            MULTUM_VERSION, error.what()));
+  }
 }
 
 void SlurmBatchFolder::revoke_order() const { ::unlink((path_ + "/order.json").c_str()); }

@@ -246,9 +246,7 @@ SlurmPool::Sending SlurmPool::sending_of(std::int64_t number, const Batch& batch
   for (const auto& [item, part] : batch.parts) {
     const SlurmWork& work = works_.at(part.row.job).work;
     order.items.push_back({item, work.order});
-    const std::string option = part.kind.option();
-    std::vector<std::string>& words = order.items.back().work.arguments;
-    if (!option.empty()) words.insert(words.begin() + 1, option);
+    order.items.back().work.share = part.kind.option();
     if (batch.is_array) s.array.push_back(item);
     s.memory_bytes = std::max(s.memory_bytes, work.memory_bytes);
     priority = std::max(priority, work.priority);

@@ -58,6 +58,16 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
 
 export const ask = async (method, path, body) => (await fetchAnswer(method, path, body)).json();
 
+let described = null;
+/** What jobs can be, and which of their fields are shown: asked for once. */
+export function askTypes() {
+  described ??= ask("GET", "/v1/types").catch((error) => {
+    described = null;
+    throw error;
+  });
+  return described;
+}
+
 /**
  * All events, for as long as the page is looked at: browsers have six lines to a service, and tabs in the background
  * shall not take them all. `on` has job(job), progress(progress), gap() when something may have been missed, and

@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // One job: all that the service knows of it, its pictures, and its log as it grows.
 
-import { ask, fetchAnswer, hasToken } from "./client.js";
+import { ask, askTypes, fetchAnswer, hasToken } from "./client.js";
 import { errorText } from "./error_text.js";
 import { ProgressBar, badge, byId, bytesText, canCancel, canRetry, durationText, isFinal, jobName, node, notify,
   outputName, refreshTimes, setBadge, setText, timeNode, tookText } from "./nodes.js";
 
 const LOG_SHOWN = 200000; // characters, of its end
 const LOG_LARGE = 1000000; // a log that is read again every ten seconds rather than every two
-const PICTURES = [["input", "input"], ["render", "baked, rendered"], ["error", "error, four times"]];
 
 const table = (head, rows) => node("div", { class: "scroll" }, node("table", {},
   node("thead", {}, node("tr", {}, ...head.map((one) => node("th", { scope: "col" }, one)))),
   node("tbody", {}, ...rows.map((row) => node("tr", {}, ...row.map((one) => node("td", {}, one)))))));
 
 const facts = (pairs) => node("dl", { class: "facts" },
-  ...pairs.filter(([, value]) => value !== null && value !== "").flatMap(([name, value]) =>
+  ...pairs.filter(([, value]) => value !== "").flatMap(([name, value]) =>
     [node("dt", {}, name), node("dd", {}, ...[value].flat())]));
 
 // Until it has ended: what Slurm calls it, and how far it is.
@@ -26,6 +25,16 @@ function partState({ state, slurm_state: slurmState, progress }) {
 }
 
 const jobLink = (id) => node("a", { href: `#job-${id}` }, `job ${id}`);
+
+const SHOWN = { plain: String, time: timeNode, bytes: (value) => (value ? bytesText(value) : ""),
+  job: (value) => [value].flat().flatMap((id, i) => (i ? [", ", jobLink(id)] : [jobLink(id)])) };
+
+/** Rows of `facts` for a field as GET /v1/types describes it. */
+function rowsOf({ name, label, form }, job) {
+  const value = job[name];
+  if (form === "object") return Object.entries(value).map(([key, one]) => [key, String(one)]);
+  return value === null || value.length === 0 ? [] : [[label, SHOWN[form](value)]];
+}
 
 export class JobDetail {
   /** `on` has close(), cancel(job), cancelPart(job, part) and retry(job). */
@@ -45,6 +54,7 @@ export class JobDetail {
     let job;
     try {
       job = await ask("GET", `/v1/jobs/${id}`);
+      this.described = await askTypes();
     } catch (error) {
       notify(errorText(error), true);
       return false;
@@ -83,12 +93,10 @@ export class JobDetail {
     this.retryButton = node("button", { "aria-keyshortcuts": "r", onclick: () => this.on.retry(this.job) }, "Retry");
     this.download = node("a", { href: `/v1/jobs/${job.id}/result`, download: "",
       onclick: (event) => this.fetchResult(event) }, "Download the result");
-    this.player = node("a", { href: `/v1/jobs/${job.id}/pictures/player.html`, target: "_blank", rel: "noopener",
-      onclick: (event) => this.fetchPlayer(event) }, hasToken() ? "Save a player" : "Play it");
-    this.look = node("a", { href: `/v1/jobs/${job.id}/pictures/look.html`, target: "_blank", rel: "noopener",
-      onclick: (event) => this.openLook(event) });
-    this.lookIsMade = false;
-    this.nameLook();
+    const views = (this.described.types.find((one) => one.name === job.type)?.views ?? []).filter((view) =>
+      Object.entries(view.only_for).every(([name, value]) => (job.parameters[name] ?? value) === value));
+    this.views = views.filter((view) => view.file.endsWith(".png"));
+    this.pages = views.filter((view) => view.file.endsWith(".html")).map((view) => this.pageLink(job, view));
     this.pictures = node("div", { class: "pictures" });
     this.picturesPart = node("section", { "aria-label": "Pictures", hidden: true }, node("h3", {}, "Pictures"),
       this.pictures);
@@ -103,8 +111,8 @@ export class JobDetail {
       node("div", { class: "detail-top" }, this.title,
         node("button", { onclick: () => this.on.close(), "aria-keyshortcuts": "Escape" }, "Close")),
       node("p", {}, this.badge, " ", this.took), this.progress.root, this.why,
-      node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download, this.player,
-        this.look),
+      node("div", { class: "actions" }, this.cancelButton, this.retryButton, this.download,
+        ...this.pages),
       this.picturesPart,
       node("h3", {}, "Job"), this.facts,
       node("h3", {}, "Attempts"), this.attempts, this.partsPart,
@@ -123,21 +131,9 @@ export class JobDetail {
     this.cancelButton.hidden = !canCancel(job);
     this.retryButton.hidden = !canRetry(job);
     this.download.hidden = job.state !== "succeeded" || !job.output;
-    this.player.hidden = this.download.hidden || job.type !== "pack";
-    this.look.hidden = this.download.hidden || job.type !== "bake" || (job.parameters.ndf ?? "vmf") !== "vmf";
+    for (const page of this.pages) page.hidden = this.download.hidden;
     this.showTook();
-    const time = (value) => (value ? timeNode(value) : null);
-    const after = job.state === "queued" && job.not_before && Date.parse(job.not_before) > Date.now();
-    this.facts.replaceChildren(facts([
-      ["label", job.label], ["output", job.output],
-      ...Object.entries(job.parameters).map(([name, value]) => [name, String(value)]),
-      ["queue", job.priority ? `${job.queue}, priority ${job.priority}` : job.queue],
-      ["needs", job.needs.length ? job.needs.flatMap((id, i) => (i ? [", ", jobLink(id)] : [jobLink(id)])) : null],
-      ["submitted", time(job.created)], ["started", time(job.started)], ["finished", time(job.finished)],
-      ["next attempt", after ? time(job.not_before) : null], ["deadline", time(job.deadline)],
-      ["memory", job.memory_bytes ? bytesText(job.memory_bytes) : null], ["device", job.device],
-      ["exit code", job.exit_code === null ? null : String(job.exit_code)],
-      ["taken from", job.reused_from === null ? null : jobLink(job.reused_from)]]));
+    this.facts.replaceChildren(facts(this.described.fields.flatMap((field) => rowsOf(field, job))));
     const rows = (job.attempts ?? []).map((one) => [String(one.number), one.outcome, timeNode(one.started),
       one.ended ? durationText(Date.parse(one.ended) - Date.parse(one.started)) : "",
       one.exit_code === null ? "" : String(one.exit_code), one.message]);
@@ -235,16 +231,16 @@ export class JobDetail {
 
   async loadPictures() {
     const job = this.job;
-    const isShown = job.state === "succeeded" && (job.type === "bake" || job.type === "infer");
+    const wanted = this.views;
+    const isShown = job.state === "succeeded" && wanted.length > 0;
     this.picturesPart.hidden = !isShown;
     if (!isShown) return;
-    const wanted = job.type === "infer" ? [["render", "its first frame"]] : PICTURES;
-    const holes = wanted.map(([, caption]) => node("figure", {}, node("div", { class: "hole" }, "being made ..."),
+    const holes = wanted.map(({ caption }) => node("figure", {}, node("div", { class: "hole" }, "being made ..."),
       node("figcaption", {}, caption)));
     this.pictures.replaceChildren(...holes);
-    await Promise.all(wanted.map(async ([name, caption], i) => {
+    await Promise.all(wanted.map(async ({ file, caption }, i) => {
       try {
-        const blob = await (await fetchAnswer("GET", `/v1/jobs/${job.id}/pictures/${name}.png`)).blob();
+        const blob = await (await fetchAnswer("GET", `/v1/jobs/${job.id}/pictures/${file}`)).blob();
         if (this.number !== job.id) return;
         const url = URL.createObjectURL(blob);
         this.urls.push(url);
@@ -265,33 +261,39 @@ export class JobDetail {
 
   /** A link cannot send the token, and the token does not belong into a list of downloads. */
   fetchResult(event) { return this.save(event, "result", (blob) => (blob.type === "application/x-tar" ? ".tar" : "")); }
-  fetchPlayer(event) { return this.save(event, "pictures/player.html", () => ".html"); }
 
-  nameLook() { setText(this.look, hasToken() ? "Save a page of its lobes" : "Look at its lobes"); }
+  /** To a page that shows the result, and is made when it is first asked for. */
+  pageLink(job, view) {
+    const link = node("a", { href: `/v1/jobs/${job.id}/pictures/${view.file}`, target: "_blank", rel: "noopener",
+      onclick: (event) => this.openPage(event, link, view) });
+    this.namePage(link, view);
+    return link;
+  }
+
+  namePage(link, view) { setText(link, hasToken() ? view.saved_caption : view.caption); }
 
   /** Waits until the page is made, which may take a while, so that a refusal is said here. */
-  async openLook(event) {
-    if (this.lookIsMade && !hasToken()) return;
+  async openPage(event, link, view) {
+    if (link.isMade && !hasToken()) return;
     event.preventDefault();
-    const { look } = this;
-    if (look.hasAttribute("aria-busy")) return;
-    look.setAttribute("aria-busy", "true");
-    setText(look, "The page is being made ...");
+    if (link.hasAttribute("aria-busy")) return;
+    link.setAttribute("aria-busy", "true");
+    setText(link, "The page is being made ...");
     try {
       if (hasToken()) {
-        await this.save(event, "pictures/look.html", () => ".html");
+        await this.save(event, `pictures/${view.file}`, () => ".html");
       } else {
-        await (await fetchAnswer("GET", look.getAttribute("href"))).body.cancel();
-        this.lookIsMade = true;
+        await (await fetchAnswer("GET", link.getAttribute("href"))).body.cancel();
+        link.isMade = true;
       }
     } catch (error) {
       notify(errorText(error), true);
     }
-    look.removeAttribute("aria-busy");
-    if (this.look !== look) return; // another job was opened meanwhile
-    this.nameLook();
+    link.removeAttribute("aria-busy");
+    if (!link.isConnected) return; // another job was opened meanwhile
+    this.namePage(link, view);
     // Where the browser opens no tab so long after the click, the link is there to be clicked again.
-    if (this.lookIsMade) look.click();
+    if (link.isMade) link.click();
   }
 
   async save(event, part, endingOf) {

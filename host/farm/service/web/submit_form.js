@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A form for each type of job, built from the schema of its parameters (GET /v1/types).
 
-import { ask } from "./client.js";
+import { ask, askTypes } from "./client.js";
 import { errorText } from "./error_text.js";
 import { byId, bytesText, node, notify } from "./nodes.js";
 
@@ -49,7 +49,7 @@ export class SubmitForm {
 
   async open(queues) {
     try {
-      this.types ??= (await ask("GET", "/v1/types")).types;
+      this.types = (await askTypes()).types;
     } catch (error) {
       return notify(errorText(error), true);
     }

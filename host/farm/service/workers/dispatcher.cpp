@@ -73,9 +73,9 @@ TimeMs wall_clock_ms() {
       .count();
 }
 
-bool is_result_intact(JobQueue& queue, const JobRoots& roots, const Job& job) {
+bool is_result_intact(const JobRoots& roots, const Job& job) {
   try {
-    return job.output.empty() || is_as_made(roots.outputs, job.output, queue.result_identity(job.id), roots.seal);
+    return job.output.empty() || is_as_made(roots.outputs, job.output, job.result_identity, roots.seal);
   } catch (const Error&) {  // it cannot be looked at for now
     return false;
   }
@@ -137,9 +137,9 @@ void Dispatcher::recover() {
     with_slurm = recovered.with_slurm;
     parts = queue.slurm().sent();
     last_batch = queue.slurm().last_batch();
-    for (const auto& [job, identity] : recovered.publishing) {
+    for (const Job& job : recovered.publishing) {
       try {
-        publish(job, identity);
+        publish(job, job.result_identity);
         queue.published(job.id, wall_clock_ms());
         service_log(LogSeverity::kInfo, job.id, "published after a restart: " + job.output);
       } catch (const Error& error) {
@@ -301,7 +301,7 @@ void Dispatcher::end_drain_if_idle() {
 Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) const {
   Claimed claimed{std::move(job), ""};
   for (const Job& other : queue.succeeded_with_key(claimed.job.key)) {
-    if (other.output.empty() || !is_result_intact(queue, roots_, other)) continue;
+    if (other.output.empty() || !is_result_intact(roots_, other)) continue;
     claimed.copy_from = other.output;
     queue.set_reused_from(claimed.job.id, other.id);
     break;
@@ -318,14 +318,18 @@ void Dispatcher::give_out(const std::vector<Claimed>& claimed) {
 }
 
 WorkOrder Dispatcher::order_of(const Job& job, std::string& made) const {
-  WorkOrder order{job.id, job.attempt, {}, "", "", log_path(job.id), job.type, job.parameters, job.inputs, "", ""};
+  WorkOrder order;
+  order.job = job.id;
+  order.attempt = job.attempt;
+  order.type = job.type;
+  order.parameters = Json::parse(job.parameters);
+  order.log = log_path(job.id);
+  order.inputs = job.inputs;
   if (!job.output.empty()) {
     order.output = job.output;
     order.folder = staging_folder(job.output, instance_, job.id);
     made = staged_path(job.output, instance_, job.id);
   }
-  const std::string name = job.output.empty() ? "" : staged_name(job.output);
-  order.arguments = job_arguments(find_job_type(job.type), Json::parse(job.parameters), name);
   return order;
 }
 

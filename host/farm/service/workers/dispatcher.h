@@ -25,7 +25,7 @@ namespace multum {
 TimeMs wall_clock_ms();
 
 /// Is a succeeded job's result as it was published?
-bool is_result_intact(JobQueue& queue, const JobRoots& roots, const Job& job);
+bool is_result_intact(const JobRoots& roots, const Job& job);
 
 class Dispatcher {
  public:

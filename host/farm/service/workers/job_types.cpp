@@ -25,8 +25,6 @@ namespace {
 using Json = nlohmann::json;
 using Kind = ParameterKind;
 
-constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";  // what is_plain_text() takes
-
 std::vector<JobType>& registered_types() {
   static std::vector<JobType> types;
   return types;

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
@@ -22,6 +23,10 @@ class Progress;
 /// Files that a child makes of a finished job's result when they are first asked for (http/job_pictures.h): pictures,
 /// or a page. Its command line is `program` `words` --output=PLACE and what else is said here, then -- and the result.
 struct JobView {
+  struct Shown {
+    std::string file, caption;
+    std::string saved_caption = {};  // of a page, where it can only be saved
+  };
   std::vector<std::string> files;  // of one run; whenever it does its work it makes the first
   std::string program = {};        // beside this program or in PATH; empty: this program
   std::vector<std::string> words;  // that its command line begins with
@@ -32,6 +37,8 @@ struct JobView {
   std::string first_map_is_for = {};  // why it cannot do without the first of them; empty: it can
   std::string folder_ending = {};     // of the folder that keeps it: views of one type have different ones
   std::size_t kept_max = 0;           // only the last so many are kept; 0: all
+  std::vector<Shown> shown = {};      // on the page of a job, in order
+  std::map<std::string, std::string> only_for = {};  // on it, where these parameters have these values or none
 };
 
 /// An input that jobs of a type do not take although a command line would.
@@ -86,6 +93,8 @@ const std::vector<JobType>& job_types();
 /// Throws Error(kUsage) naming those that there are.
 const JobType& find_job_type(const std::string& name);
 
+/// What is_plain_text() takes, but for its length.
+inline constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";
 /// Up to 1000 characters of UTF-8, none of them a control character.
 bool is_plain_text(const std::string& text);
 /// A value as messages show it, 60 bytes of it at most.

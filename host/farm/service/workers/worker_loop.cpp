@@ -21,6 +21,7 @@
 #include "host/farm/service/files/result_copy.h"
 #include "host/farm/service/files/staging.h"
 #include "host/farm/service/workers/job_types.h"
+#include "host/farm/service/workers/work_order.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/open_file.h"
 #include "host/foundation/base/path_text.h"
@@ -174,20 +175,23 @@ class Worker {
     std::string message;
     bool have_inputs_changed = true;
     try {
-      const LogRedirection log(path_in(command, "log"));
-      const auto arguments = paths_of_texts(command.at("arguments").get<std::vector<std::string>>());
-      check_place(command);
-      const WorkingFolder working(roots_, path_in(command, "folder"));
-      check_inputs(command);
-      have_inputs_changed = !has_inputs(command);
-      const std::string copy_from = path_in(command, "copy_from");
-      if (copy_from.empty() || have_inputs_changed) {
-        code = run_arguments(find_job_type(command.at("type").get<std::string>()), arguments, callback);
+      const WorkOrder order = work_from(command);
+      const LogRedirection log(order.log);
+      const JobType& type = find_job_type(order.type);
+      // What its result could not be published over is said before the work.
+      if (!order.output.empty()) StagedResult(roots_, order.output, "", 0, {}).check_place(type.output_is_folder);
+      const WorkingFolder working(roots_, order.folder);
+      check_inputs(type, order.parameters);
+      // As they were when the job was submitted?
+      const auto has_inputs = [&] { return input_identity(type, order.parameters) == order.inputs; };
+      have_inputs_changed = !has_inputs();
+      if (order.copy_from.empty() || have_inputs_changed) {
+        code = run_order(type, order, callback);
       } else {
-        copy_result(roots_, copy_from, path_in(command, "copy_to"));
+        copy_result(roots_, order.copy_from, order.copy_to);
         code = 0;
       }
-      have_inputs_changed = have_inputs_changed || !has_inputs(command);
+      have_inputs_changed = have_inputs_changed || !has_inputs();
     } catch (const Cancelled&) {
       code = 130;
     } catch (const Error& error) {
@@ -203,35 +207,17 @@ class Worker {
           {"inputs_changed", have_inputs_changed}});
   }
 
-  static std::string path_in(const Json& command, const char* key) {
-    return path_of_text(command.at(key).get<std::string>());
-  }
-
-  // What its result could not be published over is said before the work.
-  void check_place(const Json& command) const {
-    const std::string output = path_in(command, "output");
-    if (output.empty()) return;
-    const JobType& type = find_job_type(command.at("type").get<std::string>());
-    StagedResult(roots_, output, "", 0, {}).check_place(type.output_is_folder);
-  }
-
   // A file that names others may name more than when it was submitted. What the system would refuse to open
   // (confinement.h) is refused here by its name, whether it is there or not.
-  void check_inputs(const Json& command) const {
-    const JobType& type = find_job_type(command.at("type").get<std::string>());
+  void check_inputs(const JobType& type, const Json& parameters) const {
     if (type.input.empty()) return;
-    for (const std::string& file : input_files(type, Json::parse(command.at("parameters").get<std::string>())))
-      roots_.input(file);
+    for (const std::string& file : input_files(type, parameters)) roots_.input(file);
   }
 
-  // As they were when the job was submitted.
-  static bool has_inputs(const Json& command) {
-    const JobType& type = find_job_type(command.at("type").get<std::string>());
-    return input_identity(type, Json::parse(command.at("parameters").get<std::string>())) == command.at("inputs");
-  }
-
-  int run_arguments(const JobType& type, const std::vector<std::string>& arguments,
-                    const Progress::Callback& callback) {
+  int run_order(const JobType& type, const WorkOrder& order, const Progress::Callback& callback) {
+    std::vector<std::string> arguments =
+        job_arguments(type, order.parameters, order.output.empty() ? "" : staged_name(order.output));
+    if (!order.share.empty()) arguments.insert(arguments.begin() + 1, order.share);
     if (!type.run) return run_(arguments, callback);
     Progress progress(callback);
     return type.run(arguments, progress, is_deaf_);

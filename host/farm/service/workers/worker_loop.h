@@ -4,8 +4,7 @@
 //
 // Both sides write JSON objects, one a line, over a stream socket:
 //
-//   daemon   {"run": ID, "attempt": N, "arguments": [...], "output": PATH or "", "folder": PATH or "", "log": PATH,
-//   ...}
+//   daemon   {"run": ID, "attempt": N, "type": NAME, "parameters": {...}, "output": PATH or "", ...}  (work_order.h)
 //            {"cancel": ID}
 //            {"end": true}
 //   worker   {"ready": true}

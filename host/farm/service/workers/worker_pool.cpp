@@ -19,7 +19,6 @@
 #include "host/farm/service/service_log.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/open_file.h"
-#include "host/foundation/base/path_text.h"
 #include "host/foundation/base/processes/spawn_process.h"
 
 namespace multum {
@@ -237,18 +236,7 @@ bool WorkerPool::order(const std::string& owner, const WorkOrder& work) {
   worker.attempt = work.attempt;
   worker.progress = {};
   worker.heard = worker.got_on = Clock::now();
-  const Json command = {{"run", work.job},
-                        {"attempt", work.attempt},
-                        {"arguments", texts_of_paths(work.arguments)},
-                        {"output", text_of_path(work.output)},
-                        {"folder", text_of_path(work.folder)},
-                        {"log", text_of_path(work.log)},
-                        {"type", work.type},
-                        {"parameters", work.parameters},
-                        {"inputs", work.inputs},
-                        {"copy_from", text_of_path(work.copy_from)},
-                        {"copy_to", text_of_path(work.copy_to)}};
-  send(found->second, command.dump());
+  send(found->second, work_json(work).dump());
   return true;
 }
 

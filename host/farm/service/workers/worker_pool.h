@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "host/farm/service/workers/work_order.h"
+
 namespace multum {
 
 struct WorkerPoolSettings {
@@ -24,17 +26,6 @@ struct WorkerPoolSettings {
   std::chrono::milliseconds no_progress{600000};  // without getting on; 0: for ever
   std::chrono::milliseconds cancel_grace{10000};  // from asking to killing
   int jobs_a_worker = 1000;                       // then another takes its place: drivers leak
-};
-
-struct WorkOrder {
-  std::int64_t job = 0;
-  int attempt = 0;
-  std::vector<std::string> arguments;
-  std::string output;  // where its result is to be; "": nowhere
-  std::string folder;  // the staging folder, where its worker works: names in `arguments` may be relative to it
-  std::string log;
-  std::string type, parameters, inputs;  // of the job: whether its inputs have changed is looked up
-  std::string copy_from, copy_to;        // instead, if they have not: a finished result; "": none
 };
 
 struct WorkResult {

@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 
 #include "host/formats/asset/half_value.h"
 #include "host/formats/asset/lobes/gmm_quantize.h"

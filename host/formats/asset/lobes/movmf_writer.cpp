@@ -12,17 +12,31 @@
 #include "host/foundation/base/error.h"
 
 namespace multum {
-namespace {
 
 // What rows are checked against and taken apart by.
-struct Shape {
-  std::size_t lobe_count;
-  bool has_colours;
-  std::size_t weight_count;
-  bool has_roughness;
-  std::vector<MovmfPart> parts;
-  std::unique_ptr<MovmfScan> scan;  // the writer's thread's, until it ends
+struct MovmfWriter::Shape {
+  explicit Shape(const MovmfMipmap& header)
+      : lobe_count(static_cast<std::size_t>(header.lobe_count())),
+        has_colours(header.has_colours()),
+        weight_count(static_cast<std::size_t>(header.header.weight_count)),
+        has_roughness(header.header.has_roughness),
+        parts(movmf_parts(header)),
+        scan(std::make_unique<MovmfScan>(header)) {
+    MULTUM_CHECK(header.lobe_count() >= 1 && header.lobe_count() <= kLobeCountMax);
+    MULTUM_CHECK(static_cast<int>(header.levels.size()) == mip_level_count(header.width(), header.height()));
+  }
+
+  const std::size_t lobe_count;
+  const bool has_colours;
+  const std::size_t weight_count;
+  const bool has_roughness;
+  const std::vector<MovmfPart> parts;
+  const std::unique_ptr<MovmfScan> scan;  // the writer's thread's, until it ends
 };
+
+namespace {
+
+using Shape = MovmfWriter::Shape;
 
 class FinestPortion : public BakedRows {
  public:
@@ -89,52 +103,29 @@ class LevelPortion : public BakedRows {
 
 }  // namespace
 
-class MovmfWriter::Work {
- public:
-  Work(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options)
-      : shape_{static_cast<std::size_t>(header.lobe_count()),
-               header.has_colours(),
-               static_cast<std::size_t>(header.header.weight_count),
-               header.header.has_roughness,
-               checked_parts(header),
-               std::make_unique<MovmfScan>(header)},
-        writer_(path, full_header(header), {shape_.parts.begin(), shape_.parts.end()},
-                make_headers(header, shape_.parts, options), options) {}
-
-  const Shape& shape() const { return shape_; }
-  BakedWriter& writer() { return writer_; }
-
- private:
-  static std::vector<MovmfPart> checked_parts(const MovmfMipmap& header) {
-    MULTUM_CHECK(header.lobe_count() >= 1 && header.lobe_count() <= kLobeCountMax);
-    MULTUM_CHECK(static_cast<int>(header.levels.size()) == mip_level_count(header.width(), header.height()));
-    return movmf_parts(header);
-  }
-
-  const Shape shape_;  // outlives the portions
-  BakedWriter writer_;
-};
-
 MovmfWriter::MovmfWriter(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options)
-    : work_(std::make_unique<Work>(path, header, options)) {}
+    : shape_(std::make_unique<const Shape>(header)),
+      writer_(std::make_unique<BakedWriter>(path, full_header(header),
+                                            std::vector<BakedPart>(shape_->parts.begin(), shape_->parts.end()),
+                                            make_headers(header, shape_->parts, options), options)) {}
 
 MovmfWriter::~MovmfWriter() = default;
 
 void MovmfWriter::write_finest(int first_row, MovmfFinest rows) {
-  work_->writer().write(first_row, std::make_unique<FinestPortion>(work_->shape(), std::move(rows)));
+  writer_->write(first_row, std::make_unique<FinestPortion>(*shape_, std::move(rows)));
 }
 
 void MovmfWriter::write_level(int level, int first_row, MovmfLevel rows) {
   MULTUM_CHECK(level >= 1);
-  work_->writer().write(first_row, std::make_unique<LevelPortion>(work_->shape(), level, std::move(rows)));
+  writer_->write(first_row, std::make_unique<LevelPortion>(*shape_, level, std::move(rows)));
 }
 
 void MovmfWriter::commit(const std::string& measured_error, Progress* progress) {
-  work_->writer().commit(
-      measured_error, [this] { return work_->shape().scan->findings(); }, progress);
+  writer_->commit(
+      measured_error, [this] { return shape_->scan->findings(); }, progress);
 }
 
-const std::string& MovmfWriter::content_hash() const { return work_->writer().content_hash(); }
+const std::string& MovmfWriter::content_hash() const { return writer_->content_hash(); }
 
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress) {

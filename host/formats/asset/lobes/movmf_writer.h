@@ -12,6 +12,8 @@
 
 namespace multum {
 
+class BakedWriter;
+
 /// Calls come from one thread at a time. What goes wrong in the background (a full disk) is thrown by the next call as
 /// Error(kEnvironment) with the file's name and the reason.
 class MovmfWriter {
@@ -38,9 +40,11 @@ class MovmfWriter {
   /// The content's checksum as docs/FORMAT.md defines it; after commit().
   const std::string& content_hash() const;
 
+  struct Shape;
+
  private:
-  class Work;
-  std::unique_ptr<Work> work_;
+  std::unique_ptr<const Shape> shape_;  // outlives the writer's rows
+  std::unique_ptr<BakedWriter> writer_;
 };
 
 }  // namespace multum

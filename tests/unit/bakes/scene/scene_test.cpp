@@ -313,7 +313,7 @@ TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
 // Of every level from the first, at texel centres, of a bake of 4 lobes.
 double measured_error(const PlaneStore& normals, double exponent) {
   static Device device = Device::open("");
-  MovmfBakeInputs inputs;
+  MapInputs inputs;
   inputs.normals = &normals;
   MovmfSettings settings;
   settings.lobe_count = 4;

@@ -158,7 +158,7 @@ TEST(ExportMeter, MeasuresWhatItIsShown) {
       MaterialRows rows{side, side, {}, {}, {}, {}, {}};
       rows.normals.assign(static_cast<std::size_t>(side * side), {0.0f, 0.0f, 1.0f});
       rows.roughness.assign(rows.normals.size(), static_cast<float>(roughness));
-      meter.add_rows(level, 0, rows);
+      meter.add_level(level, 0, rows);
     }
     return meter.run(inputs, settings, nullptr);
   };

@@ -162,7 +162,7 @@ TEST_F(JobQueueTest, OnlyTheLeaseHolderIsListenedTo) {
   EXPECT_FALSE(fail(second)) << "too late";
   queue_->published(id, now_);
   EXPECT_EQ(state(id), JobState::kSucceeded);
-  EXPECT_EQ(queue_->result_identity(id), "1:2");
+  EXPECT_EQ(queue_->find(id)->result_identity, "1:2");
   const std::vector<JobAttempt> attempts = queue_->attempts(id);
   ASSERT_EQ(attempts.size(), 2u);
   EXPECT_EQ(attempts[0].outcome, AttemptOutcome::kLost);
@@ -447,6 +447,19 @@ TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
   EXPECT_EQ(state(after), JobState::kQueued);
 }
 
+// Its column is there from the next start on.
+TEST_F(JobQueueTest, ALedgerFromBeforeAFieldGetsIt) {
+  const std::int64_t id = submit(of(3));
+  queue_->database().execute("ALTER TABLE jobs DROP COLUMN stop_asked; ALTER TABLE jobs DROP COLUMN reused_from;");
+  reopen();
+  const Job job = *claim();
+  EXPECT_EQ(job.id, id);
+  EXPECT_EQ(job.stop_asked, "");
+  EXPECT_FALSE(job.reused_from);
+  EXPECT_EQ(queue_->cancel(id, "enough", now_), CancelResult::kStopWorker);
+  EXPECT_EQ(queue_->find(id)->stop_asked, "enough");
+}
+
 // Version 3 could leave a job waiting for a dead one.
 TEST_F(JobQueueTest, WhoWaitsForeverInAnEarlierLedgerDies) {
   const std::int64_t dead = submit(of(0)), waiting = submit(of(0, {dead})), last = submit(of(0, {waiting})),
@@ -473,8 +486,8 @@ TEST_F(JobQueueTest, ADeadProcessLeavesNothingRunning) {
   EXPECT_EQ(state(lost), JobState::kQueued);
   EXPECT_EQ(queue_->attempts(lost)[0].outcome, AttemptOutcome::kLost);
   ASSERT_EQ(recovered.publishing.size(), 1u);
-  EXPECT_EQ(recovered.publishing[0].first.id, publishing);
-  EXPECT_EQ(recovered.publishing[0].second, "7:8");
+  EXPECT_EQ(recovered.publishing[0].id, publishing);
+  EXPECT_EQ(recovered.publishing[0].result_identity, "7:8");
   queue_->published(publishing, now_);
   EXPECT_EQ(queue_->counts()["default"][JobState::kSucceeded], 1);
 }

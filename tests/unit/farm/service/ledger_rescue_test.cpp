@@ -106,6 +106,15 @@ TEST(LedgerRescue, SavesAllOfAWholeOne) {
   EXPECT_EQ(testing::read_bytes(report.kept), bytes);
 }
 
+TEST(LedgerRescue, SavesOneFromBeforeAField) {
+  const TemporaryFolder folder;
+  const std::string data = folder / "data";
+  make_ledger(data, 20);
+  SqliteDatabase(data + "/jobs.sqlite").execute("ALTER TABLE jobs DROP COLUMN stop_asked");
+  EXPECT_EQ(rescue_ledger(data).tables.front().saved, 20);
+  EXPECT_EQ(open_rescued(data, 20).size(), 20u);
+}
+
 TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
   const unsigned seed = 20261123;
   SCOPED_TRACE(seed);

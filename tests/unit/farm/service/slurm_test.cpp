@@ -178,6 +178,17 @@ TEST(Squeue, ListsTasks) {
   EXPECT_TRUE((SlurmTask{1, -1, "", "PENDING", "launch failed requeued held", ""}).is_stuck());
 }
 
+TEST(SlurmBatch, RefusesTheOrderOfAnotherMultum) {
+  const testing::TemporaryFolder folder;
+  const SlurmFolder all(folder.path(), "0a1b");
+  all.prepare();
+  const SlurmBatchFolder batch = all.batch(17);
+  batch.write_order({});
+  testing::write_bytes(batch.path() + "/order.json",
+                       R"({"is_array": true, "roots": [], "items": [{"arguments": []}]})");
+  testing::expect_error(ErrorCode::kEnvironment, {"order.json", "sends its jobs again"}, [&] { batch.read_order(); });
+}
+
 TEST(SlurmBatch, SaysOnEitherSideWhatTheOtherWrote) {
   const testing::TemporaryFolder folder;
   const SlurmFolder all(folder.path(), "0a1b");
@@ -191,7 +202,9 @@ TEST(SlurmBatch, SaysOnEitherSideWhatTheOtherWrote) {
   WorkOrder work;
   work.job = 5;
   work.attempt = 2;
-  work.arguments = {"bake", "--shard=3/8", "--", "/a b/\"x\".png"};
+  work.type = "bake";
+  work.parameters = {{"input", "/a b/\"x\".png"}, {"lobes", 4}};
+  work.share = "--shard=3/8";
   work.folder = "/a b/.multum-0a1b-5";
   order.items = {{3, work}};
   batch.write_order(order);
@@ -202,7 +215,9 @@ TEST(SlurmBatch, SaysOnEitherSideWhatTheOtherWrote) {
   EXPECT_EQ(read.threads, 3);
   ASSERT_EQ(read.items.size(), 1u);
   EXPECT_EQ(read.items[0].number, 3);
-  EXPECT_EQ(read.items[0].work.arguments, work.arguments);
+  EXPECT_EQ(read.items[0].work.type, work.type);
+  EXPECT_EQ(read.items[0].work.parameters, work.parameters);
+  EXPECT_EQ(read.items[0].work.share, work.share);
   EXPECT_EQ(read.items[0].work.folder, work.folder);
 
   EXPECT_FALSE(batch.status(3) || batch.end(3) || batch.is_stopped(3));

@@ -2,8 +2,11 @@
 // Tiles of a set against the picture that they were cut from: its slopes at their borders, and one green for all.
 #include "host/formats/image/normals/tile_set.h"
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <functional>
+#include <thread>
 
 #include <glm/geometric.hpp>
 
@@ -217,6 +220,29 @@ TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   write_test_image(folder_ / "h_1001.png", normal_image(kSide, kSide));
   TileSet again(folder_ / "h_<UDIM>.png");
   EXPECT_FALSE(tiles_are_unchanged(third.report.tiles, again, "1003", FixNan::kBox3));
+}
+
+// Tiles are read at the same time. Who comes while a tile is asked waits for its answer.
+TEST_F(TileSetTest, ThreadsAgreeOnGreen) {
+  write_tile("1001", 0, 0);
+  TileSet set(folder_ / "h_<UDIM>.png");
+  std::atomic<bool> is_asking = false, comes_another = false;
+  std::optional<GreenAxis> first;
+  std::thread asks([&] {
+    first = set.green([&](const std::string&) {
+                 is_asking = true;
+                 while (!comes_another) std::this_thread::yield();
+                 std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                 return std::optional(GreenAxis::kDown);
+               })
+                .axis;
+  });
+  while (!is_asking) std::this_thread::yield();
+  comes_another = true;
+  const TileSet::Green second = set.green([](const std::string&) { return std::optional(GreenAxis::kUp); });
+  asks.join();
+  EXPECT_EQ(first, GreenAxis::kDown);
+  EXPECT_EQ(second.axis, GreenAxis::kDown);
 }
 
 }  // namespace

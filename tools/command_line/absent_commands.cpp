@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/multum/absent_commands.h"
+#include "tools/command_line/absent_commands.h"
 
 #include <fmt/format.h>
 
@@ -14,10 +14,11 @@ void add_absent_commands(CLI::App& app, const std::vector<std::string>& names, c
     command->group("");
     command->set_help_flag();
     command->prefix_command();
-    command->callback([name, part, option] {
-      throw Error(ErrorCode::kUsage, fmt::format("{}: this build of multum has no {}; expected one that was configured "
-                                                 "with the CMake option -D{}=ON",
-                                                 name, part, option));
+    command->callback([program = app.get_name(), name, part, option] {
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: this build of {} has no {}; expected one that was configured with "
+                              "the CMake option -D{}=ON",
+                              name, program, part, option));
     });
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of a part of multum that this build leaves out.
+// The commands of a part that this build of a program leaves out.
 #pragma once
 
 #include <CLI/CLI.hpp>

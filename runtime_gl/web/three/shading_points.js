@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Has the fragment shader of a physical material shade several points of a pixel, each over its part of the footprint,
+// and take the mean of their light before tone mapping. three.js's own text is the body of a loop; what it interpolates
+// over triangles is moved to each point.
+
+/** `text` with `to` in place of `from`; an Error where it is not there. */
+export function replaced(text, from, to, revision) {
+  if (!text.includes(from))
+    throw new Error(`@multum/three: found no ${from.trim()} in the shaders of three.js r${revision}, expected one as ` +
+      "r187 has it: a newer version of the package may know this release");
+  return text.replace(from, () => to);
+}
+
+// By the name that three.js gives it, `multum_NAME`: its value at the point.
+const MOVED = "vUv vMapUv vAlphaMapUv vLightMapUv vAoMapUv vBumpMapUv vNormalMapUv vEmissiveMapUv vMetalnessMapUv " +
+  "vRoughnessMapUv vAnisotropyMapUv vClearcoatMapUv vClearcoatNormalMapUv vClearcoatRoughnessMapUv vIridescenceMapUv " +
+  "vIridescenceThicknessMapUv vSheenColorMapUv vSheenRoughnessMapUv vSpecularMapUv vSpecularColorMapUv " +
+  "vSpecularIntensityMapUv vNormal vTangent vBitangent vViewPosition vColor";
+const DECLARED = new RegExp(`varying (vec[234]) (${MOVED.split(" ").join("|")});`, "g");
+const BODY = ["#include <map_fragment>", "#include <opaque_fragment>"]; // its first line, and the one behind it
+
+const movable = (text) => text.replace(DECLARED, (declared, type, name) => `${declared}
+${type} multum_${name}, multum_along_x_${name}, multum_along_y_${name};
+void multum_derive_${name}() {
+  multum_along_x_${name} = dFdx(${name});
+  multum_along_y_${name} = dFdy(${name});
+}
+void multum_move_${name}(vec2 by) {
+  multum_${name} = ${name} + by.x * multum_along_x_${name} + by.y * multum_along_y_${name};
+}
+#define ${name} multum_${name}
+`);
+
+const each = (call) => MOVED.split(" ").map((name) => `#ifdef ${name}\n  ${call(name)};\n#endif\n`).join("");
+const MOVE = `
+void multum_derive() {
+${each((name) => `multum_derive_${name}()`)}}
+void multum_move(vec2 by) {  // from the pixel's middle, in pixels
+${each((name) => `multum_move_${name}(by)`)}}
+`;
+// Without lobes.
+const PLAIN = `
+void multum_decide() {}
+vec2 multum_shift(int evaluation) {
+  return (vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5) / vec2(MULTUM_POINTS) - 0.5;
+}
+`;
+
+const BEGIN = `
+  vec4 multum_colour = diffuseColor;
+  vec3 multum_light = vec3(0.0);
+  float multum_alpha = 0.0, multum_transmission = 0.0;
+  multum_derive();
+  multum_move(vec2(0.0));
+  multum_decide();
+  for (int multum_evaluation = 0; multum_evaluation < MULTUM_EVALUATIONS; ++multum_evaluation) {
+    float multum_weight = 1.0 / float(MULTUM_EVALUATIONS);
+    multum_move(multum_shift(multum_evaluation));
+    diffuseColor = multum_colour;
+    reflectedLight = ReflectedLight(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    totalEmissiveRadiance = emissive;
+#ifdef USE_CLEARCOAT
+    clearcoatSpecularDirect = clearcoatSpecularIndirect = vec3(0.0);
+#endif
+#ifdef USE_SHEEN
+    sheenSpecularDirect = sheenSpecularIndirect = vec3(0.0);
+#endif
+`;
+const END = `
+    multum_light += multum_weight * outgoingLight;
+    multum_alpha += multum_weight * diffuseColor.a;
+#ifdef USE_TRANSMISSION
+    multum_transmission += multum_weight * material.transmissionAlpha;
+#endif
+  }
+  diffuseColor.a = multum_alpha;
+  vec3 outgoingLight = multum_light;
+`;
+// Decided for the whole pixel, by its mean alpha.
+const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
+
+// The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019),
+// where three.js adds the largest change of a component to the roughness.
+const GEOMETRY = "material.roughness += geometryRoughness;";
+const VARIANCE = `{
+  vec3 along_x = dFdx(nonPerturbedNormal), along_y = dFdy(nonPerturbedNormal);
+  float variance = (dot(along_x, along_x) + dot(along_y, along_y)) / (12.0 * float(MULTUM_EVALUATIONS));
+  material.roughness = sqrt(sqrt(min(pow2(pow2(material.roughness)) + variance, 1.0)));
+}`;
+
+/**
+ * The fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, its maps sampled
+ * MULTUM_MAP_BIAS octaves coarser than over all of it. `defines` by name. `lobes`: GLSL with multum_decide() and
+ * multum_shift(), which replaces points alone, and in which the change of the geometry's normals is. `edit(name, text)`:
+ * what stands in place of a chunk's text.
+ */
+export function fragmentAtPoints(fragment, chunks, revision,
+  { defines, lobes = null, edit = (name, text) => text }) {
+  const written = (text, isWanted) => movable(text.replace(/#include <(\w+)>/g, (include, name) =>
+    isWanted(name) ? edit(name, chunks[name]) : include));
+  for (const line of BODY) replaced(fragment, line, "", revision); // an Error where it is not there
+  const [main, first, behind] = ["void main() {", ...BODY].map((line) => fragment.indexOf(line));
+  const declared = written(fragment.slice(0, main), (name) => /^(uv|normal|color)_pars_fragment$/.test(name));
+  let body = ALPHA_TESTS.reduce((text, name) => replaced(text, `#include <${name}>`, "", revision),
+    fragment.slice(first, behind));
+  body = written(body, (name) => chunks[name] !== undefined);
+  body = replaced(body, GEOMETRY, lobes === null ? VARIANCE : "", revision);
+  body = body.replace(/texture2D\( (\w+), (v\w+Uv) \)/g, "texture2D( $1, $2, MULTUM_MAP_BIAS )");
+  const opaque = replaced(chunks.opaque_fragment, "material.transmissionAlpha", "multum_transmission", revision);
+  const rest = ALPHA_TESTS.map((name) => `#include <${name}>\n`).join("") +
+    replaced(fragment.slice(behind), BODY[1], opaque, revision);
+  const head = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}\n`).join("");
+  return head + declared + MOVE + (lobes ?? PLAIN) + fragment.slice(main, first) + BEGIN + body + END + rest;
+}
