@@ -23,6 +23,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kTextBytesMax = std::uint64_t{1} << 26;
+constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // of matrices: 100,000 samples of ten objects
 constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensionsMax);
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
@@ -94,12 +95,16 @@ std::size_t index_of(const json& value, const char* what) {
 
 // As scene_from() reads it. Returns the layers of each object.
 std::vector<json> expand(json& description) {
-  const std::vector<json> views = description.at("views");
-  for (json& sample : description.at("samples"))
-    sample = {{"name", sample.at(0)},
-              {"at", sample.at(1)},
-              {"worldToClip", views.at(index_of(sample.at(2), "the view of a sample"))},
-              {"objectToWorld", description.at("moves").at(index_of(sample.at(3), "the moves of a sample"))}};
+  const std::vector<json> views = description.at("views"), moves = description.at("moves");
+  std::size_t numbers = 0;  // of all samples, which share what is stored once
+  for (json& sample : description.at("samples")) {
+    const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
+    const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));
+    numbers += view.size();
+    for (const json& matrix : move) numbers += std::max<std::size_t>(matrix.size(), 1);
+    if (numbers > kNumbersMax) refuse_description("moves more objects in more samples than a field may have");
+    sample = {{"name", sample.at(0)}, {"at", sample.at(1)}, {"worldToClip", view}, {"objectToWorld", move}};
+  }
   std::vector<json> layers;
   for (json& object : description.at("objects")) {
     for (json& mapping : object.at("mappings"))

@@ -3,11 +3,16 @@
 #include "host/fields/codec/field_description.h"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <functional>
 #include <set>
+#include <string>
+#include <vector>
 
+#include "host/fields/codec/byte_writer.h"
 #include "host/foundation/base/error.h"
+#include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
 namespace {
@@ -167,6 +172,22 @@ TEST(FieldDescription, WhatDoesNotFitTogetherIsRefused) {
   const std::vector<std::uint8_t> whole = encode_description({field_of_15(), {}, {}});
   for (std::size_t length = 0; length < whole.size(); length += 7)
     EXPECT_THROW(decode_description(std::span(whole).first(length)), Error);
+}
+
+// A hostile file says once what thousands of samples refer to.
+TEST(FieldDescription, PosesThatAreSharedAreBounded) {
+  std::string zeros = "0", samples = R"(["s",[0],0,0])";
+  for (int i = 0; i < 20000; ++i) zeros += ",0";
+  for (int i = 0; i < 1000; ++i) samples += R"(,["s",[0],0,0])";
+  const std::string text =
+      R"({"samples":[)" + samples + R"(],"views":[[1]],"moves":[{"vase":[)" + zeros + R"(]}],"objects":[]})";
+  std::vector<Bytef> packed(compressBound(static_cast<uLong>(text.size())));
+  auto length = static_cast<uLongf>(packed.size());
+  ASSERT_EQ(compress(packed.data(), &length, reinterpret_cast<const Bytef*>(text.data()), text.size()), Z_OK);
+  ByteWriter writer;
+  writer.number(text.size());
+  writer.bytes(std::span(packed).first(length));
+  testing::expect_error(ErrorCode::kInput, {"moves more objects"}, [&] { decode_description(writer.written()); });
 }
 
 }  // namespace
