@@ -159,11 +159,11 @@ async function lightsAgree(page) {
   assert.ok(found.area > 0.01 && found.sky > 0.01, "an area light or a hemisphere lights nothing");
 }
 
-/** README.md's table: by light, the most that lobes are off and the least that plain mips are, in %. */
+/** README.md's table: by light, the most that lobes are off, the least that points and plain mips are, in %. */
 function statedErrors() {
   const text = readFileSync(inFolder("shaders/three/README.md"), "utf8");
-  const rows = text.matchAll(/^\| (.*) \| (\d+) % \| (\d+) % \|$/gm);
-  return Object.fromEntries(Array.from(rows, ([, name, most, least]) => [name, [Number(most), Number(least)]]));
+  const rows = text.matchAll(/^\| (.*) \| (\d+) % \| (\d+) % \| (\d+) % \|$/gm);
+  return Object.fromEntries(Array.from(rows, ([, name, ...numbers]) => [name, numbers.map(Number)]));
 }
 
 /** What three.js does with one normal, roughness and its own supersampling is what lobes are held to. */
@@ -201,25 +201,29 @@ async function besideSupersampled(page) {
       const draw = (map, samples, more) => {
         const material = lab.surface(map, options);
         material.color.setScalar(0.6);
-        if (more) lab.addLobes(material, more);
+        if (more === lobes) lab.addLobes(material, more);
+        if (more === "points") lab.addPoints(material, { evaluations: 16 });
         const scene = lab.sceneOf(material);
         lit(scene);
         return lab.drawn(scene, camera, width, height, samples);
       };
       const reference = draw(fine, 12);
-      const [plain, ours] = [draw(mipped, 1), draw(mipped, 1, lobes)].map((one) => lab.compared(one, reference));
-      result[name] = { plain, lobes: ours };
+      const [plain, points, ours] = [draw(mipped, 1), draw(mipped, 1, "points"), draw(mipped, 1, lobes)].map((one) =>
+        lab.compared(one, reference));
+      result[name] = { plain, points, lobes: ours };
     }
     return result;
   });
   const stated = statedErrors();
   assert.deepEqual(Object.keys(stated), Object.keys(found), "README.md's table has other rows");
   const percent = (share) => `${(100 * share).toFixed(1)} %`;
-  for (const [name, { plain, lobes }] of Object.entries(found)) {
+  for (const [name, { plain, points, lobes }] of Object.entries(found)) {
     console.log(`  ${name}: error ${percent(lobes.error)}, energy ${lobes.energy.toFixed(3)}; plain mips ` +
-      `${percent(plain.error)}, ${plain.energy.toFixed(3)}`);
-    const [most, plainLeast] = stated[name];
+      `${percent(plain.error)}, ${plain.energy.toFixed(3)}; 16 points ${percent(points.error)}`);
+    const [most, pointsLeast, plainLeast] = stated[name];
     assert.ok(100 * lobes.error <= most, `${name}: ${percent(lobes.error)}, README.md says ${most} %`);
+    assert.ok(100 * points.error >= pointsLeast && points.error < plain.error,
+      `${name}, points: ${percent(points.error)}, README.md says ${pointsLeast} %`);
     assert.ok(100 * plain.error >= plainLeast, `${name}: ${percent(plain.error)}, README.md says ${plainLeast} %`);
     assert.ok(Math.abs(lobes.energy - 1) < 0.1, `${name}: energy ${lobes.energy}`);
   }
@@ -308,7 +312,8 @@ async function sharingAndDisposal(page) {
     // Other lobes, then none.
     lab.addLobes(materials[0], second);
     const other = lab.drawn(scenes[0], camera, 64, 64);
-    lab.removeLobes(materials[0]);
+    lab.addPoints(materials[0], { evaluations: 4 });
+    lab.removePoints(materials[0]);
     const removed = lab.drawn(scenes[0], camera, 64, 64);
     const fresh = lab.surface(normals, { roughness: 0.2 }), freshScene = lab.sceneOf(fresh, light());
     const untouched = lab.drawn(freshScene, camera, 64, 64);
@@ -393,14 +398,15 @@ async function refusesMaterials(page) {
   const found = await inPage(page, async () => {
     const { lab } = globalThis, { THREE } = lab;
     const normalMap = await lab.loadNormals(), lobes = await lab.loadLobes("map.ktx2");
-    const tried = (material, given = lobes, options = {}) => {
+    const said = (act) => {
       try {
-        lab.addLobes(material, given, options);
+        act();
         return "";
       } catch (error) {
         return error.message;
       }
     };
+    const tried = (material, given = lobes, options = {}) => said(() => lab.addLobes(material, given, options));
     const physical = (options) => lab.surface(normalMap, { Material: THREE.MeshPhysicalMaterial, ...options });
     const scaled = lab.surface(normalMap);
     scaled.normalScale.set(2, 2);
@@ -410,13 +416,17 @@ async function refusesMaterials(page) {
       none: tried(lab.surface(normalMap), null), taps: tried(lab.surface(normalMap), lobes, { taps: 0.5 }),
       bias: tried(lab.surface(normalMap), lobes, { levelBias: NaN }),
       evaluations: tried(lab.surface(normalMap), lobes, { evaluations: 3 }),
-      spend: tried(lab.surface(normalMap), lobes, { spend: "both" }), fine: tried(physical({ clearcoat: 1 })) };
+      spend: tried(lab.surface(normalMap), lobes, { spend: "both" }),
+      points: said(() => lab.addPoints(new THREE.MeshBasicMaterial())),
+      pointCount: said(() => lab.addPoints(lab.surface(normalMap), { evaluations: 9 })),
+      fine: tried(physical({ clearcoat: 1 })) };
   });
   const expected = { basic: /MeshBasicMaterial/, bare: /no normalMap/, object: /object space/,
     scaled: /normalScale 2, 2/, anisotropy: /anisotropy 0.5/, sheen: /sheen 1/, none: /no lobes/,
     taps: /taps: found 0.5/, bias: /levelBias: found NaN/,
     evaluations: /evaluations: found 3, expected one of 1, 2, 4, 8, 16/,
-    spend: /spend: found both, expected one of auto/, fine: /^$/ };
+    spend: /spend: found both, expected one of auto/, points: /MeshBasicMaterial/,
+    pointCount: /evaluations: found 9/, fine: /^$/ };
   for (const [name, words] of Object.entries(expected)) assert.match(found[name], words, name);
 }
 
