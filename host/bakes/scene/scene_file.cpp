@@ -103,9 +103,11 @@ struct NamedFamily {
   bool width_in_map = false;
 };
 
-const Choices<NamedFamily>& named_families() {
-  static const Choices<NamedFamily> all = [] {
-    Choices<NamedFamily> choices;
+using NamedFamilies = std::vector<std::pair<std::string, NamedFamily>>;
+
+const NamedFamilies& named_families() {
+  static const NamedFamilies all = [] {
+    NamedFamilies choices;
     for (const BrdfFamily& family : brdf_families()) choices.push_back({std::string(family.name), {&family}});
     choices.push_back({"roughness-map", {&brdf_family(BrdfKind::kBlinnPhong), true}});
     return choices;

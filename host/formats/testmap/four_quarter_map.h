@@ -18,10 +18,10 @@ struct FourQuarterMap {
 };
 
 enum class Quarter { kArmour, kRings, kGrooves, kNoise };
-inline const Choices<Quarter> kQuarters = {{"armour", Quarter::kArmour},
-                                           {"rings", Quarter::kRings},
-                                           {"grooves", Quarter::kGrooves},
-                                           {"noise", Quarter::kNoise}};
+inline constexpr Choices<Quarter> kQuarters = {{"armour", Quarter::kArmour},
+                                               {"rings", Quarter::kRings},
+                                               {"grooves", Quarter::kGrooves},
+                                               {"noise", Quarter::kNoise}};
 
 /// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels); top right: carved rings
 /// (wavelength 16, 55 % cut); bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with red

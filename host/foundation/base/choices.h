@@ -2,6 +2,7 @@
 // Names the values of a setting, the same on a command line and in a file.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,20 +10,24 @@
 
 namespace multum {
 
+/// In the order in which they are shown. For constants at namespace scope: tables that are made while a program starts
+/// use them, so they must need no making.
 template <typename Value>
-using Choices = std::vector<std::pair<std::string, Value>>;  // in the order in which they are shown
+using Choices = std::initializer_list<std::pair<const char*, Value>>;
 
-template <typename Value>
-std::optional<Value> find_choice(const Choices<Value>& choices, const std::string& name) {
+/// Of Choices or another list of pairs of names and values.
+template <typename List>
+auto find_choice(const List& choices, const std::string& name)
+    -> std::optional<typename List::value_type::second_type> {
   for (const auto& [own_name, value] : choices)
     if (own_name == name) return value;
   return std::nullopt;
 }
 
-template <typename Value>
-std::vector<std::string> choice_names(const Choices<Value>& choices) {
+template <typename List>
+std::vector<std::string> choice_names(const List& choices) {
   std::vector<std::string> names;
-  for (const auto& [name, value] : choices) names.push_back(name);
+  for (const auto& [name, value] : choices) names.emplace_back(name);
   return names;
 }
 
@@ -30,7 +35,7 @@ std::vector<std::string> choice_names(const Choices<Value>& choices) {
 template <typename Value>
 const char* choice_name(const Choices<Value>& choices, Value value) {
   for (const auto& [name, own_value] : choices)
-    if (own_value == value) return name.c_str();
+    if (own_value == value) return name;
   return "?";
 }
 

@@ -14,10 +14,10 @@ enum class Representation {
   kMoments,  // first and second moments of slopes, and the mean normal (host/formats/asset/averages/moment_mipmap.h)
   kSh,       // spherical harmonics of the normals, to an order (host/formats/asset/averages/sh_mipmap.h)
 };
-inline const Choices<Representation> kRepresentations = {{"vmf", Representation::kMovmf},
-                                                         {"moments", Representation::kMoments},
-                                                         {"gmm", Representation::kGmm},
-                                                         {"sh", Representation::kSh}};
+inline constexpr Choices<Representation> kRepresentations = {{"vmf", Representation::kMovmf},
+                                                             {"moments", Representation::kMoments},
+                                                             {"gmm", Representation::kGmm},
+                                                             {"sh", Representation::kSh}};
 
 /// data_format: rounding of stored channel values; docs/FORMAT.md states what each loses.
 enum class StorageEncoding {
@@ -25,44 +25,46 @@ enum class StorageEncoding {
   kHalf,     // 16-bit floats: RGBA16F on the GPU
   kFloat,    // 32-bit floats: RGBA32F on the GPU
 };
-inline const Choices<StorageEncoding> kStorageEncodings = {
+inline constexpr Choices<StorageEncoding> kStorageEncodings = {
     {"snorm16", StorageEncoding::kSnorm16}, {"half", StorageEncoding::kHalf}, {"float", StorageEncoding::kFloat}};
 
 enum class FitOrder { kColour, kScanline };
-inline const Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
+inline constexpr Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 
 /// Samples that EM takes of a texel that covers more than kSamplesUnchunkedMax normals: bins of normals that point the
 /// same way (movmf_binning.cl), or every normal, which costs each level as much as the finest.
 enum class CoarseNormals { kBinned, kAll };
-inline const Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned}, {"all", CoarseNormals::kAll}};
+inline constexpr Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned},
+                                                          {"all", CoarseNormals::kAll}};
 /// As files state it: the first by a former name, so that they keep their hash.
-inline const Choices<CoarseNormals> kHashedCoarseNormals = {{"condensed", CoarseNormals::kBinned},
-                                                            {"all", CoarseNormals::kAll}};
+inline constexpr Choices<CoarseNormals> kHashedCoarseNormals = {{"condensed", CoarseNormals::kBinned},
+                                                                {"all", CoarseNormals::kAll}};
 
 /// bumpformat: maketx --bumpformat; and heights whose bytes are spread over channels (HeightCoding).
 enum class BumpFormat { kAuto, kHeight, kNormal, kPacked16, kPacked24, kTerrarium, kMapbox };
-inline const Choices<BumpFormat> kBumpFormats = {
+inline constexpr Choices<BumpFormat> kBumpFormats = {
     {"auto", BumpFormat::kAuto},         {"height", BumpFormat::kHeight},     {"normal", BumpFormat::kNormal},
     {"packed16", BumpFormat::kPacked16}, {"packed24", BumpFormat::kPacked24}, {"terrarium", BumpFormat::kTerrarium},
     {"mapbox", BumpFormat::kMapbox}};
 
 /// green and write_green: OpenGL, DirectX.
 enum class GreenAxis { kUp, kDown };
-inline const Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down", GreenAxis::kDown}};
+inline constexpr Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down", GreenAxis::kDown}};
 
 /// Of what blue stores in 0..1: 2 * blue - 1 as x and y, or blue itself.
 enum class ZRange { kSigned, kPositive };
-inline const Choices<ZRange> kZRanges = {{"signed", ZRange::kSigned}, {"positive", ZRange::kPositive}};
+inline constexpr Choices<ZRange> kZRanges = {{"signed", ZRange::kSigned}, {"positive", ZRange::kPositive}};
 
 /// maketx --fixnan: refuse, flat normal, mean of the 3 x 3 neighbours.
 enum class FixNan { kNone, kBlack, kBox3 };
-inline const Choices<FixNan> kFixNans = {{"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
+inline constexpr Choices<FixNan> kFixNans = {
+    {"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
 
 /// surface: what lies between texels: nothing, each is a facet of one normal, or what renderers interpolate
 /// (host/formats/image/surface_points.h).
 enum class MapSurface { kTexels, kInterpolated };
-inline const Choices<MapSurface> kMapSurfaces = {{"texels", MapSurface::kTexels},
-                                                 {"interpolated", MapSurface::kInterpolated}};
+inline constexpr Choices<MapSurface> kMapSurfaces = {{"texels", MapSurface::kTexels},
+                                                     {"interpolated", MapSurface::kInterpolated}};
 
 /// colours of `multum mip`: meaning of an image's numbers.
 enum class ColourEncoding {
@@ -71,17 +73,17 @@ enum class ColourEncoding {
   kLinear,  // linear, whatever the file says
   kData,    // no colours: numbers that may be negative; integers are 0..1. What is not finite is refused
 };
-inline const Choices<ColourEncoding> kColourEncodings = {{"auto", ColourEncoding::kAuto},
-                                                         {"srgb", ColourEncoding::kSrgb},
-                                                         {"linear", ColourEncoding::kLinear},
-                                                         {"data", ColourEncoding::kData}};
+inline constexpr Choices<ColourEncoding> kColourEncodings = {{"auto", ColourEncoding::kAuto},
+                                                             {"srgb", ColourEncoding::kSrgb},
+                                                             {"linear", ColourEncoding::kLinear},
+                                                             {"data", ColourEncoding::kData}};
 
 /// format of exports.
 enum class MaterialFormat { kPng, kExr, kKtx2, kDds };
-inline const Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
-                                                         {"exr", MaterialFormat::kExr},
-                                                         {"ktx2", MaterialFormat::kKtx2},
-                                                         {"dds", MaterialFormat::kDds}};
+inline constexpr Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
+                                                             {"exr", MaterialFormat::kExr},
+                                                             {"ktx2", MaterialFormat::kKtx2},
+                                                             {"dds", MaterialFormat::kDds}};
 
 /// texels of exports: how they are stored.
 enum class MaterialTexels {
@@ -91,11 +93,11 @@ enum class MaterialTexels {
   kBlocks,   // compressed: of normals x and y as BC5, roughness alone as BC4, all else as BC7
   kUastc,    // Basis Universal's blocks, of KTX2 only
 };
-inline const Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
-                                                        {"rgba16f", MaterialTexels::kRgba16f},
-                                                        {"rg8", MaterialTexels::kRg8},
-                                                        {"bc", MaterialTexels::kBlocks},
-                                                        {"uastc", MaterialTexels::kUastc}};
+inline constexpr Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
+                                                            {"rgba16f", MaterialTexels::kRgba16f},
+                                                            {"rg8", MaterialTexels::kRg8},
+                                                            {"bc", MaterialTexels::kBlocks},
+                                                            {"uastc", MaterialTexels::kUastc}};
 
 /// texels of exported lobes: how layers store them.
 enum class LobeTexels {
@@ -103,7 +105,7 @@ enum class LobeTexels {
   kRgba8,    // a layer a lobe, 0 to 1
   kBlocks,   // two layers of BC5 a lobe, 0 to 1
 };
-inline const Choices<LobeTexels> kLobeTexels = {
+inline constexpr Choices<LobeTexels> kLobeTexels = {
     {"bc", LobeTexels::kBlocks}, {"rgba8", LobeTexels::kRgba8}, {"rgba16f", LobeTexels::kRgba16f}};
 
 /// format of `multum gltf`: images of the new textures.
@@ -113,7 +115,7 @@ enum class GltfTextureFormat {
            // it
   kPng,    // level 0 alone
 };
-inline const Choices<GltfTextureFormat> kGltfTextureFormats = {
+inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {
     {"uastc", GltfTextureFormat::kUastc}, {"rgba8", GltfTextureFormat::kRgba8}, {"png", GltfTextureFormat::kPng}};
 
 /// pyramid of `multum pack`: images of a chunk.
@@ -123,14 +125,14 @@ enum class PyramidChoice {
   kPlain,     // plain_levels
   kNone,      // every sample by itself
 };
-inline const Choices<PyramidChoice> kPyramidChoices = {{"adaptive", PyramidChoice::kAdaptive},
-                                                       {"greedy", PyramidChoice::kGreedy},
-                                                       {"plain", PyramidChoice::kPlain},
-                                                       {"none", PyramidChoice::kNone}};
+inline constexpr Choices<PyramidChoice> kPyramidChoices = {{"adaptive", PyramidChoice::kAdaptive},
+                                                           {"greedy", PyramidChoice::kGreedy},
+                                                           {"plain", PyramidChoice::kPlain},
+                                                           {"none", PyramidChoice::kNone}};
 
 /// context: who gives the GL context (runtime_gl/context/headless_context.h).
 enum class ContextBackend { kAuto, kOsmesa, kEgl };
-inline const Choices<ContextBackend> kContextBackends = {
+inline constexpr Choices<ContextBackend> kContextBackends = {
     {"auto", ContextBackend::kAuto}, {"osmesa", ContextBackend::kOsmesa}, {"egl", ContextBackend::kEgl}};
 
 }  // namespace multum

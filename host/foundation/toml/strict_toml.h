@@ -53,8 +53,9 @@ class StrictTable {
   int whole(const std::string& key, int low, int high, std::optional<int> fallback = {}) const;
   double number(const std::string& key, const NumberRange& range, double fallback) const;
   /// One of the choices' names; unset where the key is missing.
-  template <typename Value>
-  std::optional<Value> choice(const std::string& key, const Choices<Value>& choices) const;
+  template <typename List>
+  auto choice(const std::string& key, const List& choices) const
+      -> std::optional<typename List::value_type::second_type>;
   /// One number, or a list of at most `count_max`; none where the key is missing.
   std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
@@ -81,11 +82,12 @@ class StrictTable {
   std::string whole_;
 };
 
-template <typename Value>
-std::optional<Value> StrictTable::choice(const std::string& key, const Choices<Value>& choices) const {
+template <typename List>
+auto StrictTable::choice(const std::string& key, const List& choices) const
+    -> std::optional<typename List::value_type::second_type> {
   if (!has(key)) return std::nullopt;
   const std::string name = text(key, "");
-  const std::optional<Value> value = find_choice(choices, name);
+  const auto value = find_choice(choices, name);
   if (!value) refuse(key, fmt::format("is \"{}\", expected one of {}", name, fmt::join(choice_names(choices), ", ")));
   return value;
 }
