@@ -108,6 +108,17 @@ class SweepTest(unittest.TestCase):
             if not any(part.startswith(".") for part in name.split("/")):
                 self.assertEqual(digest, expected.get(name), name)
 
+    def wait_for_group(self, group):
+        """Helpers end with the process that started them, but not at once, and hold their work folders until then."""
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            try:
+                os.killpg(group, 0)
+            except ProcessLookupError:
+                return
+            time.sleep(0.01)
+        self.fail("a helper outlived the process that started it by 20 s")
+
     def test_kills(self):
         moments = [i / 9 for i in range(1, 9)] if IS_ALL else [0.5, 0.9]
         for arguments in self.commands():
@@ -121,10 +132,11 @@ class SweepTest(unittest.TestCase):
                 with self.subTest(command=arguments, moment=moment):
                     self.reset()
                     process = subprocess.Popen([MULTUM, *arguments], cwd=self.top, stdout=subprocess.DEVNULL,
-                                               stderr=subprocess.DEVNULL)
+                                               stderr=subprocess.DEVNULL, start_new_session=True)
                     time.sleep(moment * seconds)
                     process.kill()
                     process.wait()
+                    self.wait_for_group(process.pid)
                     self.assert_whole(expected)
                     again = self.run_multum(arguments)
                     self.assertEqual(again.returncode, 0, again.stderr)
