@@ -164,7 +164,7 @@ class LevelSink : public MaterialSink {
   bool is_one_ = true;  // of the surface, so far
 };
 
-// Whether two codes of a normal say the same direction, but for how they are rounded and how long they are.
+// Do two codes of a normal have the same direction, except for rounding? Their lengths may differ.
 bool is_same_direction(const std::uint8_t* one, const std::uint8_t* other) {
   constexpr float kCosineOfADegree = 0.99985f;
   const auto decoded = [](const std::uint8_t* code) {

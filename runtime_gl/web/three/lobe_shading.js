@@ -165,7 +165,7 @@ float multum_take_lobe(int evaluation, float side) {
   multum_lobe = multum_lobes_pay ? multum_lobes[number] : sum;
   float weight = part.x * part.y * multum_lobe.w / max(sum.w, 1e-6);
   multum_lobe = vec4(multum_lobe.xyz / max(multum_lobe.w, 1e-6), 1.0);
-  // Three lobes leave one of four evaluations over.
+  // Three lobes need three of four evaluations.
   return multum_lobes_pay && evaluation >= points.x * points.y * MULTUM_LOBE_COUNT ? 0.0 : weight;
 }
 `;
