@@ -44,8 +44,7 @@ small is shown enlarged. Errors are those of exactly these pictures: relative L1
 |picture - reference| over that of the reference, in linear light; in brackets the sum of the picture over that of the
 reference. Edges, and parts that are smaller than a pixel, are in all of them, whatever the textures say.
 
-*One lobe* costs nothing more than plain mips. Where it is farther off than they are, the table says so: near, its
-texture is another encoding of the artist's map.
+*One lobe* needs as many evaluations as plain mips. From 1 m its error is higher in all five models.
 """
 SECTION = """
 ## {stem}
