@@ -26,6 +26,7 @@ int run_gltf(GltfOptions& o) {
   keep_freed_memory();
   const ParameterValues& values = o.values;
   o.job.format = values.choice("format", kGltfTextureFormats).value_or(o.job.format);
+  o.job.form = values.choice("form", kGltfForms).value_or(o.job.form);
   o.job.uastc_effort = values.integer("uastc_effort").value_or(o.job.uastc_effort);
   o.job.encoder = values.text("encoder").value_or("");
   o.job.is_anisotropic = values.flag("anisotropy");
@@ -47,6 +48,7 @@ int run_gltf(GltfOptions& o) {
   for (const GltfReport::Material& material : report.materials) {
     if (!material.kept.empty())
       print_shown(stdout, "  %s: as it was: %s\n", material.name.c_str(), material.kept.c_str());
+    if (!material.form.empty()) print_shown(stdout, "  %s: %s\n", material.name.c_str(), material.form.c_str());
     for (const std::string& note : material.notes)
       print_shown(stdout, "  %s: %s\n", material.name.c_str(), note.c_str());
   }

@@ -78,7 +78,7 @@ class GltfConversion {
     std::vector<PreparedSource> prepared;
     for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
     lap("read");
-    const std::vector<SourceTextures> textures = make_textures(asset, prepared);
+    const std::vector<SourceTextures> textures = make_textures(asset, plan, prepared);
     report_materials(prepared, plan);
 
     progress_stage(progress_, "write");
@@ -144,9 +144,15 @@ class GltfConversion {
       }
       const bool is_kept = !material.kept.empty();
       report_.materials.push_back({material.name, material.kept, is_kept ? std::vector<std::string>{} : material.notes,
-                                   is_kept ? -1 : numbers[material.source]});
+                                   is_kept ? -1 : numbers[material.source], form_text(prepared, material)});
     }
     warn_of_bad(plan);
+  }
+
+  // What pictures said of it; empty: they were not asked.
+  std::string form_text(const std::vector<PreparedSource>& prepared, const MaterialPlan& material) const {
+    if (material.source >= prepared.size() || report_.forms[material.source].distances.empty()) return "";
+    return report_.forms[material.source].to_text();
   }
 
   // One bad map does not keep the others from being fitted; where there are no others, nothing would be.
@@ -159,9 +165,9 @@ class GltfConversion {
   }
 
   // An image that cannot be used, or that is no normal map, is a reason to keep the materials that have it.
-  std::optional<FittedSource> fit(const GltfAsset& asset, PreparedSource& source) {
+  std::optional<FittedSource> fit(const GltfAsset& asset, PreparedSource& source, std::size_t number) {
     try {
-      return fit_source(device_, asset, source, report_.textures.size(), fit_settings(), progress_);
+      return fit_source(device_, asset, source, number, fit_settings(), progress_);
     } catch (const Error& error) {
       source.kept = why_kept(asset, error);
       source.is_bad = true;
@@ -169,37 +175,72 @@ class GltfConversion {
     }
   }
 
-  std::vector<SourceTextures> make_textures(const GltfAsset& asset, std::vector<PreparedSource>& prepared) {
+  std::vector<SourceTextures> make_textures(const GltfAsset& asset, const GltfPlan& plan,
+                                            std::vector<PreparedSource>& prepared) {
     std::uint64_t units = 0;
     for (const PreparedSource& source : prepared)
       if (source.kept.empty())
         units += ((source.source.is_anisotropic ? 4u : 3u) + (job_.has_lobes ? 1u : 0u)) * source.texel_count();
     progress_start(progress_, units);
-    std::vector<SourceTextures> made;
-    double fit_seconds = 0.0, encode_seconds = 0.0, lobe_seconds = 0.0;
-    for (PreparedSource& source : prepared) {
-      made.emplace_back();
-      if (!source.kept.empty()) continue;
-      const std::optional<FittedSource> fitted = fit(asset, source);
-      if (!fitted) continue;
-      fit_seconds += stopwatch_.lap();
-      progress_stage(progress_, "encode");
-      report_.textures.push_back({source.width, source.height, fitted->normal->level_count(), {}});
-      made.back().normal = encode(fitted->normal, source, "normal");
-      made.back().surface = encode(fitted->surface, source, "metallic_roughness");
-      if (source.source.is_anisotropic) made.back().anisotropy = encode(fitted->anisotropy, source, "anisotropy");
-      encode_seconds += stopwatch_.lap();
-      if (!job_.has_lobes) continue;
+    SourceForms forms(asset, plan, fit_settings(), progress_);
+    report_.forms.resize(prepared.size());
+    std::vector<SourceTextures> made(prepared.size());
+    for (std::size_t s = 0; s < prepared.size(); ++s)
+      if (prepared[s].kept.empty()) made[s] = textures_of(asset, forms, s, prepared[s]);
+    report_.seconds.emplace_back("fit", seconds_.fit);
+    report_.seconds.emplace_back("form", seconds_.form);
+    report_.seconds.emplace_back("encode", seconds_.encode);
+    if (job_.has_lobes) report_.seconds.emplace_back("lobes", seconds_.lobes);
+    return made;
+  }
+
+  // What pictures say of a source; without them, what was asked for.
+  SourceForm form_of(SourceForms& forms, std::size_t number, const FittedSource& fitted, const std::string& baked) {
+    SourceForm form;
+    form.normals = NormalForm::of(fitted.normal->level_count(),
+                                  {job_.form == GltfForm::kOneLobe || fitted.averages == nullptr, 1.0});
+    form.has_lobes = job_.has_lobes;
+    if (job_.form != GltfForm::kAuto || fitted.averages == nullptr) return form;
+    progress_stage(progress_, "form");
+    form = forms.choose(number, fitted, baked);
+    report_.forms[number] = form;
+    seconds_.form += stopwatch_.lap();
+    return form;
+  }
+
+  // None where its own stay, of which `source` then says why.
+  SourceTextures textures_of(const GltfAsset& asset, SourceForms& forms, std::size_t number, PreparedSource& source) {
+    SourceTextures made;
+    std::optional<FittedSource> found = fit(asset, source, number);
+    if (!found) return made;
+    seconds_.fit += stopwatch_.lap();
+    std::string baked;
+    if (job_.has_lobes) {
       progress_stage(progress_, "lobes");
-      made.back().lobes =
-          encode_source_lobes(device_, asset, source, report_.textures.size() - 1, fit_settings(), progress_);
-      report_.textures.back().bytes["lobes"] = made.back().lobes->byte_count;
+      baked = bake_source_lobes(device_, asset, source, number, fit_settings(), progress_);
       progress_advance(progress_, source.texel_count());
-      lobe_seconds += stopwatch_.lap();
+      seconds_.lobes += stopwatch_.lap();
     }
-    report_.seconds.emplace_back("fit", fit_seconds);
-    report_.seconds.emplace_back("encode", encode_seconds);
-    if (job_.has_lobes) report_.seconds.emplace_back("lobes", lobe_seconds);
+    FittedSource fitted = std::move(*found);
+    const SourceForm form = form_of(forms, number, fitted, baked);
+    if (form.normals.is_plain() && !form.has_lobes) {
+      source.kept = "its own mips are as near";
+      return made;
+    }
+    report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
+    if (fitted.averages != nullptr) apply_normal_form(form.normals, fitted);
+    progress_stage(progress_, "encode");
+    // Lobes need a map that has its scale in it, as they have.
+    if (form.normals.has_fitted_normals() || source.source.normal_scale != 1.0)
+      made.normal = encode(fitted.normal, source, "normal");
+    if (!form.normals.is_plain()) made.surface = encode(fitted.surface, source, "metallic_roughness");
+    if (source.source.is_anisotropic) made.anisotropy = encode(fitted.anisotropy, source, "anisotropy");
+    seconds_.encode += stopwatch_.lap();
+    if (!form.has_lobes) return made;
+    progress_stage(progress_, "lobes");
+    made.lobes = encode_source_lobes(device_, baked, fit_settings(), progress_);
+    report_.textures.back().bytes["lobes"] = made.lobes->byte_count;
+    seconds_.lobes += stopwatch_.lap();
     return made;
   }
 
@@ -221,6 +262,9 @@ class GltfConversion {
   const DeviceCounts counts_;
   Progress* const progress_;
   Stopwatch stopwatch_;
+  struct {
+    double fit = 0.0, form = 0.0, encode = 0.0, lobes = 0.0;
+  } seconds_;  // by stage, of all sources
   std::unique_ptr<WorkFolder> folder_;
   GltfReport report_;
 };
@@ -237,6 +281,7 @@ std::string GltfReport::to_json(const GltfJob& job) const {
                                  {"output", text_of_path(job.output)},
                                  {"format", choice_name(kGltfTextureFormats, job.format)},
                                  {"anisotropy", job.is_anisotropic},
+                                 {"form", choice_name(kGltfForms, job.form)},
                                  {"lobes", job.has_lobes},
                                  {"fast", job.is_fast},
                                  {"surface", map_surface_name(job.surface)},
@@ -252,8 +297,11 @@ std::string GltfReport::to_json(const GltfJob& job) const {
     if (!material.kept.empty()) one["kept"] = material.kept;
     if (!material.notes.empty()) one["notes"] = material.notes;
     if (material.textures >= 0) one["textures"] = material.textures;
+    if (!material.form.empty()) one["form"] = material.form;
     json["materials"].push_back(std::move(one));
   }
+  for (const SourceForm& form : forms)
+    if (!form.distances.empty()) json["forms"].push_back(form.to_json());
   for (const Textures& one : textures)
     json["textures"].push_back(
         {{"width", one.width}, {"height", one.height}, {"levels", one.level_count}, {"bytes", one.bytes}});

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/delivery/gltf/source_forms.h"
 #include "host/delivery/gltf/texture_encoding.h"
 #include "host/formats/image/normals/normal_map.h"
 #include "host/formats/image/surface_points.h"
@@ -24,7 +25,8 @@ struct GltfJob {
   std::string report;  // JSON; empty: none
   GltfTextureFormat format = GltfTextureFormat::kUastc;
   bool is_anisotropic = false;
-  bool has_lobes = false;  // beside the fitted textures, in MULTUM_lobes
+  GltfForm form = GltfForm::kAuto;  // of all materials
+  bool has_lobes = false;           // in MULTUM_lobes; with GltfForm::kAuto where they are nearer
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
   std::optional<ZRange> z_range;             // of all normal maps; unset: from statistics
@@ -41,6 +43,7 @@ struct GltfReport {
     std::string kept;  // why it is as it was; empty: it has new textures
     std::vector<std::string> notes;
     int textures = -1;  // in `textures`
+    std::string form;   // what the pictures said; empty: there were none
   };
   /// Of materials that have the same.
   struct Textures {
@@ -48,6 +51,7 @@ struct GltfReport {
     std::map<std::string, std::uint64_t> bytes;  // "normal", "metallic_roughness", "anisotropy", "lobes"
   };
   std::vector<Material> materials;
+  std::vector<SourceForm> forms;  // by source, where they were chosen
   std::vector<Textures> textures;
   std::vector<std::string> warnings;
   std::uint64_t bytes_before = 0, bytes_after = 0;  // of the file, with what it names beside it

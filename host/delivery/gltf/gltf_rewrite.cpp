@@ -72,13 +72,13 @@ class GltfRewriter {
     if (textures.lobes) material["extensions"][kLobesExtension] = lobes_object(material, lobes);
     GltfJson& normal = material["normalTexture"];
     const auto normal_texture = normal.at("index").get<std::size_t>();
-    if (source.normal_scale != 1.0) normal.erase("scale");
+    if (textures.normal && source.normal_scale != 1.0) normal.erase("scale");
     // Where a texture lies that there was none of before.
     GltfJson beside = {{"index", normal_texture}};
     if (normal.contains("texCoord")) beside["texCoord"] = normal["texCoord"];
     if (normal.contains("extensions") && normal["extensions"].contains("KHR_texture_transform"))
       beside["extensions"]["KHR_texture_transform"] = normal["extensions"]["KHR_texture_transform"];
-    request(place / "normalTexture", normal_texture, true, {plan.source, TextureRole::kNormal});
+    if (textures.normal) request(place / "normalTexture", normal_texture, true, {plan.source, TextureRole::kNormal});
     if (textures.surface) {
       GltfJson& surface = material["pbrMetallicRoughness"];
       surface.erase("roughnessFactor");
@@ -89,7 +89,7 @@ class GltfRewriter {
               surface["metallicRoughnessTexture"].at("index").get<std::size_t>(), had_one && !textures.lobes,
               {plan.source, TextureRole::kSurface});
     }
-    if (source.has_occlusion)
+    if (source.has_occlusion && textures.surface)
       request(place / "occlusionTexture", material["occlusionTexture"].at("index").get<std::size_t>(), true,
               {plan.source, TextureRole::kSurface});
     if (textures.anisotropy) {

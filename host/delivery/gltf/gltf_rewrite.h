@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Of a LobeSource.
+/// Of a LobeSource; what there is none of stays as it was.
 struct SourceTextures {
   std::optional<EncodedTexture> normal, surface, anisotropy;
   std::optional<EncodedTexture> lobes;  // for MULTUM_lobes
@@ -25,7 +25,7 @@ struct RewrittenGltf {
   std::vector<std::string> left_outside;  // URIs of images that are of no known kind, and stay files beside
 };
 
-/// `textures`: by source; a plan's materials that are not kept have at least normals there.
+/// `textures`: by source.
 RewrittenGltf rewrite_gltf(const GltfAsset& asset, const GltfPlan& plan, const std::vector<SourceTextures>& textures);
 
 }  // namespace multum

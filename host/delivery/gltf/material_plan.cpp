@@ -12,16 +12,6 @@
 namespace multum {
 namespace {
 
-// Coordinates of a texture: its set, and what KHR_texture_transform makes of them.
-struct TextureCoordinates {
-  std::uint64_t set = 0;
-  std::array<double, 2> offset{0.0, 0.0}, scale{1.0, 1.0};
-  double rotation = 0.0;
-
-  bool operator==(const TextureCoordinates&) const = default;
-  bool keeps_axes() const { return rotation == 0.0 && scale[0] > 0.0 && scale[1] > 0.0; }
-};
-
 struct TextureUse {
   std::size_t texture = 0;
   std::optional<std::size_t> image;  // one that can be decoded
@@ -174,6 +164,7 @@ class Planner {
       return "its roughness lies elsewhere than its normals: other texture coordinates, or another transform";
     if (rough && rough->wrap != normal->wrap) return "its roughness wraps otherwise than its normals";
 
+    made.coordinates = normal->coordinates;
     LobeSource source;
     source.normal_image = *normal->image;
     if (rough) source.surface_image = rough->image;

@@ -4,8 +4,10 @@
 // texel of one lies over the texel of the other; all else stays as it is, with the reason.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,10 +30,21 @@ struct LobeSource {
   auto operator<=>(const LobeSource&) const = default;
 };
 
+/// Coordinates of a texture: its set, and what KHR_texture_transform makes of them.
+struct TextureCoordinates {
+  std::uint64_t set = 0;
+  std::array<double, 2> offset{0.0, 0.0}, scale{1.0, 1.0};
+  double rotation = 0.0;
+
+  bool operator==(const TextureCoordinates&) const = default;
+  bool keeps_axes() const { return rotation == 0.0 && scale[0] > 0.0 && scale[1] > 0.0; }
+};
+
 struct MaterialPlan {
-  std::string name;        // "bricks", or "material 3"
-  std::string kept;        // why it stays as it is; empty: it is fitted
-  std::size_t source = 0;  // in GltfPlan::sources
+  std::string name;                // "bricks", or "material 3"
+  std::string kept;                // why it stays as it is; empty: it is fitted
+  std::size_t source = 0;          // in GltfPlan::sources
+  TextureCoordinates coordinates;  // of what is fitted
   std::vector<std::string> notes;
   bool is_bad = false;  // `kept` is a fault of the model, which is warned of
 };

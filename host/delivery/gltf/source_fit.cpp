@@ -203,6 +203,49 @@ void keep_finest_normals(const std::string& file, LevelFile& normal, const Sourc
       nullptr);
 }
 
+// Rows of a level, each texel the mean of those that it covers of the level before, rounded to 8 bits as drivers do.
+std::vector<std::uint8_t> averaged_rows(const LevelFile& file, int level, int first, int count) {
+  const int width = mip_level_size(file.width(), level), height = mip_level_size(file.height(), level);
+  const int finer_width = mip_level_size(file.width(), level - 1),
+            finer_height = mip_level_size(file.height(), level - 1);
+  const auto edge = [](int index, int from, int to) { return static_cast<int>(std::int64_t{index} * from / to); };
+  const int top = edge(first, finer_height, height), bottom = edge(first + count, finer_height, height);
+  const std::vector<std::uint8_t> finer = file.read_rows(level - 1, top, bottom - top);
+  std::vector<std::uint8_t> made;
+  made.reserve(4 * size_of(width) * size_of(count));
+  for (int y = first; y < first + count; ++y)
+    for (int x = 0; x < width; ++x) {
+      std::array<unsigned, 4> sums{};
+      unsigned texels = 0;
+      for (int v = edge(y, finer_height, height); v < edge(y + 1, finer_height, height); ++v)
+        for (int u = edge(x, finer_width, width); u < edge(x + 1, finer_width, width); ++u, ++texels)
+          for (std::size_t c = 0; c < 4; ++c)
+            sums[c] += finer[4 * (size_of(v - top) * size_of(finer_width) + size_of(u)) + c];
+      for (const unsigned sum : sums) made.push_back(static_cast<std::uint8_t>((sum + texels / 2) / texels));
+    }
+  return made;
+}
+
+constexpr int kAveragedRows = 64;
+
+// Of level 0 of both.
+void write_averages(const LevelFile& normal, const LevelFile& surface, LevelFile& averages) {
+  for (int level = 0; level < averages.level_count(); ++level) {
+    const int height = mip_level_size(averages.height(), level);
+    for (int row = 0; row < height; row += kAveragedRows) {
+      const int count = std::min(kAveragedRows, height - row);
+      if (level > 0) {
+        averages.write_rows(level, row, averaged_rows(averages, level, row, count));
+        continue;
+      }
+      std::vector<std::uint8_t> texels = normal.read_rows(0, row, count);
+      const std::vector<std::uint8_t> material = surface.read_rows(0, row, count);
+      for (std::size_t i = 0; i < texels.size(); i += 4) texels[i + 3] = material[i + 1];
+      averages.write_rows(0, row, texels);
+    }
+  }
+}
+
 int rounded_up(int side, int multiple) { return (side + multiple - 1) / multiple * multiple; }
 
 }  // namespace
@@ -312,6 +355,10 @@ FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSo
   fit_one_lobe(device, inputs, lobe, sink, progress);
   of_image(asset, source.normal_image, prepared.normal_file,
            [&] { keep_finest_normals(prepared.normal_file, *made.normal, settings); });
+  if (!source.is_anisotropic) {
+    made.averages = level_file("averages");
+    write_averages(*made.normal, *made.surface, *made.averages);
+  }
   if (!source.surface_image && sink.is_one()) made.surface = nullptr;
   return made;
 }

@@ -76,6 +76,8 @@ std::string why_kept(const GltfAsset& asset, const Error& error);
 /// Textures by what they hold; null: there is none.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;
+  // What a renderer's own mips of level 0 are: normals, alpha roughness. None where `anisotropy` is.
+  std::unique_ptr<LevelFile> averages;
 };
 
 /// Files are named by `number`. A surface that is 1 everywhere is none. Progress: a unit a texel. Throws

@@ -15,8 +15,8 @@ constexpr int kLobeZstdLevel = 12;  // as UASTC's
 
 }  // namespace
 
-EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
-                                   std::size_t number, const SourceFitSettings& settings, Progress* progress) {
+std::string bake_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
+                              std::size_t number, const SourceFitSettings& settings, Progress* progress) {
   const LobeSource& source = prepared.source;
   return of_image(asset, source.normal_image, prepared.normal_file, [&] {
     Progress cancelling = cancel_only(progress);
@@ -31,16 +31,20 @@ EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const
     bake.scratch_folder = settings.folder;
     bake.threads = settings.threads;
     bake_file(bake, nullptr, device, &cancelling);
-    LobeExportJob lobes;
-    lobes.input = bake.output;
-    lobes.output = fmt::format("{}/lobes_{}.ktx2", settings.folder, number);
-    lobes.zstd_level = kLobeZstdLevel;
-    lobes.threads = settings.threads;
-    export_lobes(lobes, device, &cancelling);
-    std::error_code ignored;
-    std::filesystem::remove(bake.output, ignored);
-    return EncodedTexture{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output)};
+    return bake.output;
   });
+}
+
+EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceFitSettings& settings,
+                                   Progress* progress) {
+  Progress cancelling = cancel_only(progress);
+  LobeExportJob lobes;
+  lobes.input = baked;
+  lobes.output = baked + ".ktx2";
+  lobes.zstd_level = kLobeZstdLevel;
+  lobes.threads = settings.threads;
+  export_lobes(lobes, device, &cancelling);
+  return {lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output)};
 }
 
 }  // namespace multum

@@ -13,15 +13,6 @@ namespace {
 
 constexpr double kAmplitudeMin = 1e-6;  // MULTUM_AMPLITUDE_MIN: below, no lobe
 
-// multum_vmf_mean_cosine(): the mean of max(n . l, 0) over a vMF of spread `d`, `t` the cosine of its mean and l.
-double mean_cosine_of(double d, double t) {
-  const double r = 1.0 - d, m = r * t;
-  const double v = d * (0.25 + r * (0.2343 + r * 0.15232));
-  const double x = std::min(m * m / std::max(v, 1e-20), 200.0);
-  const double g = x * (0.4117 + r * (0.2857 - r * 0.3658) + 0.0080 * x);
-  return 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
-}
-
 // multum_ggx_facet_kappa(): the facets' concentration about the half vector, `e` = 1 - mu . h.
 double facet_kappa_of(double alpha, double kappa, double e) {
   const double x = alpha * alpha;
@@ -44,6 +35,14 @@ double smith_visibility_of(double alpha, double n_l, double n_v) {
 
 }  // namespace
 
+double shaded_mean_cosine(double d, double t) {
+  const double r = 1.0 - d, m = r * t;
+  const double v = d * (0.25 + r * (0.2343 + r * 0.15232));
+  const double x = std::min(m * m / std::max(v, 1e-20), 200.0);
+  const double g = x * (0.4117 + r * (0.2857 - r * 0.3658) + 0.0080 * x);
+  return 0.5 * (m + std::sqrt(m * m + v * std::exp(-g)));
+}
+
 GgxOverLobe::GgxOverLobe(const glm::dvec4& lobe, double alpha) : amplitude_(lobe.w), alpha_(alpha) {
   const double length = glm::length(glm::dvec3(lobe));
   spread_ = std::clamp((lobe.w - length) / std::max(lobe.w, kAmplitudeMin), 0.0, 1.0);
@@ -59,8 +58,8 @@ double GgxOverLobe::specular(const glm::dvec3& light, const glm::dvec3& view, co
   // The normals that reflect: facets about h times the lobe about mu, a vMF of this mean vector.
   const glm::dvec3 sum = facet_kappa_of(alpha_, kappa_, e) * half + kappa_ * mean_direction_;
   const double size = glm::length(sum), spread = spread_ > 0.0 ? vmf_spread(size) : 0.0;
-  const double n_l = mean_cosine_of(spread, glm::dot(sum, light) / std::max(size, 1e-6));
-  const double n_v = mean_cosine_of(spread, glm::dot(sum, view) / std::max(size, 1e-6));
+  const double n_l = shaded_mean_cosine(spread, glm::dot(sum, light) / std::max(size, 1e-6));
+  const double n_v = shaded_mean_cosine(spread, glm::dot(sum, view) / std::max(size, 1e-6));
   return amplitude_ * ggx_lobe_density(shape_, alpha_, spread_, e) * n_l * smith_visibility_of(alpha_, n_l, n_v);
 }
 

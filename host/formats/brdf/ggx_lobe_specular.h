@@ -10,6 +10,10 @@
 
 namespace multum {
 
+/// The mean of max(n . w, 0) over a vMF of spread `d`, `t` the cosine of its mean direction and w:
+/// multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
+double shaded_mean_cosine(double d, double t);
+
 /// One lobe under GGX of one roughness.
 class GgxOverLobe {
  public:

@@ -17,27 +17,37 @@ std::vector<Parameter> gltf_rows() {
   two_channel.group = z_range.group = kSourceGroup;
   Parameter anisotropy = lobe_anisotropy_parameter(kOnCommandLine);
   anisotropy.excludes = {"lobes"};
-  return {{.name = "format",
-           .kind = Kind::kChoice,
-           .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
-                   "rgba8, KTX2 that is not compressed and outside of that extension; png, level 0 alone",
-           .default_text = "uastc",
-           .choices = choice_names(kGltfTextureFormats),
-           .group = kStorageGroup,
-           .surfaces = kOnCommandLine},
-          uastc_effort_parameter(kOnCommandLine),
-          encoder_parameter(kOnCommandLine),
-          {.name = "lobes",
-           .help = "put the lobes of normals beside the new textures, in the extension MULTUM_lobes, which "
-                   "@multum/three draws; other viewers draw the new textures",
-           .group = kStorageGroup,
-           .excludes = {"anisotropy"},
-           .surfaces = kOnCommandLine},
-          std::move(two_channel),
-          std::move(z_range),
-          std::move(anisotropy),
-          fast_lobe_parameter(kOnCommandLine),
-          surface_parameter("; of levels from 1 on", kOnCommandLine)};
+  return {
+      {.name = "format",
+       .kind = Kind::kChoice,
+       .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
+               "rgba8, KTX2 that is not compressed and outside of that extension; png, level 0 alone",
+       .default_text = "uastc",
+       .choices = choice_names(kGltfTextureFormats),
+       .group = kStorageGroup,
+       .surfaces = kOnCommandLine},
+      {.name = "form",
+       .kind = Kind::kChoice,
+       .help = "what normals become: auto, by pictures of the model, the cheapest form that is within 0.2 points of "
+               "the least error, which may be the textures that there are; averages, with fitted roughness; "
+               "one-lobe, both fitted",
+       .default_text = "auto",
+       .choices = choice_names(kGltfForms),
+       .group = kStorageGroup,
+       .surfaces = kOnCommandLine},
+      uastc_effort_parameter(kOnCommandLine),
+      encoder_parameter(kOnCommandLine),
+      {.name = "lobes",
+       .help = "put lobes of normals, where they are nearer, into the extension MULTUM_lobes, which @multum/three "
+               "draws; other viewers draw the textures. With another form than auto: into all materials",
+       .group = kStorageGroup,
+       .excludes = {"anisotropy"},
+       .surfaces = kOnCommandLine},
+      std::move(two_channel),
+      std::move(z_range),
+      std::move(anisotropy),
+      fast_lobe_parameter(kOnCommandLine),
+      surface_parameter("; of levels from 1 on", kOnCommandLine)};
 }
 
 std::vector<Parameter> gltf_run_rows() {

@@ -118,6 +118,15 @@ enum class GltfTextureFormat {
 inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {
     {"uastc", GltfTextureFormat::kUastc}, {"rgba8", GltfTextureFormat::kRgba8}, {"png", GltfTextureFormat::kPng}};
 
+/// form of `multum gltf`: what a material's normals become.
+enum class GltfForm {
+  kAuto,      // by pictures of the model
+  kAverages,  // means of normals, as a renderer's own mips, and fitted roughness
+  kOneLobe,   // one fitted lobe: both fitted
+};
+inline constexpr Choices<GltfForm> kGltfForms = {
+    {"auto", GltfForm::kAuto}, {"averages", GltfForm::kAverages}, {"one-lobe", GltfForm::kOneLobe}};
+
 /// pyramid of `multum pack`: images of a chunk.
 enum class PyramidChoice {
   kAdaptive,  // the best of a few pyramids and of bases that are learnt

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The extension MULTUM_lobes, `multum gltf IN.glb --lobes -o OUT.glb` (docs/GLTF.md), for three.js's GLTFLoader.
-import { addLobes } from "./lobe_material.js";
+import { addLobes, addPoints } from "./lobe_material.js";
 import { LobeLoader } from "./lobe_texture.js";
 
 const NAME = "MULTUM_lobes";
@@ -11,8 +11,9 @@ const NAME = "MULTUM_lobes";
  *     loader.register((parser) => new GltfLobes(parser, renderer));
  *
  * What GLTFLoader returns has the LobeTextures in `userData.lobes`, to be disposed of with the model. `options` are
- * addLobes()'s. Maps get the renderer's most anisotropic filter. A damaged extension makes the loading fail; a material
- * that cannot have lobes keeps its own textures, with a warning on the console.
+ * addLobes()'s. Materials with normal maps and no lobes are shaded at as many points (addPoints()). Maps get the
+ * renderer's most anisotropic filter. A damaged extension makes the loading fail; a material that cannot have lobes
+ * keeps its own textures, with a warning on the console.
  */
 export class GltfLobes {
   constructor(parser, renderer, options = {}) {
@@ -31,11 +32,13 @@ export class GltfLobes {
       return textures.get(index);
     };
     const materials = new Map(); // extension's objects; GLTFLoader draws with clones of its materials where it must
+    const others = new Set();
     for (const scene of result.scenes)
       scene.traverse(({ material }) => {
         const index = this.parser.associations.get(material)?.materials;
         const extension = json.materials?.[index]?.extensions?.[NAME];
         if (extension !== undefined) materials.set(material, extension);
+        else if (material?.isMeshStandardMaterial && material.normalMap) others.add(material);
       });
     const loaded = await Promise.allSettled([...materials.values()].map(({ lobes }) => lobesAt(lobes)));
     const failed = loaded.find(({ status }) => status === "rejected");
@@ -45,6 +48,10 @@ export class GltfLobes {
     }
     for (const [material, extension] of materials)
       await this.dress(material, extension, await lobesAt(extension.lobes));
+    for (const material of others) {
+      addPoints(material, { evaluations: this.options.evaluations });
+      this.sharpen(material);
+    }
     result.userData.lobes = await Promise.all(textures.values());
   }
 
@@ -67,6 +74,10 @@ export class GltfLobes {
     material.roughnessMap = null;
     if (extension.metallicRoughnessTexture !== undefined)
       await this.parser.assignTexture(material, "roughnessMap", extension.metallicRoughnessTexture);
+    this.sharpen(material);
+  }
+
+  sharpen(material) {
     for (const map of Object.values(material))
       if (map?.isTexture) map.anisotropy = this.anisotropy;
   }

@@ -30,7 +30,8 @@ class HostileTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def run_gltf(self, source, *arguments, output="model/out.glb"):
-        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output), "--format", "rgba8",
+        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output),
+                               "--form", "one-lobe", "--format", "rgba8",
                                *arguments], capture_output=True, text=True, check=False, timeout=120)
 
     def assert_refused(self, data, *words, name="model/in.glb", code=INPUT_REFUSED):

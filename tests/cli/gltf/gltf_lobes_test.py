@@ -44,7 +44,8 @@ class GltfLobesTest(FolderCase):
             return file.read()
 
     def run_gltf(self, source, output, *arguments, form="rgba8"):
-        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output), "--format", form,
+        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output),
+                               "--form", "one-lobe", "--format", form,
                                "--report", self.path("report.json"), *arguments],
                               capture_output=True, text=True, check=False, timeout=300)
 

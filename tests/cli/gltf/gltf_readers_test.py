@@ -70,7 +70,8 @@ def metal_plate(side=256):
                      (MODULES / "three").is_dir(), "no npm packages: tools/install_dependencies test")
 class ReadersTest(FolderCase):
     def convert(self, source, output, *arguments):
-        run = subprocess.run([MULTUM, "gltf", source, "-o", self.path(output), "--encoder", str(MODULES),
+        run = subprocess.run([MULTUM, "gltf", source, "-o", self.path(output), "--form", "one-lobe",
+                              "--encoder", str(MODULES),
                               "--report", self.path("report.json"), *arguments],
                              capture_output=True, text=True, check=False, timeout=300)
         self.assertEqual(run.returncode, 0, run.stderr)

@@ -52,15 +52,16 @@ class GltfTest(FolderCase):
         with open(self.path(name), "rb") as file:
             return file.read()
 
-    def run_gltf(self, *arguments, source="in.glb", output="out.glb"):
-        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output), *arguments],
-                              capture_output=True, text=True, check=False, timeout=300)
+    def run_gltf(self, *arguments, source="in.glb", output="out.glb", form="one-lobe"):
+        return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output), "--form", form,
+                               *arguments], capture_output=True, text=True, check=False, timeout=300)
 
-    def convert(self, model, *arguments, source="in.glb"):
+    def convert(self, model, *arguments, source="in.glb", form="one-lobe"):
         """The model after, and the report."""
         if isinstance(model, Model):
             self.write(source, model.glb())
-        run = self.run_gltf("--format", "rgba8", "--report", self.path("report.json"), *arguments, source=source)
+        run = self.run_gltf("--format", "rgba8", "--report", self.path("report.json"), *arguments, source=source,
+                            form=form)
         self.assertEqual(run.returncode, 0, run.stderr)
         self.messages = run.stderr
         return Glb(self.read("out.glb")), json.loads(self.read("report.json"))
@@ -425,6 +426,39 @@ class GltfTest(FolderCase):
                 after, report = self.convert(model, "--anisotropy")
                 self.assertNotIn("extensions", after.json["materials"][0])
                 self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
+
+    def test_a_smooth_map_keeps_its_own_textures(self):
+        model = plain_model(normal=bumps(64, 64, steepness=0.005), surface=packed(64, 64, lambda x, y: (255, 150, 255)))
+        after, report = self.convert(model, form="auto")
+        self.assertIn("its own mips", report["materials"][0]["kept"])
+        self.assertIn("its own maps stay", report["materials"][0]["form"])
+        self.assertEqual(report["textures"], [])
+        self.assertEqual(after.json["textures"], model.json["textures"])
+
+    def test_steep_bumps_get_what_is_nearer(self):
+        model = plain_model(normal=bumps(64, 64), surface=packed(64, 64, lambda x, y: (255, 60, 255)))
+        after, report = self.convert(model, form="auto")
+        self.assertTrue(report["materials"][0]["fitted"])
+        form, = report["forms"]
+        self.assertEqual(len(form["levels"]), 7)
+        self.assertEqual(form["levels"][0], {"fitted_normals": False, "fitted_roughness": 0.0})
+        errors = {name: form["errors"][name] for name in ("plain", "one_lobe", "chosen")}
+        self.assertEqual({len(one) for one in errors.values()}, {len(form["distances"])})
+        for plain, chosen in zip(errors["plain"], errors["chosen"]):
+            self.assertLessEqual(chosen, plain + 0.11)
+        self.assertLess(sum(errors["chosen"]), 0.95 * sum(errors["plain"]))
+        # The textures hold what was chosen: roughness of the coarsest level is above the map's own.
+        surface = after.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"]
+        roughness = [level.mean(1) for level in after.levels(surface)]
+        self.assertEqual(roughness[0], 60)
+        for level, chosen in enumerate(form["levels"]):
+            self.assertEqual(roughness[level] > 60, chosen["fitted_roughness"] > 0, level)
+
+    def test_a_model_without_a_mesh_is_judged_on_a_sphere(self):
+        model = plain_model(normal=bumps(64, 64))
+        del model.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"]
+        _, report = self.convert(model, form="auto")
+        self.assertTrue(report["forms"][0]["on_sphere"])
 
     def test_png_has_level_0_alone_and_says_so(self):
         self.write("in.glb", plain_model().glb())

@@ -32,4 +32,10 @@ std::vector<std::uint8_t> LevelFile::read_rows(int level, int first_row, int row
   return texels;
 }
 
+std::array<std::uint8_t, 4> LevelFile::read_texel(int level, int x, int y) const {
+  std::array<std::uint8_t, 4> texel;
+  file_.read(row_offset(level, y) + kTexelBytes * size_of(x), texel.data(), texel.size());
+  return texel;
+}
+
 }  // namespace multum

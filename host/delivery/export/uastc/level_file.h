@@ -3,6 +3,7 @@
 // row, one behind the other.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ class LevelFile {
 
   void write_rows(int level, int first_row, const std::vector<std::uint8_t>& texels);
   std::vector<std::uint8_t> read_rows(int level, int first_row, int row_count) const;
+  std::array<std::uint8_t, 4> read_texel(int level, int x, int y) const;
 
  private:
   std::uint64_t row_offset(int level, int row) const;

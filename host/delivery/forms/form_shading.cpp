@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/delivery/forms/form_shading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "host/formats/brdf/ggx_lobe_specular.h"
+
+namespace multum {
+namespace {
+
+constexpr double kLightIntensity = 3.0, kSkyIntensity = 0.3;  // as docs/GLTF_EXAMPLE.md's scenes have them
+constexpr double kRoughnessLeast = 0.0525;                    // three.js's
+constexpr double kDielectric = 0.04;                          // reflectance along the normal
+
+const std::array<glm::dvec3, kFormLights>& form_lights() {
+  static const std::array<glm::dvec3, kFormLights> lights = {glm::normalize(glm::dvec3(1.0, 1.0, 0.6)),
+                                                             glm::normalize(glm::dvec3(-0.8, 0.5, 0.7)),
+                                                             glm::normalize(glm::dvec3(0.2, 0.7, -0.5))};
+  return lights;
+}
+
+double schlick(double f0, double cosine) { return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), 5.0); }
+
+// A sky that is brighter above, blurred by `width`.
+double sky_at(double height, double width) {
+  return 0.4 + 1.2 * (0.5 + 0.5 * height / std::sqrt(height * height + width * width));
+}
+
+double reflectance_of(const FormSurface& surface) {
+  return kDielectric + (surface.colour - kDielectric) * surface.metalness;
+}
+
+// Karis's fit of the split sum ("Physically Based Shading on Mobile", 2014).
+double split_sum(double f0, double roughness, double n_v) {
+  const double rx = 1.0 - roughness, ry = 0.0425 - 0.0275 * roughness, rz = 1.04 - 0.572 * roughness,
+               rw = 0.022 * roughness - 0.04;
+  const double a = std::min(rx * rx, std::exp2(-9.28 * n_v)) * rx + ry;
+  return f0 * (-1.04 * a + rz) + 1.04 * a + rw;
+}
+
+double sky_light(const glm::dvec3& normal, const FormSurface& surface, double sky_roughness, double n_v,
+                 const glm::dvec3& view) {
+  const glm::dvec3 reflected = 2.0 * glm::dot(normal, view) * normal - view;
+  const double specular = sky_at(reflected.y, 0.1 + sky_roughness * sky_roughness) *
+                          split_sum(reflectance_of(surface), surface.roughness, n_v);
+  const double diffuse = sky_at(normal.y, 1.0) * surface.colour * (1.0 - surface.metalness);
+  return kSkyIntensity * (specular + diffuse);
+}
+
+}  // namespace
+
+FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, const glm::dvec3& view) {
+  const double roughness = std::max(surface.roughness, kRoughnessLeast), alpha = roughness * roughness;
+  const double a2 = alpha * alpha, f0 = reflectance_of(surface), n_v = std::max(glm::dot(normal, view), 1e-4);
+  const double view_side = std::sqrt(a2 + (1.0 - a2) * n_v * n_v);
+  const double sky = sky_light(normal, surface, roughness, n_v, view);
+  FormLight made;
+  for (std::size_t i = 0; i < kFormLights; ++i) {
+    const glm::dvec3& light = form_lights()[i];
+    const double n_l = glm::dot(normal, light);
+    made[i] = sky;
+    if (n_l <= 0.0) continue;
+    const glm::dvec3 half = glm::normalize(light + view);
+    const double n_h = std::clamp(glm::dot(normal, half), 0.0, 1.0), d = n_h * n_h * (a2 - 1.0) + 1.0;
+    const double fresnel = schlick(f0, glm::dot(view, half));
+    const double visibility = 0.5 / (n_l * view_side + n_v * std::sqrt(a2 + (1.0 - a2) * n_l * n_l));
+    const double specular = a2 / (std::numbers::pi * d * d) * visibility * fresnel;
+    const double diffuse = surface.colour * (1.0 - surface.metalness) * (1.0 - fresnel) / std::numbers::pi;
+    made[i] += kLightIntensity * n_l * (specular + diffuse);
+  }
+  return made;
+}
+
+FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const glm::dvec3& view) {
+  const double roughness = std::max(surface.roughness, kRoughnessLeast), alpha = roughness * roughness;
+  const double length = glm::length(glm::dvec3(lobe)), spread = std::clamp(1.0 - length / lobe.w, 0.0, 1.0);
+  const glm::dvec3 mean = length > 1e-12 ? glm::dvec3(lobe) / length : view;
+  const double f0 = reflectance_of(surface), kappa = std::max(shaded_kappa(spread), 1e-6);
+  const double wide = std::pow(std::min(alpha * alpha + 2.0 / kappa, 1.0), 0.25);
+  const double sky = sky_light(mean, surface, wide, shaded_mean_cosine(spread, glm::dot(mean, view)), view);
+  const GgxOverLobe shaded(glm::dvec4(glm::dvec3(lobe) / lobe.w, 1.0), alpha);
+  FormLight made;
+  for (std::size_t i = 0; i < kFormLights; ++i) {
+    const glm::dvec3& light = form_lights()[i];
+    const glm::dvec3 half = glm::normalize(light + view);
+    const double fresnel = schlick(f0, glm::dot(view, half));
+    const double diffuse = surface.colour * (1.0 - surface.metalness) * (1.0 - fresnel) / std::numbers::pi *
+                           shaded_mean_cosine(spread, glm::dot(mean, light));
+    made[i] = sky + kLightIntensity * (shaded.specular(light, view, half) * fresnel + diffuse);
+  }
+  return made;
+}
+
+double roughness_of_three(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y) {
+  const glm::dvec3 change = glm::max(glm::abs(along_x), glm::abs(along_y));
+  return std::min(std::max(roughness, kRoughnessLeast) + std::max({change.x, change.y, change.z}), 1.0);
+}
+
+double roughness_of_variance(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y) {
+  const double variance = (glm::dot(along_x, along_x) + glm::dot(along_y, along_y)) / 12.0;
+  return std::min(std::pow(std::pow(std::max(roughness, kRoughnessLeast), 4.0) + variance, 0.25), 1.0);
+}
+
+}  // namespace multum

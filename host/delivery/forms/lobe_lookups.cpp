@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/delivery/forms/lobe_lookups.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "host/formats/asset/lobes/movmf_reader.h"
+
+namespace multum {
+namespace {
+
+constexpr int kLobeTaps = 2;                  // addLobes()'s default
+const double kTapOverlap = std::exp2(-0.75);  // MULTUM_TAP_OVERLAP
+
+}  // namespace
+
+LobeLevels::LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max) {
+  MovmfReader reader(path);
+  const MovmfMipmap& header = reader.header();
+  count_ = header.lobe_count();
+  const int first = header.header.first_level, last = static_cast<int>(header.levels.size()) - 1;
+  frame_ = {header.levels[size_of(first)].width, header.levels[size_of(first)].height, last - first + 1, wrap_s,
+            wrap_t};
+  levels_.resize(size_of(frame_.level_count));
+  finest_held_ = frame_.level_count;
+  for (int level = frame_.level_count; level-- > 0;) {
+    const auto& size = header.levels[size_of(first + level)];
+    const std::uint64_t bytes = sizeof(glm::vec4) * size_of(count_) * size_of(size.width) * size_of(size.height);
+    if (bytes > bytes_max) break;
+    bytes_max -= bytes;
+    levels_[size_of(level)] = reader.read_level(first + level, 0, size.height);
+    finest_held_ = level;
+  }
+}
+
+glm::dvec4 LobeLevels::Layer::texel(int level, int x, int y) const {
+  const MovmfLevel& at = levels.levels_[size_of(level)];
+  return glm::dvec4(at.lobes[lobe][size_of(y) * size_of(at.width) + size_of(x)]);
+}
+
+LobeLevels::Footprint LobeLevels::footprint(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const {
+  const glm::dvec2 size(frame_.width, frame_.height);
+  const double length_x = glm::length(along_x * size), length_y = glm::length(along_y * size);
+  const double longer = std::max({length_x, length_y, 1e-15}), shorter = std::min(length_x, length_y);
+  Footprint made;
+  made.tap_count = longer / std::max(shorter, 1e-20) > 1.0 + 1e-3 ? kLobeTaps : 1;
+  const double width = made.tap_count == 1 ? longer : std::max(shorter, longer / made.tap_count * kTapOverlap);
+  made.tap_step = (length_x > length_y ? along_x : along_y) / static_cast<double>(made.tap_count);
+  made.level = std::log2(std::max(width, 1e-15)) + bias;
+  made.longer_level = made.tap_count == 1 ? made.level : std::log2(longer) + bias;
+  return made;
+}
+
+std::vector<glm::dvec4> LobeLevels::at(const glm::dvec2& place, const Footprint& footprint) const {
+  PixelTaps taps;
+  const int last = frame_.level_count - 1;
+  const double lod =
+      std::clamp(footprint.level, static_cast<double>(std::min(finest_held_, last)), static_cast<double>(last));
+  taps.levels[0] = static_cast<int>(lod);
+  taps.levels[1] = std::min(taps.levels[0] + 1, last);
+  taps.coarser_share = lod - taps.levels[0];
+  for (int i = 0; i < footprint.tap_count; ++i)
+    taps.places.push_back(place + (i - 0.5 * (footprint.tap_count - 1)) * footprint.tap_step);
+  std::vector<glm::dvec4> lobes;
+  for (int lobe = 0; lobe < count_; ++lobe) lobes.push_back(taps.mean(Layer{*this, size_of(lobe)}));
+  return lobes;
+}
+
+}  // namespace multum

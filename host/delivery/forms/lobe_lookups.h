@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lobes of a baked file as @multum/three reads them (lobe_shading.js, runtime_gl/shaders/common/texture_filter.glsl):
+// two taps along the longer axis, in double.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include "host/delivery/forms/texture_lookups.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+
+namespace multum {
+
+/// Levels from 1 of the map on, whose first one is level 0 here.
+class LobeLevels {
+ public:
+  /// Of a baked file, those levels that are together within `bytes_max`. Throws Error(kInput).
+  LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max);
+
+  int count() const { return count_; }
+  const TextureFrame& frame() const { return frame_; }
+  int finest_held() const { return finest_held_; }
+
+  /// What one tap or two of one lobe are the mean of.
+  struct Footprint {
+    glm::dvec2 tap_step{0.0};
+    int tap_count = 1;
+    double level = 0.0, longer_level = 0.0;  // before they are clamped
+  };
+  /// `along_x`, `along_y`: of the place, from one end of the footprint to the other.
+  Footprint footprint(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const;
+  /// All lobes, (a r, a).
+  std::vector<glm::dvec4> at(const glm::dvec2& place, const Footprint& footprint) const;
+
+ private:
+  struct Layer {
+    const LobeLevels& levels;
+    std::size_t lobe;
+    const TextureFrame& frame() const { return levels.frame_; }
+    glm::dvec4 texel(int level, int x, int y) const;
+  };
+
+  int count_ = 0, finest_held_ = 0;
+  TextureFrame frame_;
+  std::vector<MovmfLevel> levels_;
+};
+
+}  // namespace multum

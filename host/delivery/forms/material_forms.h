@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// The forms that a material's normals can have in a model, and their errors in pictures of the model as engines draw
+// them. The cheapest form whose error is within a fifth of a point of the least is chosen.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "host/delivery/forms/form_shading.h"
+#include "host/delivery/forms/lobe_lookups.h"
+#include "host/delivery/forms/model_pictures.h"
+#include "host/delivery/forms/texture_lookups.h"
+
+namespace multum {
+
+/// Levels of one size. All have `normals` + roughness or the surface's channels as shares.
+struct FormTextures {
+  const SharesTexture* averages = nullptr;  // mean normals, rounded as a mip of the map has them; alpha: mean roughness
+  const SharesTexture* normals = nullptr;   // of fitted lobes
+  const SharesTexture* surface = nullptr;   // green: their roughness; blue: metalness. Null: both are 1
+  double metallic_factor = 1.0;
+  double colour = 0.5;  // of the base, grey
+};
+
+/// One normal and roughness a texel: the normal averaged or fitted, roughness by a share of what normals add.
+struct LevelForm {
+  bool has_fitted_normals = false;
+  double fitted_share = 0.0;  // of what the fit adds to alpha^2
+
+  bool is_plain() const { return !has_fitted_normals && fitted_share == 0.0; }
+  bool operator==(const LevelForm&) const = default;
+};
+
+/// By level; level 0 is plain.
+struct NormalForm {
+  std::vector<LevelForm> levels;
+
+  static NormalForm of(int level_count, const LevelForm& from_level_1) {
+    NormalForm made{std::vector<LevelForm>(static_cast<std::size_t>(level_count), from_level_1)};
+    made.levels.front() = {};
+    return made;
+  }
+  bool is_plain() const;
+  bool has_fitted_normals() const;
+};
+
+/// Relative L1 error, in per cent, by picture.
+struct FormError {
+  std::vector<double> by_distance;
+  double mean = 0.0;
+};
+
+class FormMeter {
+ public:
+  /// All that it is given must outlive it.
+  FormMeter(const FormTextures& textures, const std::vector<ModelPicture>& pictures, int threads);
+
+  const std::vector<double>& distances() const { return distances_; }  // ascending; empty: nothing is seen
+  std::size_t pixel_count() const;
+
+  int level_count() const { return textures_.averages->frame().level_count; }
+
+  /// As three.js draws it, once a pixel.
+  FormError normals(const NormalForm& form) const;
+  /// Changes one level after the other to what lowers the mean of errors most, as long as no distance's error is above
+  /// `limits`.
+  void improve(NormalForm& form, const std::vector<double>& limits) const;
+  /// At 2 x 2 points of each pixel, with the variance of slopes: addPoints() of @multum/three.
+  FormError points(const NormalForm& form) const;
+  /// As addLobes() of @multum/three draws them with 4 evaluations.
+  FormError lobes(const LobeLevels& lobes) const;
+
+ private:
+  struct LookedLevel {  // values of all textures in one level
+    glm::dvec3 averaged{0.0, 0.0, 1.0}, fitted{0.0, 0.0, 1.0};
+    double rough = 1.0, fitted_rough = 1.0;
+
+    glm::dvec3 normal(const LevelForm& form) const { return form.has_fitted_normals ? fitted : averaged; }
+    double roughness(const LevelForm& form) const;
+  };
+  struct Looked {
+    std::array<int, 2> levels{};
+    std::array<LookedLevel, 2> values;
+    double coarser_share = 0.0, metal = 1.0;
+  };
+  struct Measured {
+    const ModelPicture* picture;
+    const ModelPixel* pixel;
+    std::size_t distance;  // in distances_
+    FormLight reference;
+    FormLight weights;           // of differences from it in the error, per cent
+    std::vector<Looked> looked;  // at the middle, and at 2 x 2 points
+  };
+  Looked look(const SurfacePoint& point, const ModelPixel& pixel, double bias) const;
+  FormLight reference_of(const ModelPicture& picture, const ModelPixel& pixel) const;
+  FormLight shade(const Measured& at, const SurfacePoint& point, const Looked& looked, const NormalForm& form,
+                  bool has_variance, double part) const;
+  FormLight shade_lobes(const Measured& at, const LobeLevels& lobes) const;
+  FormLight middle_light(const Measured& at, const NormalForm& form) const;
+  static double contribution(const Measured& at, const FormLight& light);
+  template <typename Shade>
+  std::vector<double> contributions(const Shade& shade) const;
+  FormError errors_of(const std::vector<double>& contributions) const;
+  std::vector<std::size_t> pixels_of_level(int level) const;
+
+  const FormTextures textures_;
+  const int threads_;
+  std::vector<double> distances_;
+  std::vector<Measured> pixels_;
+};
+
+/// The form of least mean error that is found, among those that are at no distance more than kFormTolerance worse than
+/// plain; the plain one where none is better by kFormGain.
+struct ChosenNormalForm {
+  NormalForm form;
+  FormError plain, fitted, chosen;  // fitted: all levels from 1 on, with all of the roughness
+};
+ChosenNormalForm choose_normal_form(const FormMeter& meter);
+
+constexpr double kFormGain = 0.2;       // points
+constexpr double kFormTolerance = 0.1;  // points, of any distance
+
+}  // namespace multum

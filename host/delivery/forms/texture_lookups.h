@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lookups of textures' levels as engines' samplers make them (OpenGL 4.6, section 8.14;
+// EXT_texture_filter_anisotropic), in double.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include "host/delivery/export/uastc/level_file.h"
+#include "host/formats/asset/baked_file.h"
+#include "host/foundation/base/size_of.h"
+#include "host/foundation/base/wrap_mode.h"
+
+namespace multum {
+
+/// Which texels a sampler takes beyond the borders.
+int wrapped_texel(int i, int size, WrapMode mode);
+
+/// Sides of a texture, and how it wraps.
+struct TextureFrame {
+  int width = 0, height = 0, level_count = 0;
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
+};
+
+/// Channels of 8 bits as shares, 0 to 1. Levels that are small enough are held in memory, others read texel by texel.
+class SharesTexture {
+ public:
+  /// `file` must outlive it. `bytes_max`: of what is held.
+  SharesTexture(const LevelFile& file, const TextureFrame& frame, std::uint64_t bytes_max);
+
+  const TextureFrame& frame() const { return frame_; }
+  glm::dvec4 texel(int level, int x, int y) const;
+
+ private:
+  const LevelFile& file_;
+  TextureFrame frame_;
+  std::vector<std::vector<std::uint8_t>> held_;  // by level; empty: on disk
+};
+
+/// Bilinear; `place` is 0 to 1 across the image.
+template <typename Texture>
+glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& place) {
+  const TextureFrame& frame = texture.frame();
+  const int width = mip_level_size(frame.width, level), height = mip_level_size(frame.height, level);
+  const double x = place.x * width - 0.5, y = place.y * height - 0.5;
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  const int left = wrapped_texel(x0, width, frame.wrap_s), right = wrapped_texel(x0 + 1, width, frame.wrap_s);
+  const int above = wrapped_texel(y0, height, frame.wrap_t), below = wrapped_texel(y0 + 1, height, frame.wrap_t);
+  const double u = x - x0, v = y - y0;
+  return (1.0 - v) * ((1.0 - u) * texture.texel(level, left, above) + u * texture.texel(level, right, above)) +
+         v * ((1.0 - u) * texture.texel(level, left, below) + u * texture.texel(level, right, below));
+}
+
+/// Places and levels whose mean is a pixel's value: one set serves all textures of a size.
+struct PixelTaps {
+  std::array<int, 2> levels{};  // finer, coarser
+  double coarser_share = 0.0;
+  std::vector<glm::dvec2> places;
+
+  /// As engines' samplers do. `along_x`, `along_y`: what the place changes by from pixel to pixel. `bias`: octaves
+  /// that are added to the level; it moves no tap.
+  static PixelTaps of(const glm::dvec2& place, const glm::dvec2& along_x, const glm::dvec2& along_y,
+                      const TextureFrame& frame, int anisotropy_max, double bias);
+
+  template <typename Texture>
+  glm::dvec4 mean(const Texture& texture) const {
+    glm::dvec4 sum(0.0);
+    for (const glm::dvec2& place : places) {
+      if (coarser_share < 1.0) sum += (1.0 - coarser_share) * linear_lookup(texture, levels[0], place);
+      if (coarser_share > 0.0) sum += coarser_share * linear_lookup(texture, levels[1], place);
+    }
+    return sum / static_cast<double>(places.size());
+  }
+};
+
+}  // namespace multum

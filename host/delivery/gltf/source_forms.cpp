@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/delivery/gltf/source_forms.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/size_of.h"
+
+namespace multum {
+namespace {
+
+constexpr std::size_t kPicturedPixels = 250;  // of a picture
+constexpr int kFormRows = 64;
+
+// KHR_texture_transform; v of meshes grows upwards, that of glTF downwards.
+glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& uv) {
+  const double u = coordinates.scale[0] * uv.x, v = coordinates.scale[1] * (1.0 - uv.y);
+  const double c = std::cos(coordinates.rotation), s = std::sin(coordinates.rotation);
+  return {coordinates.offset[0] + c * u + s * v, coordinates.offset[1] - s * u + c * v};
+}
+
+// The base's colour, grey; of a texture nothing is known.
+double grey_of(const GltfJson& surface) {
+  constexpr double kOfTextures = 0.5;
+  double grey = surface.contains("baseColorTexture") ? kOfTextures : 1.0;
+  if (const auto factor = surface.find("baseColorFactor"); factor != surface.end() && factor->is_array() &&
+                                                           factor->size() >= 3 && factor->at(0).is_number() &&
+                                                           factor->at(1).is_number() && factor->at(2).is_number())
+    grey *= 0.2126 * factor->at(0).get<double>() + 0.7152 * factor->at(1).get<double>() +
+            0.0722 * factor->at(2).get<double>();
+  return std::clamp(grey, 0.02, 1.0);
+}
+
+}  // namespace
+
+struct SourceForms::Drawn {
+  TriangleMesh mesh;
+  bool is_sphere = false;
+  std::optional<ModelPictures> pictures;
+};
+
+SourceForms::SourceForms(const GltfAsset& asset, const GltfPlan& plan, const SourceFitSettings& settings,
+                         Progress* progress)
+    : asset_(asset), plan_(plan), settings_(settings), progress_(progress) {}
+SourceForms::~SourceForms() = default;
+
+const SourceForms::Drawn& SourceForms::drawn(std::uint64_t uv_set) {
+  std::unique_ptr<Drawn>& made = drawn_[uv_set];
+  if (made != nullptr) return *made;
+  made = std::make_unique<Drawn>();
+  try {
+    made->mesh = read_mesh(asset_.path, static_cast<int>(uv_set));
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInput) throw;
+    log_info(fmt::format("{}; materials are judged on a sphere", error.what()));
+    made->mesh = textured_sphere();
+    made->is_sphere = true;
+  }
+  made->pictures.emplace(made->mesh, settings_.threads, progress_);
+  return *made;
+}
+
+SourceForm SourceForms::choose(std::size_t source, const FittedSource& fitted, const std::string& baked) {
+  const LobeSource& from = plan_.sources[source];
+  PicturedSurface surface;
+  std::optional<std::size_t> first;
+  for (std::size_t m = 0; m < plan_.materials.size(); ++m)
+    if (plan_.materials[m].kept.empty() && plan_.materials[m].source == source) {
+      if (!first) first = m;
+      surface.materials.push_back(static_cast<int>(m));
+    }
+  MULTUM_CHECK(first.has_value());
+  const TextureCoordinates& coordinates = plan_.materials[*first].coordinates;
+  surface.place_of_uv = [&](const glm::dvec2& uv) { return transformed(coordinates, uv); };
+
+  const Drawn* on = &drawn(coordinates.set);
+  if (on->is_sphere) surface.materials = {0};
+  const std::vector<ModelPicture> pictures = on->pictures->of(surface, kPicturedPixels);
+  const TextureFrame frame{fitted.normal->width(), fitted.normal->height(), fitted.normal->level_count(), from.wrap_s,
+                           from.wrap_t};
+  const std::uint64_t bytes_each = settings_.memory_bytes / 4;
+  const SharesTexture averages(*fitted.averages, frame, bytes_each), normals(*fitted.normal, frame, bytes_each);
+  std::optional<SharesTexture> material;
+  if (fitted.surface != nullptr) material.emplace(*fitted.surface, frame, bytes_each);
+  static const GltfJson kNone = GltfJson::object();
+  const GltfJson& described = asset_.array("materials").at(*first);
+  const GltfJson& pbr = described.contains("pbrMetallicRoughness") ? described.at("pbrMetallicRoughness") : kNone;
+  FormTextures textures{&averages, &normals, material ? &*material : nullptr, pbr.value("metallicFactor", 1.0),
+                        grey_of(pbr)};
+  const FormMeter meter(textures, pictures, settings_.threads);
+
+  SourceForm made;
+  made.is_on_sphere = on->is_sphere;
+  made.distances = meter.distances();
+  if (made.distances.empty()) {
+    made.has_lobes = !baked.empty();
+    return made;
+  }
+  const ChosenNormalForm chosen = choose_normal_form(meter);
+  made.normals = chosen.form;
+  made.errors = {{"plain", chosen.plain}, {"one_lobe", chosen.fitted}, {"chosen", chosen.chosen}};
+  if (baked.empty()) return made;
+  const LobeLevels lobes(baked, from.wrap_s, from.wrap_t, bytes_each);
+  made.errors["points_4"] = meter.points(made.normals);
+  made.errors["lobes_4"] = meter.lobes(lobes);
+  made.has_lobes = made.errors["lobes_4"].mean < made.errors["points_4"].mean - kFormGain;
+  return made;
+}
+
+std::string SourceForm::to_text() const {
+  if (distances.empty()) return "nothing of it is seen";
+  // Where the forms differ most.
+  const bool has_candidates = errors.contains("lobes_4");
+  const FormError &before = errors.at(has_candidates ? "points_4" : "plain"),
+                  &after = errors.at(has_candidates ? "lobes_4" : "one_lobe");
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < distances.size(); ++i)
+    if (std::abs(before.by_distance[i] - after.by_distance[i]) >
+        std::abs(before.by_distance[at] - after.by_distance[at]))
+      at = i;
+  const auto percent = [&](const char* name) { return fmt::format("{:.1f} %", errors.at(name).by_distance[at]); };
+  std::string text =
+      fmt::format("at {:.3g} m plain {}, one lobe {}", distances[at], percent("plain"), percent("one_lobe"));
+  if (!normals.is_plain()) text += fmt::format(", chosen {}", percent("chosen"));
+  if (has_candidates)
+    text += fmt::format("; with 4 evaluations points {}, lobes {}", percent("points_4"), percent("lobes_4"));
+  text += ": ";
+  if (normals.is_plain()) text += "its own maps stay";
+  else
+    text += normals.has_fitted_normals() ? "fitted normals and roughness" : "its own normals stay, roughness is fitted";
+  if (has_candidates) text += has_lobes ? ", with lobes" : ", without lobes";
+  return text;
+}
+
+GltfJson SourceForm::to_json() const {
+  GltfJson made = {{"distances", distances}, {"on_sphere", is_on_sphere}, {"lobes", has_lobes}};
+  for (const auto& [name, error] : errors) made["errors"][name] = error.by_distance;
+  for (const LevelForm& level : normals.levels)
+    made["levels"].push_back({{"fitted_normals", level.has_fitted_normals}, {"fitted_roughness", level.fitted_share}});
+  return made;
+}
+
+void apply_normal_form(const NormalForm& form, FittedSource& fitted) {
+  const auto pow4 = [](double v) { return v * v * v * v; };
+  LevelFile& normal = *fitted.normal;
+  for (int level = 1; level < normal.level_count(); ++level) {
+    const LevelForm& of_level = form.levels[size_of(level)];
+    const int height = mip_level_size(normal.height(), level);
+    for (int row = 0; row < height; row += kFormRows) {
+      const int count = std::min(kFormRows, height - row);
+      std::vector<std::uint8_t> averages = fitted.averages->read_rows(level, row, count);
+      if (fitted.surface != nullptr) {
+        std::vector<std::uint8_t> surface = fitted.surface->read_rows(level, row, count);
+        for (std::size_t i = 0; i < surface.size(); i += 4) {
+          const double plain = pow4(averages[i + 3] / 255.0), whole = pow4(surface[i + 1] / 255.0);
+          surface[i + 1] = static_cast<std::uint8_t>(
+              std::lround(255.0 * std::pow(plain + of_level.fitted_share * std::max(0.0, whole - plain), 0.25)));
+        }
+        fitted.surface->write_rows(level, row, surface);
+      }
+      if (of_level.has_fitted_normals) continue;
+      for (std::size_t i = 3; i < averages.size(); i += 4) averages[i] = 255;
+      normal.write_rows(level, row, averages);
+    }
+  }
+}
+
+}  // namespace multum
