@@ -140,6 +140,7 @@ class GltfConversion {
         const PreparedSource& source = prepared[material.source];
         material.kept = source.kept;
         material.is_bad = source.is_bad;
+        material.is_plain = source.is_plain;
         material.notes.insert(material.notes.end(), source.notes.begin(), source.notes.end());
       }
       const bool is_kept = !material.kept.empty();
@@ -225,6 +226,7 @@ class GltfConversion {
     const SourceForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
       source.kept = "its own mips are as near";
+      source.is_plain = true;
       return made;
     }
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});

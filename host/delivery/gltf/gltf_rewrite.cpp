@@ -43,7 +43,8 @@ class GltfRewriter {
   RewrittenGltf rewrite() {
     for (std::size_t m = 0; m < plan_.materials.size(); ++m)
       if (plan_.materials[m].kept.empty()) change_material(m);
-    if (!requests_.empty()) {
+      else if (plan_.materials[m].is_plain) keep_textures(made_.json["materials"][m], true, true);
+    if (!requests_.empty() || !kept_.empty()) {
       place_textures();
       filter_by_levels();
       place_images();
@@ -69,6 +70,7 @@ class GltfRewriter {
     const std::size_t lobes = textures.lobes ? lobes_of(plan.source) : 0;  // before materials: what it makes moves them
     GltfJson& material = made_.json["materials"][number];
     const GltfJson::json_pointer place("/materials/" + std::to_string(number));
+    keep_textures(material, !textures.normal, !textures.surface);
     if (textures.lobes) material["extensions"][kLobesExtension] = lobes_object(material, lobes);
     GltfJson& normal = material["normalTexture"];
     const auto normal_texture = normal.at("index").get<std::size_t>();
@@ -97,6 +99,16 @@ class GltfRewriter {
       request(place / "extensions" / "KHR_materials_anisotropy" / "anisotropyTexture", normal_texture, false,
               {plan.source, TextureRole::kAnisotropy});
     }
+  }
+
+  // Its own textures stay, and are read between levels.
+  void keep_textures(const GltfJson& material, bool keeps_normal, bool keeps_surface) {
+    const auto keep = [&](const GltfJson& in, const char* name) {
+      if (const auto found = in.find(name); found != in.end()) kept_.insert(found->at("index").get<std::size_t>());
+    };
+    if (keeps_normal) keep(material, "normalTexture");
+    if (const auto surface = material.find("pbrMetallicRoughness"); keeps_surface && surface != material.end())
+      keep(*surface, "metallicRoughnessTexture");
   }
 
   // The index of a source's lobes in the extension's array.
@@ -173,14 +185,27 @@ class GltfRewriter {
     new_textures_.emplace(number, image);
   }
 
-  // Samplers of new textures go between levels; those that others use too are not changed.
+  // Textures of normals and surfaces whose samplers go between levels.
+  std::set<std::size_t> filtered_textures() {
+    std::set<std::size_t> made;
+    for (const auto& [number, image] : new_textures_) made.insert(number);
+    // A sampler that says nothing leaves it to renderers, which go between levels.
+    for (const std::size_t number : kept_)
+      if (const auto sampler = unsigned_at(array("textures").at(number), "sampler");
+          sampler && array("samplers").at(*sampler).contains("minFilter"))
+        made.insert(number);
+    return made;
+  }
+
+  // Samplers that other textures use too are not changed.
   void filter_by_levels() {
+    const std::set<std::size_t> filtered = filtered_textures();
     std::set<std::size_t> others;
     for (std::size_t t = 0; t < array("textures").size(); ++t)
-      if (const auto sampler = unsigned_at(array("textures")[t], "sampler"); sampler && !new_textures_.contains(t))
+      if (const auto sampler = unsigned_at(array("textures")[t], "sampler"); sampler && !filtered.contains(t))
         others.insert(*sampler);
     std::vector<std::pair<GltfJson, std::size_t>> added;
-    for (const auto& [number, image] : new_textures_) {
+    for (const std::size_t number : filtered) {
       const auto old = unsigned_at(array("textures")[number], "sampler");
       GltfJson sampler = GltfJson::object();
       if (old) sampler = array("samplers").at(*old);
@@ -287,6 +312,7 @@ class GltfRewriter {
   std::map<std::size_t, int> replaced_;           // uses of old textures that new ones take over
   std::map<std::size_t, ImageKey> new_textures_;  // by index
   std::map<std::size_t, std::size_t> instead_;    // of an old texture, the first
+  std::set<std::size_t> kept_;                    // textures that stay in materials that were drawn
   std::set<std::size_t> renewed_images_;
   std::map<std::size_t, std::size_t> lobes_;  // by source, where they are in the extension's array
 };

@@ -46,7 +46,8 @@ struct MaterialPlan {
   std::size_t source = 0;          // in GltfPlan::sources
   TextureCoordinates coordinates;  // of what is fitted
   std::vector<std::string> notes;
-  bool is_bad = false;  // `kept` is a fault of the model, which is warned of
+  bool is_bad = false;    // `kept` is a fault of the model, which is warned of
+  bool is_plain = false;  // `kept` is that its own mips are as near: they are read by a trilinear filter
 };
 
 struct GltfPlan {

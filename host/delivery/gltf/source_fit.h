@@ -41,6 +41,7 @@ struct PreparedSource {
   int width = 0, height = 0;              // of the textures
   std::string kept;                       // why it is not fitted; empty: it is
   bool is_bad = false;                    // that reason is a fault of an image
+  bool is_plain = false;                  // that reason is that its own mips are as near
   std::vector<std::string> notes;
 
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }

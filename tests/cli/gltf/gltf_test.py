@@ -434,6 +434,8 @@ class GltfTest(FolderCase):
         self.assertIn("its own maps stay", report["materials"][0]["form"])
         self.assertEqual(report["textures"], [])
         self.assertEqual(after.json["textures"], model.json["textures"])
+        # Its sampler had no mips.
+        self.assertEqual([sampler["minFilter"] for sampler in after.json["samplers"]], [MIPMAPPED])
 
     def test_steep_bumps_get_what_is_nearer(self):
         model = plain_model(normal=bumps(64, 64), surface=packed(64, 64, lambda x, y: (255, 60, 255)))
