@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of models by three.js, beside the mean of many samples a pixel of one of them without mips: what
+// Pictures of models by three.js, next to the mean of many samples per pixel of one of them without mips: what
 // model_pictures.mjs asks of a page.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { addPoints, GltfLobes, lobesOf } from "@multum/three";
-import { compared, toByte } from "./linear_pictures.js";
+import { compared } from "./linear_pictures.js";
+import { drawn, settled, strip } from "./model_drawing.js";
+import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
-const TILE = 1024; // pixels a side that are drawn at once
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
+// Noise of the reference that changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
+const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
+const GRIDS_MAX = 64;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
 const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;
+const views = new Map(); // by name: what prepare() made
 
 function materialsOf(model) {
   const found = new Set();
@@ -20,107 +25,48 @@ function materialsOf(model) {
   return [...found];
 }
 
-const loaded = new Map(); // promises, for all views of a page
-
-function load(model) {
-  const key = JSON.stringify(model);
-  if (!loaded.has(key)) loaded.set(key, loadAnew(model));
-  return loaded.get(key);
+/** `model` so large that half of its diagonal is `reach` metres; as it is without. */
+function resized(model, reach) {
+  if (reach === undefined) return;
+  const size = new THREE.Box3().setFromObject(model).getSize(new THREE.Vector3()).length() / 2;
+  model.scale.multiplyScalar(reach / size);
+  model.updateMatrixWorld(true);
 }
 
 /**
  * `lobes`: by the plugin; `points`: evaluations of a pixel's light without lobes, three.js's own shading where unset;
- * `options`: of either; `unfiltered`: its maps of normals and of the surface have no mips. All maps have the renderer's
- * most anisotropic filter.
+ * `options`: of either; `exact`: samples along each side of a pixel that every frame's shading averages; `unfiltered`
+ * and `exact`: its maps of normals and of the surface have no mips; `reach`: half of its diagonal, in metres. All maps
+ * have the renderer's most anisotropic filter.
  */
-async function loadAnew({ url, lobes = false, points, options = {}, unfiltered = false }) {
+async function load({ url, lobes = false, points, options = {}, unfiltered = false, exact, reach }) {
   const loader = new GLTFLoader().setKTX2Loader(ktx2);
   if (lobes) loader.register((parser) => new GltfLobes(parser, renderer, options));
   const gltf = await loader.loadAsync(url), anisotropy = renderer.capabilities.getMaxAnisotropy();
+  resized(gltf.scene, reach);
   for (const material of materialsOf(gltf.scene)) {
     for (const [name, map] of Object.entries(material)) {
       if (!map?.isTexture) continue;
-      if (unfiltered && DATA_MAPS.includes(name))
+      if ((unfiltered || exact) && DATA_MAPS.includes(name))
         Object.assign(map, { minFilter: THREE.LinearFilter, generateMipmaps: false });
       else map.anisotropy = anisotropy;
       map.needsUpdate = true;
     }
-    if (points !== undefined && material.isMeshStandardMaterial)
-      addPoints(material, { evaluations: points, ...options });
+    if (!material.isMeshStandardMaterial) continue;
+    if (exact) exactMaterial(material, exact);
+    else if (points !== undefined) addPoints(material, { evaluations: points, ...options });
   }
   return gltf;
 }
 
-/** Linear floats of `width` x `height` pixels, each the mean of `samples` x `samples`. */
-function drawn(scene, camera, width, height, samples) {
-  const made = new Float32Array(4 * width * height), tile = Math.floor(TILE / samples);
-  const target = new THREE.WebGLRenderTarget(tile * samples, tile * samples, { type: THREE.HalfFloatType });
-  const halves = new Uint16Array(4 * (tile * samples) ** 2);
-  renderer.setRenderTarget(target);
-  for (let top = 0; top < height; top += tile)
-    for (let left = 0; left < width; left += tile) {
-      const side = tile * samples;
-      camera.setViewOffset(width * samples, height * samples, left * samples, top * samples, side, side);
-      renderer.render(scene, camera);
-      renderer.readRenderTargetPixels(target, 0, 0, side, side, halves);
-      for (let y = 0; y < side; ++y)
-        for (let x = 0; x < side; ++x) {
-          const [column, row] = [left + Math.floor(x / samples), top + Math.floor((side - 1 - y) / samples)];
-          if (column >= width || row >= height) continue;
-          for (let c = 0; c < 4; ++c)
-            made[4 * (row * width + column) + c] += THREE.DataUtils.fromHalfFloat(halves[4 * (y * side + x) + c]) /
-              samples ** 2;
-        }
-    }
-  renderer.setRenderTarget(null);
-  target.dispose();
-  camera.clearViewOffset();
-  return made;
-}
-
-/**
- * The mean of `frames` x `frames` pictures, each shifted by a part of a pixel, as temporal antialiasing has them; each
- * with `edges` samples of edges.
- */
-function settled(scene, camera, width, height, frames, edges) {
-  const made = new Float32Array(4 * width * height), halves = new Uint16Array(made.length);
-  const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType, samples: edges });
-  renderer.setRenderTarget(target);
-  for (let frame = 0; frame < frames ** 2; ++frame) {
-    const shift = (k) => (k + 0.5) / frames - 0.5;
-    camera.setViewOffset(width, height, shift(frame % frames), shift(Math.floor(frame / frames)), width, height);
-    renderer.render(scene, camera);
-    renderer.readRenderTargetPixels(target, 0, 0, width, height, halves);
-    for (let y = 0; y < height; ++y)
-      for (let i = 0; i < 4 * width; ++i)
-        made[4 * y * width + i] += THREE.DataUtils.fromHalfFloat(halves[4 * (height - 1 - y) * width + i]) /
-          frames ** 2;
+/** Gives back what the GPU holds of it. */
+function unload(gltf) {
+  for (const lobes of gltf.userData.lobes ?? []) lobes.dispose();
+  gltf.scene.traverse(({ geometry }) => geometry?.dispose());
+  for (const material of materialsOf(gltf.scene)) {
+    for (const map of Object.values(material)) if (map?.isTexture) map.dispose();
+    material.dispose();
   }
-  renderer.setRenderTarget(null);
-  target.dispose();
-  camera.clearViewOffset();
-  return made;
-}
-
-/** Pictures side by side, of each the rectangle [x, y, width, height] enlarged `zoom` times, as a JPEG in base64. */
-async function strip(pictures, width, [x0, y0, w, h], zoom) {
-  const gap = 4, canvas = new OffscreenCanvas(pictures.length * (w * zoom + gap) - gap, h * zoom);
-  const context = canvas.getContext("2d");
-  context.fillStyle = "#888";
-  context.fillRect(0, 0, canvas.width, canvas.height);
-  pictures.forEach((pixels, number) => {
-    const image = context.createImageData(w * zoom, h * zoom);
-    for (let y = 0; y < h * zoom; ++y)
-      for (let x = 0; x < w * zoom; ++x)
-        for (let c = 0; c < 4; ++c)
-          image.data[4 * (y * w * zoom + x) + c] = c === 3 ? 255
-            : toByte(pixels[4 * ((y0 + Math.floor(y / zoom)) * width + x0 + Math.floor(x / zoom)) + c]);
-    context.putImageData(image, number * (w * zoom + gap), 0);
-  });
-  const blob = await canvas.convertToBlob({ type: "image/jpeg", quality: 0.88 });
-  let text = "";
-  for (const byte of new Uint8Array(await blob.arrayBuffer())) text += String.fromCharCode(byte);
-  return btoa(text);
 }
 
 /** A view of all of `model` from `distance`, `direction` from its middle, and what of the picture to enlarge. */
@@ -135,16 +81,9 @@ function framed(model, { direction, distance, ...view }) {
     crop: [(width - w) >> 1, (height - h) >> 1, w, h] };
 }
 
-/**
- * `models`: [{ url, lobes, points, options }], the first the one whose unfiltered samples are the reference.
- * `asked`: { eye, target, angle, width, height, samples, frames, edges, light, intensity, room, crop, zoom }, or
- * direction and distance in place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom,
- * strip }, the reference first in the strip; `lobed`: how many materials draw lobes.
- */
-async function pictures(models, asked) {
-  const unfiltered = await load({ ...models[0], unfiltered: true });
-  const view = asked.direction ? framed(unfiltered.scene, asked) : asked, { width, height } = view;
-  const camera = new THREE.PerspectiveCamera(view.angle, width / height, 0.01, 1000);
+/** How `view` shows a model. */
+function shotOf(view) {
+  const camera = new THREE.PerspectiveCamera(view.angle, view.width / view.height, 0.01, 1000);
   camera.position.set(...view.eye);
   camera.lookAt(...view.target);
   const sceneOf = (model) => {
@@ -157,17 +96,91 @@ async function pictures(models, asked) {
     scene.environmentIntensity = view.room;
     return scene;
   };
-  const reference = drawn(sceneOf(unfiltered.scene), camera, width, height, view.samples);
-  const shown = [reference], found = [];
-  for (const model of models) {
-    const gltf = await load(model);
-    const lobed = materialsOf(gltf.scene).filter((material) => lobesOf(material) !== null).length;
-    shown.push(settled(sceneOf(gltf.scene), camera, width, height, view.frames, view.edges));
-    found.push({ ...compared(shown.at(-1), reference), lobed });
-  }
-  const error = renderer.getContext().getError();
-  if (error !== 0) throw new Error(`GL error ${error}`);
-  return { models: found, zoom: view.zoom, strip: await strip(shown, width, view.crop, view.zoom) };
+  return { ...view, camera, sceneOf };
 }
 
-globalThis.lab = { pictures, load };
+const shotFrom = (model, asked) => shotOf(asked.direction ? framed(model, asked) : asked);
+const added = (sum, pixels) => pixels.forEach((value, i) => { sum[i] += value; });
+const scaled = (pixels, factor) => pixels.map((value) => factor * value);
+
+/**
+ * The mean of grids of `shot.samples` x `shot.samples` samples per pixel, each grid shifted by a part of a sample, and
+ * the floor over the same samples: one frame whose pixels have exact normals, colours and curvature, so that only the
+ * edges of triangles differ. One grid and no floor where `exact` is null; else as many as keep the noise, half of the
+ * difference of two halves, below NOISE_SHARE of the floor's error or below NOISE_SMALL, and at most as many samples as
+ * `shot.grids` grids of the whole picture have.
+ */
+function measured(shot, unfiltered, exact) {
+  const { camera, width, height, samples, crop } = shot, scene = shot.sceneOf(unfiltered.scene);
+  const grid = (number) => drawn(renderer, scene, camera,
+    { width, height, samples, crop, shift: shiftOfGrid(number) });
+  if (exact === null) return { pixels: grid(0), grids: 1 };
+  const halves = [0, 1].map(() => new Float32Array(4 * width * height)), floor = new Float32Array(4 * width * height);
+  const floorScene = shot.sceneOf(exact.scene);
+  const most = Math.min(GRIDS_MAX, shot.grids * width * height / (crop[2] * crop[3]));
+  for (let grids = 2; ; grids *= 2) {
+    for (let number = grids === 2 ? 0 : grids / 2; number < grids; ++number) {
+      added(halves[number % 2], grid(number));
+      exact.setGrid(number);
+      added(floor, settled(renderer, floorScene, camera, { ...shot, frames: 1 }));
+    }
+    const [a, b] = halves.map((half) => scaled(half, 2 / grids)), pixels = a.map((value, i) => (value + b[i]) / 2);
+    const noise = compared(a, b).error / 2, found = compared(scaled(floor, 1 / grids), pixels);
+    if (noise <= Math.max(NOISE_SHARE * found.error, NOISE_SMALL) || 2 * grids > most)
+      return { pixels, grids, noise, floor: found };
+  }
+}
+
+const toText = (pixels) => {
+  let text = "";
+  for (const byte of new Uint8Array(pixels.buffer)) text += String.fromCharCode(byte);
+  return btoa(text);
+};
+const toPixels = (text) => new Float32Array(Uint8Array.from(atob(text), (one) => one.charCodeAt(0)).buffer);
+
+/**
+ * Draws the reference of every view in `asked`: { name, eye, target, angle, width, height, samples, frames, edges,
+ * light, intensity, room, crop, zoom }, or direction and distance in place of eye, target, crop and zoom; with `grids`,
+ * the floor too. `kept`: by name, what a call before this returned: { pixels, grids, noise, floor }, pixels as text.
+ * Returns the same of all views.
+ */
+async function prepare(model, asked, kept = {}) {
+  const unfiltered = await load({ ...model, unfiltered: true }), made = {};
+  let exact = null;
+  for (const view of asked) {
+    const shot = shotFrom(unfiltered.scene, view), known = kept[view.name];
+    if (known === undefined && view.grids && exact === null)
+      exact = Object.assign(await load({ url: model.url, reach: model.reach, exact: view.samples }), {
+        setGrid(number) { for (const one of materialsOf(this.scene)) one.userData.setGrid?.(number); } });
+    const reference = known ? { ...known, pixels: toPixels(known.pixels) }
+      : measured(shot, unfiltered, view.grids ? exact : null);
+    views.set(view.name, { shot, reference, shown: [reference.pixels] });
+    made[view.name] = { ...reference, pixels: toText(reference.pixels) };
+  }
+  unload(unfiltered);
+  if (exact) unload(exact);
+  return made;
+}
+
+/** Draws `model`, { url, lobes, points, options }, in all views. Returns by view { error, energy, lobed }: `lobed`:
+ * how many materials draw lobes. */
+async function draw(model) {
+  const gltf = await load(model), found = {};
+  const lobed = materialsOf(gltf.scene).filter((material) => lobesOf(material) !== null).length;
+  for (const [name, { shot, reference, shown }] of views) {
+    shown.push(settled(renderer, shot.sceneOf(gltf.scene), shot.camera, shot));
+    found[name] = { ...compared(shown.at(-1), reference.pixels), lobed };
+  }
+  unload(gltf);
+  const error = renderer.getContext().getError();
+  if (error !== 0) throw new Error(`GL error ${error}`);
+  return found;
+}
+
+/** The reference of a view and what draw() drew, side by side: { zoom, strip }, a JPEG in base64. */
+async function side(name) {
+  const { shot, shown } = views.get(name);
+  return { zoom: shot.zoom, strip: await strip(shown, shot.width, shot.crop, shot.zoom) };
+}
+
+globalThis.lab = { prepare, draw, side };

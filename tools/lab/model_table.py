@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/GLTF_MODELS.md: models of others and bumpy surfaces, drawn by three.js in every way that multum knows, at
+equal evaluations of a pixel's light.
+
+    tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--only NAME...] [--rows NAME...] [--distances M...]
+
+MODELS is a folder with the files of tools/lab/models.json, which says where each comes from. OUT is written anew after
+each model. The cache keeps dressed models, references and errors: what has not changed is not drawn again. With --only
+and --rows the document has only what was drawn. Needs Node.js, Chromium and the packages of tests/service/web.
+"""
+import argparse
+import hashlib
+import json
+import pathlib
+import sys
+import tempfile
+
+import model_table_text
+from model_views import DISTANCES, MODULES, ROOT, VIEW, digest, draw, dress, fail, link_model, run
+
+LIST = ROOT / "tools" / "lab" / "models.json"
+SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
+SURFACE_TEXELS = 1024
+SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
+DRAWING = 2  # of tests/three/model_page.js: raise it where the pictures change
+GRIDS = 4  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
+COUNTS = (1, 4, 8, 16)  # evaluations
+# By name: `dressed`, options of `multum gltf`, None for the model itself; the rest as model_page.js has it.
+ROWS = {"plain mips": {"dressed": None}}
+ROWS |= {f"points, {n}": {"dressed": None, "points": n} for n in COUNTS}
+ROWS |= {"one lobe": {"dressed": ["--lobes"]}}
+ROWS |= {f"one lobe and points, {n}": {"dressed": ["--lobes"], "points": n} for n in COUNTS}
+for ROW_NAME, SPEND in (("lobes", "lobes"), ("rule", "auto")):
+    ROWS |= {f"{ROW_NAME}, {n}": {"dressed": ["--lobes"], "lobes": True, "options": {"evaluations": n, "spend": SPEND}}
+             for n in COUNTS}
+# Files of the package that a row depends on.
+POINT_SCRIPTS = ("lobe_material.js", "shading_points.js")
+
+
+def key_of(*parts):
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
+
+
+class Cache:
+    """What was made before, by what it was made of."""
+
+    def __init__(self, folder, programs):
+        self.folder = folder
+        for name in ("dressed", "references", "rows", "surfaces"):
+            (folder / name).mkdir(parents=True, exist_ok=True)
+        self.multum = programs / "multum"
+        self.multum_digest = digest(self.multum)
+        run(self.multum, "shaders", "-o", folder / "shaders")
+        self.package = folder / "shaders" / "three"
+        self.scripts = {one.name: digest(one) for one in sorted(self.package.glob("*.js"))}
+
+    def surfaces(self):
+        """Models of the bumpy surfaces, as models.json has models."""
+        names = run("node", SURFACES, self.folder / "surfaces", SURFACE_TEXELS).split()
+        return [{"name": name.removesuffix(".glb"), "path": self.folder / "surfaces" / name, "reach": SURFACE_REACH,
+                 "surface": True} for name in names if "_" in name]
+
+    def dressed(self, model, options):
+        """The model after `multum gltf`, and its report."""
+        key = key_of(digest(model), self.multum_digest, options)
+        out, report = (self.folder / "dressed" / f"{key}.{kind}" for kind in ("glb", "json"))
+        if not report.exists():
+            dress(self.multum, model, out, self.folder / "dressed" / "part.json", *options)
+            (self.folder / "dressed" / "part.json").rename(report)
+        return out, json.loads(report.read_text(encoding="utf-8"))
+
+    def row_file(self, file, row, view, reach):
+        """Where the errors of a row are kept."""
+        names = self.scripts if row.get("lobes") else POINT_SCRIPTS if "points" in row else ()
+        scripts = [self.scripts[name] for name in names]
+        ways = {name: value for name, value in row.items() if name != "dressed"}
+        return self.folder / "rows" / f"{key_of(DRAWING, digest(file), ways, view, reach, scripts)}.json"
+
+    def reference_file(self, file, view, reach):
+        return self.folder / "references" / f"{key_of(DRAWING, digest(file), view, reach)}.json"
+
+
+def view_from(distance):
+    return {**VIEW, "distance": distance, "grids": GRIDS}
+
+
+def measure(cache, entry, rows, distances):
+    """{ reports, views: by distance { rows, floor, noise, grids } } of one model."""
+    source, reach = entry["path"], entry.get("reach")
+    files, reports = {}, {}
+    for name, row in rows.items():
+        files[name] = source
+        if row["dressed"] is not None:
+            files[name], reports[" ".join(row["dressed"])] = cache.dressed(source, row["dressed"])
+    wanted = {}  # rows to draw, by the distances that they lack
+    for name, row in rows.items():
+        lacking = tuple(one for one in distances if not
+                        cache.row_file(files[name], row, view_from(one), reach).exists())
+        if lacking:
+            wanted.setdefault(lacking, []).append(name)
+    unseen = tuple(one for one in distances if not cache.reference_file(source, view_from(one), reach).exists())
+    if unseen:
+        wanted.setdefault(unseen, [])
+    for lacking, names in wanted.items():
+        draw_rows(cache, entry, {name: (rows[name], files[name]) for name in names}, lacking)
+    views = {}
+    for one in distances:
+        kept = json.loads(cache.reference_file(source, view_from(one), reach).read_text(encoding="utf-8"))
+        views[one] = {**{key: kept[key] for key in ("floor", "noise", "grids")}, "rows": {
+            name: json.loads(cache.row_file(files[name], row, view_from(one), reach).read_text(encoding="utf-8"))
+            for name, row in rows.items()}}
+    return {"reports": reports, "views": views}
+
+
+def draw_rows(cache, entry, rows, distances):
+    """Draws them into the cache."""
+    source, reach = entry["path"], entry.get("reach")
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        link_model(source, folder)
+        models = []
+        for row, file in rows.values():
+            if file != source:
+                (folder / file.name).unlink(missing_ok=True)
+                (folder / file.name).symlink_to(file.resolve())
+            models.append({**{key: value for key, value in row.items() if key != "dressed"}, "file": file.name})
+        plan = {"reference": source.name, "models": models, "reach": reach, "strips": False,
+                "views": [{**view_from(one), "name": str(one)} for one in distances],
+                "keep": {str(one): str(cache.reference_file(source, view_from(one), reach)) for one in distances}}
+        if reach is None:
+            del plan["reach"]
+        drawn = draw(cache.package, plan, folder)
+    for one in distances:
+        for (row, file), found in zip(rows.values(), drawn[str(one)]["models"]):
+            cache.row_file(file, row, view_from(one), reach).write_text(json.dumps(found), encoding="utf-8")
+
+
+def listed(folder, cache, only):
+    """What to measure; stops where a listed file is another."""
+    entries = json.loads(LIST.read_text(encoding="utf-8"))
+    for entry in entries:
+        entry["path"] = folder / entry["file"]
+    entries += cache.surfaces()
+    if only:
+        unknown = set(only) - {entry["name"] for entry in entries}
+        if unknown:
+            fail(f"--only: found {', '.join(sorted(unknown))}, expected names of {LIST.name} or of surfaces")
+        entries = [entry for entry in entries if entry["name"] in only]
+    for entry in entries:
+        if not entry["path"].exists():
+            fail(f"found no {entry['path']}, expected {entry['source']}")
+        if "sha256" in entry and digest(entry["path"]) != entry["sha256"]:
+            fail(f"{entry['path']}: found SHA-256 {digest(entry['path'])}..., expected {entry['sha256']}")
+    return entries
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("programs", type=pathlib.Path)
+    parser.add_argument("models", type=pathlib.Path)
+    parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("--cache", type=pathlib.Path, required=True)
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
+    parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")
+    parser.add_argument("--distances", nargs="+", type=float, default=DISTANCES, metavar="METRES")
+    options = parser.parse_args()
+    if not MODULES.exists():
+        fail(f"found no {MODULES}: tools/install_dependencies test installs it")
+    cache = Cache(options.cache.resolve(), options.programs)
+    rows = {name: ROWS[name] for name in ROWS if name in options.rows}
+    distances = [int(one) if float(one).is_integer() else one for one in options.distances]
+    found = []
+    for entry in listed(options.models, cache, options.only):
+        print(entry["name"], file=sys.stderr, flush=True)
+        found.append((entry, measure(cache, entry, rows, distances)))
+        options.out.write_text(model_table_text.document(found, list(rows), COUNTS, VIEW), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
