@@ -41,7 +41,8 @@ function noise(n, width, random) {
       for (let i = -reach; i <= reach; ++i) sum += from[line * across + wrapped(i, n) * along];
       for (let i = 0; i < n; ++i) {
         to[line * across + i * along] = sum;
-        sum += from[line * across + wrapped(i + reach + 1, n) * along] - from[line * across + wrapped(i - reach, n) * along];
+        const at = (place) => from[line * across + wrapped(place, n) * along];
+        sum += at(i + reach + 1) - at(i - reach);
       }
     }
     from = to;
@@ -131,7 +132,7 @@ function water(n) {
   return { normal: normalMapOf(height, n), color: [0.02, 0.06, 0.08], metalness: 0, roughness: 0.08 };
 }
 
-/** A grid of (columns + 1) x (rows + 1) places: `at(u, v)` gives { position, normal }; texture coordinates `repeat`ed. */
+/** A grid of columns x rows quads: `at(u, v)` gives { position, normal }; maps are repeated `repeat` times. */
 function mesh(columns, rows, repeat, at) {
   const made = { positions: [], normals: [], uvs: [], indices: [] };
   for (let j = 0; j <= rows; ++j)
@@ -185,7 +186,7 @@ function barrel(n) {
 function domes(n) {
   const count = 6;
   return { normal: image(n, (x, y) => {
-    const [u, v] = [((x + 0.5) / n * count) % 1 * 2 - 1, 1 - ((y + 0.5) / n * count) % 1 * 2].map((value) => value / 0.9);
+    const inDome = (place) => (((place + 0.5) / n * count) % 1 * 2 - 1) / 0.9, [u, v] = [inDome(x), -inDome(y)];
     const square = u * u + v * v;
     return square < 1 ? normalBytes(u, v, Math.sqrt(1 - square)) : normalBytes(0, 0, 1);
   }), color: [0.9, 0.8, 0.6], metalness: 1, roughness: 0.35,
@@ -215,8 +216,9 @@ function tower(n) {
 
 /** A quilted cover of cloth, dents of its own shape over a fine weave. */
 function cover(n) {
-  const height = heights(n, (u, v) => 0.03 * Math.abs(Math.sin(4 * Math.PI * (u + v)) * Math.sin(4 * Math.PI * (u - v))) +
-    0.0008 * Math.sin(2 * Math.PI * 48 * u) * Math.sin(2 * Math.PI * 48 * v));
+  const wave = (place) => Math.sin(Math.PI * place);
+  const height = heights(n, (u, v) => 0.03 * Math.abs(wave(4 * (u + v)) * wave(4 * (u - v))) +
+    0.0008 * wave(96 * u) * wave(96 * v));
   return { normal: normalMapOf(height, n), color: [0.55, 0.1, 0.12], metalness: 0, roughness: 0.55,
     mesh: sphere(0.7, 2) };
 }

@@ -37,9 +37,10 @@ const extreme = (values, better) => [0, 1, 2].map((axis) =>
  */
 export function makeGlb(name, { mesh, normal, colors, surface, color = [1, 1, 1], roughness = 1, metalness = 1 }) {
   const images = [normal, colors, surface].filter((one) => one !== undefined);
-  const parts = [...[mesh.positions, mesh.normals, mesh.uvs].map((values) => Buffer.from(Float32Array.from(values).buffer)),
-    wide(...mesh.indices), ...images.map(pngOf)];
-  const padded = parts.map((part) => Buffer.concat([part, Buffer.alloc((4 - part.length % 4) % 4)]));
+  const floats = (values) => Buffer.from(Float32Array.from(values).buffer);
+  const parts = [...[mesh.positions, mesh.normals, mesh.uvs].map(floats), wide(...mesh.indices), ...images.map(pngOf)];
+  const filled = (part, byte) => Buffer.concat([part, Buffer.alloc((4 - part.length % 4) % 4, byte)]);
+  const padded = parts.map((part) => filled(part, 0));
   let offset = 0;
   const bufferViews = parts.map((part, i) => {
     const view = { buffer: 0, byteOffset: offset, byteLength: part.length };
@@ -59,10 +60,11 @@ export function makeGlb(name, { mesh, normal, colors, surface, color = [1, 1, 1]
     samplers: [{ magFilter: 9729, minFilter: 9987, wrapS: 10497, wrapT: 10497 }],
     images: images.map((one, i) => ({ bufferView: 4 + i, mimeType: "image/png" })),
     accessors: [{ ...float(0, "VEC3"), min: extreme(mesh.positions, Math.min), max: extreme(mesh.positions, Math.max) },
-      float(1, "VEC3"), float(2, "VEC2"), { bufferView: 3, componentType: 5125, count: mesh.indices.length, type: "SCALAR" }],
+      float(1, "VEC3"), float(2, "VEC2"),
+      { bufferView: 3, componentType: 5125, count: mesh.indices.length, type: "SCALAR" }],
     bufferViews, buffers: [{ byteLength: offset }] };
-  const text = Buffer.from(JSON.stringify(json)), textPadded = Buffer.concat([text, Buffer.alloc((4 - text.length % 4) % 4, 32)]);
   const chunk = (type, data) => Buffer.concat([wide(data.length), Buffer.from(type, "latin1"), data]);
-  const body = Buffer.concat([chunk("JSON", textPadded), chunk("BIN\0", Buffer.concat(padded))]);
+  const text = filled(Buffer.from(JSON.stringify(json)), 32);
+  const body = Buffer.concat([chunk("JSON", text), chunk("BIN\0", Buffer.concat(padded))]);
   return Buffer.concat([Buffer.from("glTF", "latin1"), wide(2, 12 + body.length), body]);
 }

@@ -6,10 +6,11 @@ import { toByte } from "./linear_pictures.js";
 const TILE = 1024; // pixels per side that are drawn at once
 
 /**
- * `width` x `height` pixels, each the mean of `samples` x `samples`; `shift`: of the samples, in samples. Nothing is drawn
- * outside of `crop`, [left, top, width, height].
+ * `width` x `height` pixels, each the mean of `samples` x `samples`; `shift`: of the samples, in samples. Nothing is
+ * drawn outside of `crop`, [left, top, width, height].
  */
-export function drawn(renderer, scene, camera, { width, height, samples, shift = [0, 0], crop = [0, 0, width, height] }) {
+export function drawn(renderer, scene, camera,
+  { width, height, samples, shift = [0, 0], crop = [0, 0, width, height] }) {
   const [left0, top0, w, h] = crop, tile = Math.min(Math.floor(TILE / samples), Math.max(w, h)), side = tile * samples;
   const made = new Float32Array(4 * width * height), halves = new Uint16Array(4 * side ** 2);
   const target = new THREE.WebGLRenderTarget(side, side, { type: THREE.HalfFloatType });

@@ -17,7 +17,8 @@ const GRIDS_MAX = 64;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
 const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;
-const views = new Map(); // by name: what prepare() made
+const views = new Map(); // by name: { shot, reference, shown }
+let begun = null; // { model, gltfs }
 
 function materialsOf(model) {
   const found = new Set();
@@ -74,9 +75,10 @@ function framed(model, { direction, distance, ...view }) {
   const box = new THREE.Box3().setFromObject(model), target = box.getCenter(new THREE.Vector3());
   const eye = new THREE.Vector3(...direction).normalize().multiplyScalar(distance).add(target);
   const reach = box.getSize(new THREE.Vector3()).length() / 2;
-  const seen = reach / (distance * Math.tan(view.angle * Math.PI / 360)); // of half the picture
-  const share = Math.min(1, seen), { width, height } = view;
-  const [w, h] = [Math.ceil(width * share), Math.ceil(height * share)];
+  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // to where a ray touches the sphere about it
+  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // of half the picture
+  const share = Math.min(1, seen), side = 2 * Math.ceil(0.5 * height * share);
+  const [w, h] = [Math.min(width, side), Math.min(height, side)];
   return { ...view, eye: eye.toArray(), target: target.toArray(), zoom: Math.max(1, Math.round(1 / share)),
     crop: [(width - w) >> 1, (height - h) >> 1, w, h] };
 }
@@ -138,32 +140,37 @@ const toText = (pixels) => {
 };
 const toPixels = (text) => new Float32Array(Uint8Array.from(atob(text), (one) => one.charCodeAt(0)).buffer);
 
-/**
- * Draws the reference of every view in `asked`: { name, eye, target, angle, width, height, samples, frames, edges,
- * light, intensity, room, crop, zoom }, or direction and distance in place of eye, target, crop and zoom; with `grids`,
- * the floor too. `kept`: by name, what a call before this returned: { pixels, grids, noise, floor }, pixels as text.
- * Returns the same of all views.
- */
-async function prepare(model, asked, kept = {}) {
-  const unfiltered = await load({ ...model, unfiltered: true }), made = {};
-  let exact = null;
-  for (const view of asked) {
-    const shot = shotFrom(unfiltered.scene, view), known = kept[view.name];
-    if (known === undefined && view.grids && exact === null)
-      exact = Object.assign(await load({ url: model.url, reach: model.reach, exact: view.samples }), {
-        setGrid(number) { for (const one of materialsOf(this.scene)) one.userData.setGrid?.(number); } });
-    const reference = known ? { ...known, pixels: toPixels(known.pixels) }
-      : measured(shot, unfiltered, view.grids ? exact : null);
-    views.set(view.name, { shot, reference, shown: [reference.pixels] });
-    made[view.name] = { ...reference, pixels: toText(reference.pixels) };
-  }
-  unload(unfiltered);
-  if (exact) unload(exact);
-  return made;
+/** Begins with another model, { url, reach }, whose references are drawn next. */
+async function begin(model) {
+  views.clear();
+  if (begun) Object.values(begun.gltfs).forEach(unload);
+  begun = { model, gltfs: { unfiltered: await load({ ...model, unfiltered: true }) } };
 }
 
-/** Draws `model`, { url, lobes, points, options }, in all views. Returns by view { error, energy, lobed }: `lobed`:
- * how many materials draw lobes. */
+/** What its shading is exact in, for the grids of samples that the reference has. */
+async function exactOf(samples) {
+  begun.gltfs.exact ??= await load({ ...begun.model, exact: samples });
+  const { scene } = begun.gltfs.exact;
+  return { scene, setGrid(number) { for (const one of materialsOf(scene)) one.userData.setGrid?.(number); } };
+}
+
+/**
+ * Draws the reference of a view: { name, eye, target, angle, width, height, samples, frames, edges, light, intensity,
+ * room, crop, zoom }, or direction and distance in place of eye, target, crop and zoom; with `grids`, the floor too.
+ * Returns { pixels, grids, noise, floor }, pixels as text. `kept`: the same from before, drawn no more.
+ */
+async function refer(view, kept = null) {
+  const { unfiltered } = begun.gltfs, shot = shotFrom(unfiltered.scene, view);
+  const reference = kept ? { ...kept, pixels: toPixels(kept.pixels) }
+    : measured(shot, unfiltered, view.grids ? await exactOf(view.samples) : null);
+  views.set(view.name, { shot, reference, shown: [reference.pixels] });
+  return { ...reference, pixels: toText(reference.pixels) };
+}
+
+/**
+ * Draws `model`, { url, lobes, points, options, reach }, in all views. Returns by view { error, energy, lobed }, the
+ * last being how many materials draw lobes.
+ */
 async function draw(model) {
   const gltf = await load(model), found = {};
   const lobed = materialsOf(gltf.scene).filter((material) => lobesOf(material) !== null).length;
@@ -183,4 +190,4 @@ async function side(name) {
   return { zoom: shot.zoom, strip: await strip(shown, shot.width, shot.crop, shot.zoom) };
 }
 
-globalThis.lab = { prepare, draw, side };
+globalThis.lab = { begin, refer, draw, side };

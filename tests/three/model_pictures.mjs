@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { models: [{ file, lobes, points,
-// options }], views: [of model_page.js, named] }, the first model the one that the reference is of, files beside the
-// plan. Writes NAME.jpg of each view to OUT; prints JSON: by view, error and energy of each model. Exit code 77: no
-// browser here.
+// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { reference, models: [{ file, lobes,
+// points, options }], reach, views: [of model_page.js, named], keep, strips }, files next to the plan. The reference is
+// of the file `reference`, else of the first model. `keep`: by view, the file that keeps its reference. Writes NAME.jpg
+// of each view to OUT, but where `strips` is false; prints JSON: by view, error and energy of each model, and with
+// `grids` the floor and the reference's noise. Exit code 77: no browser here.
 //
 //   node model_pictures.mjs PACKAGE PLAN.json OUT
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
@@ -17,20 +18,19 @@ const { chromium } = await import("../service/web/node_modules/playwright-core/i
   skip("no playwright-core: tools/install_dependencies test"));
 const { page, complaints, close } = await openPage(chromium, { package: packageFolder, files: path.dirname(planFile),
   script: "model_page.js" });
-const kept = plan.keep ?? {}; // by view, the file of its reference
-const readKept = () => Object.fromEntries(Object.entries(kept).filter(([, file]) => existsSync(file))
-  .map(([name, file]) => [name, JSON.parse(readFileSync(file, "utf8"))]));
+const keep = plan.keep ?? {}; // by view, the file of its reference
 try {
   page.setDefaultTimeout(600000);
   const models = plan.models.map(({ file, ...ways }) => ({ url: `/files/${file}`, reach: plan.reach, ...ways }));
   const reference = { url: `/files/${plan.reference ?? plan.models[0].file}`, reach: plan.reach };
-  const known = readKept(), found = {};
+  const found = {};
+  await page.evaluate((model) => globalThis.lab.begin(model), reference);
   for (const view of plan.views) {
-    const made = await page.evaluate(([model, one, before]) => globalThis.lab.prepare(model, [one], before),
-      [reference, view, known]);
-    const { pixels, ...rest } = made[view.name];
-    if (kept[view.name] && !known[view.name]) writeFileSync(kept[view.name], JSON.stringify(made[view.name]));
-    found[view.name] = { models: [], ...rest };
+    const file = keep[view.name], isKept = file !== undefined && existsSync(file);
+    const made = await page.evaluate(([one, before]) => globalThis.lab.refer(one, before),
+      [view, isKept ? JSON.parse(readFileSync(file, "utf8")) : null]);
+    if (file !== undefined && !isKept) writeFileSync(file, JSON.stringify(made));
+    found[view.name] = { models: [], ...made, pixels: undefined };
   }
   for (const model of models)
     for (const [name, one] of Object.entries(await page.evaluate((asked) => globalThis.lab.draw(asked), model)))

@@ -23,7 +23,7 @@ LIST = ROOT / "tools" / "lab" / "models.json"
 SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
 SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
-DRAWING = 2  # of tests/three/model_page.js: raise it where the pictures change
+DRAWING = 1  # of tests/three/model_page.js: raise it where the pictures change
 GRIDS = 4  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
 COUNTS = (1, 4, 8, 16)  # evaluations
 # By name: `dressed`, options of `multum gltf`, None for the model itself; the rest as model_page.js has it.
@@ -34,6 +34,7 @@ ROWS |= {f"one lobe and points, {n}": {"dressed": ["--lobes"], "points": n} for 
 for ROW_NAME, SPEND in (("lobes", "lobes"), ("rule", "auto")):
     ROWS |= {f"{ROW_NAME}, {n}": {"dressed": ["--lobes"], "lobes": True, "options": {"evaluations": n, "spend": SPEND}}
              for n in COUNTS}
+ROWS_AT_ONCE = 6  # what a browser draws before it is kept
 # Files of the package that a row depends on.
 POINT_SCRIPTS = ("lobe_material.js", "shading_points.js")
 
@@ -103,7 +104,9 @@ def measure(cache, entry, rows, distances):
     if unseen:
         wanted.setdefault(unseen, [])
     for lacking, names in wanted.items():
-        draw_rows(cache, entry, {name: (rows[name], files[name]) for name in names}, lacking)
+        for first in range(0, max(1, len(names)), ROWS_AT_ONCE):
+            part = names[first:first + ROWS_AT_ONCE]
+            draw_rows(cache, entry, {name: (rows[name], files[name]) for name in part}, lacking)
     views = {}
     for one in distances:
         kept = json.loads(cache.reference_file(source, view_from(one), reach).read_text(encoding="utf-8"))
@@ -137,13 +140,14 @@ def draw_rows(cache, entry, rows, distances):
 
 
 def listed(folder, cache, only):
-    """What to measure; stops where a listed file is another."""
+    """What to measure, and the names of the rest; stops where a listed file is another."""
     entries = json.loads(LIST.read_text(encoding="utf-8"))
     for entry in entries:
         entry["path"] = folder / entry["file"]
     entries += cache.surfaces()
+    names = [entry["name"] for entry in entries]
     if only:
-        unknown = set(only) - {entry["name"] for entry in entries}
+        unknown = set(only) - set(names)
         if unknown:
             fail(f"--only: found {', '.join(sorted(unknown))}, expected names of {LIST.name} or of surfaces")
         entries = [entry for entry in entries if entry["name"] in only]
@@ -152,7 +156,7 @@ def listed(folder, cache, only):
             fail(f"found no {entry['path']}, expected {entry['source']}")
         if "sha256" in entry and digest(entry["path"]) != entry["sha256"]:
             fail(f"{entry['path']}: found SHA-256 {digest(entry['path'])}..., expected {entry['sha256']}")
-    return entries
+    return entries, [name for name in names if only and name not in only]
 
 
 def main():
@@ -171,10 +175,12 @@ def main():
     rows = {name: ROWS[name] for name in ROWS if name in options.rows}
     distances = [int(one) if float(one).is_integer() else one for one in options.distances]
     found = []
-    for entry in listed(options.models, cache, options.only):
+    entries, others = listed(options.models, cache, options.only)
+    for number, entry in enumerate(entries):
         print(entry["name"], file=sys.stderr, flush=True)
         found.append((entry, measure(cache, entry, rows, distances)))
-        options.out.write_text(model_table_text.document(found, list(rows), COUNTS, VIEW), encoding="utf-8")
+        lacking = [one["name"] for one in entries[number + 1:]] + others
+        options.out.write_text(model_table_text.document(found, list(rows), COUNTS, VIEW, lacking), encoding="utf-8")
 
 
 if __name__ == "__main__":
