@@ -13,7 +13,7 @@ import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
 // Noise of the reference that changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
 const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
-const GRIDS_MAX = 64;
+const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
 const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;

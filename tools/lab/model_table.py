@@ -24,7 +24,7 @@ SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
 SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
 DRAWING = 1  # of tests/three/model_page.js: raise it where the pictures change
-GRIDS = 4  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
+GRIDS = 2  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
 COUNTS = (1, 4, 8, 16)  # evaluations
 # By name: `dressed`, options of `multum gltf`, None for the model itself; the rest as model_page.js has it.
 ROWS = {"plain mips": {"dressed": None}}
