@@ -8,6 +8,7 @@ import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { addPoints, GltfLobes, lobesOf } from "@multum/three";
 import { compared } from "./linear_pictures.js";
 import { drawn, settled, strip } from "./model_drawing.js";
+import { changes, moved } from "./model_motion.js";
 import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
@@ -18,7 +19,7 @@ const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
 const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;
 const views = new Map(); // by name: { shot, reference, shown }
-let begun = null; // { model, gltfs }
+let begun = null, held = []; // { model, gltfs }; what hold() loaded
 
 function materialsOf(model) {
   const found = new Set();
@@ -101,7 +102,11 @@ function shotOf(view) {
   return { ...view, camera, sceneOf };
 }
 
-const shotFrom = (model, asked) => shotOf(asked.direction ? framed(model, asked) : asked);
+function shotFrom(model, asked) {
+  const view = asked.direction ? framed(model, asked) : asked;
+  return shotOf(asked.moved ? { ...moved(view, asked.moved), crop: [0, 0, view.width, view.height] } : view);
+}
+
 const added = (sum, pixels) => pixels.forEach((value, i) => { sum[i] += value; });
 const scaled = (pixels, factor) => pixels.map((value) => factor * value);
 
@@ -129,7 +134,7 @@ function measured(shot, unfiltered, exact) {
     const [a, b] = halves.map((half) => scaled(half, 2 / grids)), pixels = a.map((value, i) => (value + b[i]) / 2);
     const noise = compared(a, b).error / 2, found = compared(scaled(floor, 1 / grids), pixels);
     if (noise <= Math.max(NOISE_SHARE * found.error, NOISE_SMALL) || 2 * grids > most)
-      return { pixels, grids, noise, floor: found };
+      return { pixels, floorPixels: scaled(floor, 1 / grids), grids, noise, floor: found };
   }
 }
 
@@ -156,7 +161,8 @@ async function exactOf(samples) {
 
 /**
  * Draws the reference of a view: { name, eye, target, angle, width, height, samples, frames, edges, light, intensity,
- * room, crop, zoom }, or direction and distance in place of eye, target, crop and zoom; with `grids`, the floor too.
+ * room, crop, zoom, moved }, or direction and distance in place of eye, target, crop and zoom; with `grids`, the floor
+ * too. `moved`: { motion, step } of model_motion.js.
  * Returns { pixels, grids, noise, floor }, pixels as text. `kept`: the same from before, drawn no more.
  */
 async function refer(view, kept = null) {
@@ -164,7 +170,7 @@ async function refer(view, kept = null) {
   const reference = kept ? { ...kept, pixels: toPixels(kept.pixels) }
     : measured(shot, unfiltered, view.grids ? await exactOf(view.samples) : null);
   views.set(view.name, { shot, reference, shown: [reference.pixels] });
-  return { ...reference, pixels: toText(reference.pixels) };
+  return { ...reference, floorPixels: undefined, pixels: toText(reference.pixels) };
 }
 
 /**
@@ -190,4 +196,30 @@ async function side(name) {
   return { zoom: shot.zoom, strip: await strip(shown, shot.width, shot.crop, shot.zoom) };
 }
 
-globalThis.lab = { begin, refer, draw, side };
+/** Of the views `names`, neighbours in time: what changes() finds in each picture that draw() drew, in that order. */
+function motion(names) {
+  const floors = names.map((name) => views.get(name).reference.floorPixels);
+  const [references, ...drawn] = views.get(names[0]).shown.map((_, number) =>
+    names.map((name) => views.get(name).shown[number]));
+  return drawn.map((frames) => changes(frames, references, floors));
+}
+
+/** Loads models that repeat() draws. */
+async function hold(models) {
+  held = [];
+  for (const model of models) held.push(await load(model));
+}
+
+/** Draws `count` frames of held model `number` in the view `name`, and waits for the last. */
+function repeat(number, name, count) {
+  const { shot } = views.get(name), scene = shot.sceneOf(held[number].scene), pixel = new Uint16Array(4);
+  const { width, height, edges: samples } = shot;
+  const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType, samples });
+  renderer.setRenderTarget(target);
+  for (let frame = 0; frame < count; ++frame) renderer.render(scene, shot.camera);
+  renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel);
+  renderer.setRenderTarget(null);
+  target.dispose();
+}
+
+globalThis.lab = { begin, refer, draw, side, motion, hold, repeat };
