@@ -19,8 +19,8 @@ const EDGE = 3; // of 255: floors that are further from their references are tho
 
 /**
  * Of pictures of linear floats, four per pixel, their references and floors. `flicker`: the mean over neighbours in
- * time of sum |(f' - f) - (t' - t)| / sum t. `jump`: the largest change of a colour beyond that of its reference, of 255 in
- * sRGB, where there are no edges.
+ * time of sum |(f' - f) - (t' - t)| / sum t. `jump`: the largest change of a colour beyond that of its reference, of
+ * 255 in sRGB, where there are no edges.
  */
 export function changes(frames, references, floors) {
   let [flicker, jump] = [0, 0];

@@ -150,7 +150,8 @@ def listed(folder, cache, only):
         unknown = set(only) - set(names)
         if unknown:
             fail(f"--only: found {', '.join(sorted(unknown))}, expected names of {LIST.name} or of surfaces")
-        entries = [entry for entry in entries if entry["name"] in only]
+        entries = sorted((entry for entry in entries if entry["name"] in only),
+                         key=lambda entry: only.index(entry["name"]))
     for entry in entries:
         if not entry["path"].exists():
             fail(f"found no {entry['path']}, expected {entry['source']}")
