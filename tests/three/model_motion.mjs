@@ -2,7 +2,7 @@
 // Measures flicker and processor time of models that three.js draws in headless Chromium. PLAN.json: as
 // model_pictures.mjs has it, with `view`, `frames` of a motion and `pairs` of times in place of views. Prints JSON: by
 // model { motions: { zoom, pan, turn: { flicker, jump } }, seconds: [of a frame], plainSeconds: [the same of the first
-// model, each measured next to it] }. Exit code 77: no browser here.
+// model, each measured next to it], loadSeconds }. Exit code 77: no browser here.
 //
 //   node model_motion.mjs PACKAGE PLAN.json
 import { readdirSync, readFileSync } from "node:fs";
@@ -47,8 +47,9 @@ async function secondsOf(number, count) {
 }
 
 async function times(models) {
-  const found = models.map(() => ({ seconds: [], plainSeconds: [] })), counts = [];
-  await page.evaluate((all) => globalThis.lab.hold(all), models);
+  await page.evaluate((all) => globalThis.lab.hold(all), models); // so that nothing is loaded for the first time
+  const loads = await page.evaluate((all) => globalThis.lab.hold(all), models), counts = [];
+  const found = loads.map((loadSeconds) => ({ loadSeconds, seconds: [], plainSeconds: [] }));
   for (let number = 0; number < models.length; ++number) {
     await secondsOf(number, 1); // compiles
     counts.push(Math.max(1, Math.ceil(SECONDS / Math.max(0.01, await secondsOf(number, 4)))));

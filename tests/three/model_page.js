@@ -204,10 +204,16 @@ function motion(names) {
   return drawn.map((frames) => changes(frames, references, floors));
 }
 
-/** Loads models that repeat() draws. */
+/** Loads models that repeat() draws; returns how many seconds each took. */
 async function hold(models) {
   held = [];
-  for (const model of models) held.push(await load(model));
+  const seconds = [];
+  for (const model of models) {
+    const begin = performance.now();
+    held.push(await load(model));
+    seconds.push((performance.now() - begin) / 1000);
+  }
+  return seconds;
 }
 
 /** Draws `count` frames of held model `number` in the view `name`, and waits for the last. */

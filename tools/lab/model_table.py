@@ -86,14 +86,17 @@ def view_from(distance):
     return {**VIEW, "distance": distance, "grids": GRIDS}
 
 
+def file_of(cache, entry, row):
+    """What the row draws of the model: itself, or dressed."""
+    return entry["path"] if row["dressed"] is None else cache.dressed(entry["path"], row["dressed"])[0]
+
+
 def measure(cache, entry, rows, distances):
     """{ reports, views: by distance { rows, floor, noise, grids } } of one model."""
     source, reach = entry["path"], entry.get("reach")
-    files, reports = {}, {}
-    for name, row in rows.items():
-        files[name] = source
-        if row["dressed"] is not None:
-            files[name], reports[" ".join(row["dressed"])] = cache.dressed(source, row["dressed"])
+    files = {name: file_of(cache, entry, row) for name, row in rows.items()}
+    reports = {" ".join(row["dressed"]): cache.dressed(source, row["dressed"])[1] for row in rows.values()
+               if row["dressed"] is not None}
     wanted = {}  # rows to draw, by the distances that they lack
     for name, row in rows.items():
         lacking = tuple(one for one in distances if not
@@ -106,7 +109,7 @@ def measure(cache, entry, rows, distances):
     for lacking, names in wanted.items():
         for first in range(0, max(1, len(names)), ROWS_AT_ONCE):
             part = names[first:first + ROWS_AT_ONCE]
-            draw_rows(cache, entry, {name: (rows[name], files[name]) for name in part}, lacking)
+            draw_rows(cache, entry, {name: rows[name] for name in part}, lacking)
     views = {}
     for one in distances:
         kept = json.loads(cache.reference_file(source, view_from(one), reach).read_text(encoding="utf-8"))
@@ -116,27 +119,35 @@ def measure(cache, entry, rows, distances):
     return {"reports": reports, "views": views}
 
 
+def link_rows(cache, entry, rows, folder):
+    """Has `folder` show the files that `rows` draw of the model; returns the rows as model_page.js has them."""
+    link_model(entry["path"], folder)
+    models = []
+    for row in rows.values():
+        file = file_of(cache, entry, row)
+        if row["dressed"] is not None:
+            (folder / file.name).unlink(missing_ok=True)
+            (folder / file.name).symlink_to(file.resolve())
+        models.append({**{key: value for key, value in row.items() if key != "dressed"}, "file": file.name})
+    return models
+
+
 def draw_rows(cache, entry, rows, distances):
     """Draws them into the cache."""
     source, reach = entry["path"], entry.get("reach")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        link_model(source, folder)
-        models = []
-        for row, file in rows.values():
-            if file != source:
-                (folder / file.name).unlink(missing_ok=True)
-                (folder / file.name).symlink_to(file.resolve())
-            models.append({**{key: value for key, value in row.items() if key != "dressed"}, "file": file.name})
-        plan = {"reference": source.name, "models": models, "reach": reach, "strips": False,
+        models = link_rows(cache, entry, rows, folder)
+        plan = {"reference": source.name, "models": models, "strips": False,
                 "views": [{**view_from(one), "name": str(one)} for one in distances],
                 "keep": {str(one): str(cache.reference_file(source, view_from(one), reach)) for one in distances}}
-        if reach is None:
-            del plan["reach"]
+        if reach is not None:
+            plan["reach"] = reach
         drawn = draw(cache.package, plan, folder)
     for one in distances:
-        for (row, file), found in zip(rows.values(), drawn[str(one)]["models"]):
-            cache.row_file(file, row, view_from(one), reach).write_text(json.dumps(found), encoding="utf-8")
+        for row, found in zip(rows.values(), drawn[str(one)]["models"]):
+            file = cache.row_file(file_of(cache, entry, row), row, view_from(one), reach)
+            file.write_text(json.dumps(found), encoding="utf-8")
 
 
 def listed(folder, cache, only):

@@ -98,6 +98,30 @@ def rule_table(found, rows, counts):
     return "\n".join(lines)
 
 
+def points_table(found, rows, counts):
+    """Errors of the rule over those of points with as many evaluations."""
+    lines = ["| evaluations | median | worst | in |", "|---|---|---|---|"]
+    for count in counts:
+        row, points = f"rule, {count}", f"points, {count}"
+        if row in rows and points in rows:
+            ratios = [(view["rows"][row]["error"] / view["rows"][points]["error"], f"{name}, {distance} m")
+                      for name, distance, view in views_of(found)]
+            lines.append(f"| {count} | {median_and_worst([one[0] for one in ratios])} | {max(ratios)[1]} |")
+    return "\n".join(lines)
+
+
+def byte_table(found):
+    lines = ["| | options | before | after | fitted normals | fitted roughness and metalness | lobes |",
+             "|---|---|---|---|---|---|---|"]
+    for entry, measured in found:
+        for options, report in measured["reports"].items():
+            kinds = [sum(one["bytes"].get(kind, 0) for one in report["textures"])
+                     for kind in ("normal", "metallic_roughness", "lobes")]
+            cells = [f"{count / 1e6:.2f}" for count in (report["bytes_before"], report["bytes_after"], *kinds)]
+            lines.append(f"| {entry['name']} | `{options}` | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def excess_table(found, rows, is_far):
     """How much higher the errors of rows of one evaluation are than those of plain mips."""
     lines = ["| row | median | worst | in | views above 0.2 |", "|---|---|---|---|---|"]
@@ -113,7 +137,7 @@ def excess_table(found, rows, is_far):
 
 
 def energy_table(found, rows):
-    lines = ["| row | median of the difference from 1 | worst | in |", "|---|---|---|---|"]
+    lines = ["| row | median | worst | in |", "|---|---|---|---|"]
     for row in rows:
         differences = [(100 * abs(view["rows"][row]["energy"] - view["floor"]["energy"]), f"{name}, {distance} m")
                        for name, distance, view in views_of(found)]
@@ -158,7 +182,10 @@ def document(found, rows, counts, view, lacking):
         text.append("The rule: points above the best row of at most as many evaluations, at all distances:\n\n"
                     f"{rule_table(part, rows, counts)}\n")
         if views_of(part):
-            text.append("Sum of the picture over that of the floor, difference from 1 in per cent, from 5 m on:\n\n"
+            text.append("Error of the rule over that of points with as many evaluations, from 5 m on:\n\n"
+                        f"{points_table(part, rows, counts)}\n")
+            text.append("Sum of the picture less that of the floor, in per cent of the reference's, from 5 m on:\n\n"
                         f"{energy_table(part, rows)}\n")
+    text.append(f"\n## Megabytes\n\n{byte_table(found)}\n")
     text.append("\n## One by one\n")
     return "\n".join(text) + "".join(section(entry, measured, rows) for entry, measured in found)
