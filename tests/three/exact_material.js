@@ -14,6 +14,7 @@ export function shiftOfGrid(number) {
 const PLACES = `
 uniform vec2 multum_grid_shift;
 void multum_decide() {}
+float multum_map_bias() { return MULTUM_MAP_BIAS; }
 vec2 multum_shift(int evaluation) {
   vec2 place = vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5 + multum_grid_shift;
   return place / vec2(MULTUM_POINTS) - 0.5;

@@ -56,7 +56,7 @@ const share = (found, row) =>
   (found[row].error - found.floor.error) / (found.plain.error - found.floor.error);
 
 // Points that the rule may be above the better of points and lobes. A model's goal is 0.3; more is what it is today.
-const RULE_ABOVE = { domes: 1.2, tower: 9, flakes_sphere: 3.5, bricks_sphere: 1.2 }, RULE_GOAL = 0.3;
+const RULE_ABOVE = { domes: 1.2, flakes_sphere: 3.5, bricks_sphere: 1.2 }, RULE_GOAL = 0.3;
 // Points that one lobe may be above plain mips: the goal is 0.2.
 const ONE_ABOVE = { flakes_sphere: 5 }, ONE_GOAL = 0.3;
 const SHARES_MOST = { // of the gap between plain mips and the floor
