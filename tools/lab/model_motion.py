@@ -103,13 +103,14 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
+    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of the one in BIN_FOLDER's multum")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(SHOWN), choices=ROWS, metavar="NAME")
     parser.add_argument("--distance", type=float, default=5, metavar="METRES")
     parser.add_argument("--frames", type=int, default=3, help="of a motion")
     parser.add_argument("--pairs", type=int, default=3, help="of times; 0 measures none")
     options = parser.parse_args()
-    cache = Cache(options.cache.resolve(), options.programs)
+    cache = Cache(options.cache.resolve(), options.programs, options.package)
     rows = {name: ROWS[name] for name in ROWS if name in options.rows or name == "plain mips"}
     found = []
     for entry in listed(options.models, cache, options.only)[0]:

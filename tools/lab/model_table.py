@@ -3,11 +3,13 @@
 """Writes docs/GLTF_MODELS.md: models of others and bumpy surfaces, drawn by three.js in every way that multum knows, at
 equal evaluations of a pixel's light.
 
-    tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--only NAME...] [--rows NAME...] [--distances M...]
+    tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--package FOLDER] [--only NAME...] [--rows NAME...]
+        [--distances METRES...]
 
 MODELS is a folder with the files of tools/lab/models.json, which says where each comes from. OUT is written anew after
 each model. The cache keeps dressed models, references and errors: what has not changed is not drawn again. With --only
-and --rows the document has only what was drawn. Needs Node.js, Chromium and the packages of tests/service/web.
+and --rows the document has only what was drawn. --package draws with another @multum/three, while models stay dressed by
+BIN_FOLDER. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
 import hashlib
@@ -46,14 +48,15 @@ def key_of(*parts):
 class Cache:
     """What was made before, by what it was made of."""
 
-    def __init__(self, folder, programs):
+    def __init__(self, folder, programs, package=None):
         self.folder = folder
         for name in ("dressed", "references", "rows", "surfaces"):
             (folder / name).mkdir(parents=True, exist_ok=True)
         self.multum = programs / "multum"
         self.multum_digest = digest(self.multum)
-        run(self.multum, "shaders", "-o", folder / "shaders")
-        self.package = folder / "shaders" / "three"
+        if package is None:
+            run(self.multum, "shaders", "-o", folder / "shaders")
+        self.package = package or folder / "shaders" / "three"
         self.scripts = {one.name: digest(one) for one in sorted(self.package.glob("*.js"))}
 
     def surfaces(self):
@@ -177,13 +180,14 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
+    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of the one in BIN_FOLDER's multum")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")
     parser.add_argument("--distances", nargs="+", type=float, default=DISTANCES, metavar="METRES")
     options = parser.parse_args()
     if not MODULES.exists():
         fail(f"found no {MODULES}: tools/install_dependencies test installs it")
-    cache = Cache(options.cache.resolve(), options.programs)
+    cache = Cache(options.cache.resolve(), options.programs, options.package)
     rows = {name: ROWS[name] for name in ROWS if name in options.rows}
     distances = [int(one) if float(one).is_integer() else one for one in options.distances]
     found = []
