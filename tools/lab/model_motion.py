@@ -103,7 +103,7 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
-    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of the one in BIN_FOLDER's multum")
+    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of what BIN_FOLDER writes")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(SHOWN), choices=ROWS, metavar="NAME")
     parser.add_argument("--distance", type=float, default=5, metavar="METRES")

@@ -8,7 +8,7 @@ equal evaluations of a pixel's light.
 
 MODELS is a folder with the files of tools/lab/models.json, which says where each comes from. OUT is written anew after
 each model. The cache keeps dressed models, references and errors: what has not changed is not drawn again. With --only
-and --rows the document has only what was drawn. --package draws with another @multum/three, while models stay dressed by
+and --rows the document has only what was drawn. --package draws with another @multum/three; models stay dressed by
 BIN_FOLDER. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
@@ -56,7 +56,7 @@ class Cache:
         self.multum_digest = digest(self.multum)
         if package is None:
             run(self.multum, "shaders", "-o", folder / "shaders")
-        self.package = package or folder / "shaders" / "three"
+        self.package = package.resolve() if package else folder / "shaders" / "three"
         self.scripts = {one.name: digest(one) for one in sorted(self.package.glob("*.js"))}
 
     def surfaces(self):
@@ -180,7 +180,7 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
-    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of the one in BIN_FOLDER's multum")
+    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of what BIN_FOLDER writes")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")
     parser.add_argument("--distances", nargs="+", type=float, default=DISTANCES, metavar="METRES")
