@@ -4,7 +4,7 @@
 equal evaluations of a pixel's light.
 
     tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--package FOLDER] [--only NAME...] [--rows NAME...]
-        [--distances METRES...]
+        [--distances METRES...] [--gltf=OPTIONS]
 
 MODELS is a folder with the files of tools/lab/models.json, which says where each comes from. OUT is written anew after
 each model. The cache keeps dressed models, references and errors: what has not changed is not drawn again. With --only
@@ -15,6 +15,7 @@ import argparse
 import hashlib
 import json
 import pathlib
+import shlex
 import sys
 import tempfile
 
@@ -122,6 +123,11 @@ def measure(cache, entry, rows, distances):
     return {"reports": reports, "views": views}
 
 
+def with_options(row, options):
+    """The row, dressed with more options."""
+    return row if row["dressed"] is None else {**row, "dressed": row["dressed"] + options}
+
+
 def link_rows(cache, entry, rows, folder):
     """Has `folder` show the files that `rows` draw of the model; returns the rows as model_page.js has them."""
     link_model(entry["path"], folder)
@@ -181,6 +187,7 @@ def main():
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
     parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of what BIN_FOLDER writes")
+    parser.add_argument("--gltf", default="", metavar="OPTIONS", help="more options of `multum gltf`, in one word")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")
     parser.add_argument("--distances", nargs="+", type=float, default=DISTANCES, metavar="METRES")
@@ -188,7 +195,7 @@ def main():
     if not MODULES.exists():
         fail(f"found no {MODULES}: tools/install_dependencies test installs it")
     cache = Cache(options.cache.resolve(), options.programs, options.package)
-    rows = {name: ROWS[name] for name in ROWS if name in options.rows}
+    rows = {name: with_options(ROWS[name], shlex.split(options.gltf)) for name in ROWS if name in options.rows}
     distances = [int(one) if float(one).is_integer() else one for one in options.distances]
     found = []
     entries, others = listed(options.models, cache, options.only)
