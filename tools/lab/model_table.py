@@ -71,8 +71,9 @@ class Cache:
         key = key_of(digest(model), self.multum_digest, options)
         out, report = (self.folder / "dressed" / f"{key}.{kind}" for kind in ("glb", "json"))
         if not report.exists():
-            dress(self.multum, model, out, self.folder / "dressed" / "part.json", *options)
-            (self.folder / "dressed" / "part.json").rename(report)
+            part = report.with_suffix(".part")
+            dress(self.multum, model, out, part, *options)
+            part.rename(report)
         return out, json.loads(report.read_text(encoding="utf-8"))
 
     def row_file(self, file, row, view, reach):
