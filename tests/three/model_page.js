@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of models by three.js, beside the mean of many samples a pixel of one of them without mips: what
+// Pictures of models by three.js, next to the mean of many samples per pixel of one of them without mips: what
 // model_pictures.mjs asks of a page.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { addPoints, GltfLobes, lobesOf } from "@multum/three";
-import { compared, toByte } from "./linear_pictures.js";
+import { compared } from "./linear_pictures.js";
+import { drawn, settled, strip } from "./model_drawing.js";
+import { changes, moved } from "./model_motion.js";
+import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
-const TILE = 1024; // pixels a side that are drawn at once
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
+// Noise of the reference that changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
+const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
+const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
 const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;
+const views = new Map(); // by name: { shot, reference, shown }
+let begun = null, held = []; // { model, gltfs }; what hold() loaded
 
 function materialsOf(model) {
   const found = new Set();
@@ -20,107 +27,48 @@ function materialsOf(model) {
   return [...found];
 }
 
-const loaded = new Map(); // promises, for all views of a page
-
-function load(model) {
-  const key = JSON.stringify(model);
-  if (!loaded.has(key)) loaded.set(key, loadAnew(model));
-  return loaded.get(key);
+/** `model` so large that half of its diagonal is `reach` metres; as it is without. */
+function resized(model, reach) {
+  if (reach === undefined) return;
+  const size = new THREE.Box3().setFromObject(model).getSize(new THREE.Vector3()).length() / 2;
+  model.scale.multiplyScalar(reach / size);
+  model.updateMatrixWorld(true);
 }
 
 /**
  * `lobes`: by the plugin; `points`: evaluations of a pixel's light without lobes, three.js's own shading where unset;
- * `options`: of either; `unfiltered`: its maps of normals and of the surface have no mips. All maps have the renderer's
- * most anisotropic filter.
+ * `options`: of either; `exact`: samples along each side of a pixel that every frame's shading averages; `unfiltered`
+ * and `exact`: its maps of normals and of the surface have no mips; `reach`: half of its diagonal, in metres. All maps
+ * have the renderer's most anisotropic filter.
  */
-async function loadAnew({ url, lobes = false, points, options = {}, unfiltered = false }) {
+async function load({ url, lobes = false, points, options = {}, unfiltered = false, exact, reach }) {
   const loader = new GLTFLoader().setKTX2Loader(ktx2);
   if (lobes) loader.register((parser) => new GltfLobes(parser, renderer, options));
   const gltf = await loader.loadAsync(url), anisotropy = renderer.capabilities.getMaxAnisotropy();
+  resized(gltf.scene, reach);
   for (const material of materialsOf(gltf.scene)) {
     for (const [name, map] of Object.entries(material)) {
       if (!map?.isTexture) continue;
-      if (unfiltered && DATA_MAPS.includes(name))
+      if ((unfiltered || exact) && DATA_MAPS.includes(name))
         Object.assign(map, { minFilter: THREE.LinearFilter, generateMipmaps: false });
       else map.anisotropy = anisotropy;
       map.needsUpdate = true;
     }
-    if (points !== undefined && material.isMeshStandardMaterial)
-      addPoints(material, { evaluations: points, ...options });
+    if (!material.isMeshStandardMaterial) continue;
+    if (exact) exactMaterial(material, exact);
+    else if (points !== undefined) addPoints(material, { evaluations: points, ...options });
   }
   return gltf;
 }
 
-/** Linear floats of `width` x `height` pixels, each the mean of `samples` x `samples`. */
-function drawn(scene, camera, width, height, samples) {
-  const made = new Float32Array(4 * width * height), tile = Math.floor(TILE / samples);
-  const target = new THREE.WebGLRenderTarget(tile * samples, tile * samples, { type: THREE.HalfFloatType });
-  const halves = new Uint16Array(4 * (tile * samples) ** 2);
-  renderer.setRenderTarget(target);
-  for (let top = 0; top < height; top += tile)
-    for (let left = 0; left < width; left += tile) {
-      const side = tile * samples;
-      camera.setViewOffset(width * samples, height * samples, left * samples, top * samples, side, side);
-      renderer.render(scene, camera);
-      renderer.readRenderTargetPixels(target, 0, 0, side, side, halves);
-      for (let y = 0; y < side; ++y)
-        for (let x = 0; x < side; ++x) {
-          const [column, row] = [left + Math.floor(x / samples), top + Math.floor((side - 1 - y) / samples)];
-          if (column >= width || row >= height) continue;
-          for (let c = 0; c < 4; ++c)
-            made[4 * (row * width + column) + c] += THREE.DataUtils.fromHalfFloat(halves[4 * (y * side + x) + c]) /
-              samples ** 2;
-        }
-    }
-  renderer.setRenderTarget(null);
-  target.dispose();
-  camera.clearViewOffset();
-  return made;
-}
-
-/**
- * The mean of `frames` x `frames` pictures, each shifted by a part of a pixel, as temporal antialiasing has them; each
- * with `edges` samples of edges.
- */
-function settled(scene, camera, width, height, frames, edges) {
-  const made = new Float32Array(4 * width * height), halves = new Uint16Array(made.length);
-  const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType, samples: edges });
-  renderer.setRenderTarget(target);
-  for (let frame = 0; frame < frames ** 2; ++frame) {
-    const shift = (k) => (k + 0.5) / frames - 0.5;
-    camera.setViewOffset(width, height, shift(frame % frames), shift(Math.floor(frame / frames)), width, height);
-    renderer.render(scene, camera);
-    renderer.readRenderTargetPixels(target, 0, 0, width, height, halves);
-    for (let y = 0; y < height; ++y)
-      for (let i = 0; i < 4 * width; ++i)
-        made[4 * y * width + i] += THREE.DataUtils.fromHalfFloat(halves[4 * (height - 1 - y) * width + i]) /
-          frames ** 2;
+/** Gives back what the GPU holds of it. */
+function unload(gltf) {
+  for (const lobes of gltf.userData.lobes ?? []) lobes.dispose();
+  gltf.scene.traverse(({ geometry }) => geometry?.dispose());
+  for (const material of materialsOf(gltf.scene)) {
+    for (const map of Object.values(material)) if (map?.isTexture) map.dispose();
+    material.dispose();
   }
-  renderer.setRenderTarget(null);
-  target.dispose();
-  camera.clearViewOffset();
-  return made;
-}
-
-/** Pictures side by side, of each the rectangle [x, y, width, height] enlarged `zoom` times, as a JPEG in base64. */
-async function strip(pictures, width, [x0, y0, w, h], zoom) {
-  const gap = 4, canvas = new OffscreenCanvas(pictures.length * (w * zoom + gap) - gap, h * zoom);
-  const context = canvas.getContext("2d");
-  context.fillStyle = "#888";
-  context.fillRect(0, 0, canvas.width, canvas.height);
-  pictures.forEach((pixels, number) => {
-    const image = context.createImageData(w * zoom, h * zoom);
-    for (let y = 0; y < h * zoom; ++y)
-      for (let x = 0; x < w * zoom; ++x)
-        for (let c = 0; c < 4; ++c)
-          image.data[4 * (y * w * zoom + x) + c] = c === 3 ? 255
-            : toByte(pixels[4 * ((y0 + Math.floor(y / zoom)) * width + x0 + Math.floor(x / zoom)) + c]);
-    context.putImageData(image, number * (w * zoom + gap), 0);
-  });
-  const blob = await canvas.convertToBlob({ type: "image/jpeg", quality: 0.88 });
-  let text = "";
-  for (const byte of new Uint8Array(await blob.arrayBuffer())) text += String.fromCharCode(byte);
-  return btoa(text);
 }
 
 /** A view of all of `model` from `distance`, `direction` from its middle, and what of the picture to enlarge. */
@@ -128,23 +76,17 @@ function framed(model, { direction, distance, ...view }) {
   const box = new THREE.Box3().setFromObject(model), target = box.getCenter(new THREE.Vector3());
   const eye = new THREE.Vector3(...direction).normalize().multiplyScalar(distance).add(target);
   const reach = box.getSize(new THREE.Vector3()).length() / 2;
-  const seen = reach / (distance * Math.tan(view.angle * Math.PI / 360)); // of half the picture
-  const share = Math.min(1, seen), { width, height } = view;
-  const [w, h] = [Math.ceil(width * share), Math.ceil(height * share)];
+  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // to where a ray touches the sphere about it
+  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // of half the picture
+  const share = Math.min(1, seen), side = 2 * Math.ceil(0.5 * height * share);
+  const [w, h] = [Math.min(width, side), Math.min(height, side)];
   return { ...view, eye: eye.toArray(), target: target.toArray(), zoom: Math.max(1, Math.round(1 / share)),
     crop: [(width - w) >> 1, (height - h) >> 1, w, h] };
 }
 
-/**
- * `models`: [{ url, lobes, points, options }], the first the one whose unfiltered samples are the reference.
- * `asked`: { eye, target, angle, width, height, samples, frames, edges, light, intensity, room, crop, zoom }, or
- * direction and distance in place of eye, target, crop and zoom. Returns { models: [{ error, energy, lobed }], zoom,
- * strip }, the reference first in the strip; `lobed`: how many materials draw lobes.
- */
-async function pictures(models, asked) {
-  const unfiltered = await load({ ...models[0], unfiltered: true });
-  const view = asked.direction ? framed(unfiltered.scene, asked) : asked, { width, height } = view;
-  const camera = new THREE.PerspectiveCamera(view.angle, width / height, 0.01, 1000);
+/** How `view` shows a model. */
+function shotOf(view) {
+  const camera = new THREE.PerspectiveCamera(view.angle, view.width / view.height, 0.01, 1000);
   camera.position.set(...view.eye);
   camera.lookAt(...view.target);
   const sceneOf = (model) => {
@@ -157,17 +99,133 @@ async function pictures(models, asked) {
     scene.environmentIntensity = view.room;
     return scene;
   };
-  const reference = drawn(sceneOf(unfiltered.scene), camera, width, height, view.samples);
-  const shown = [reference], found = [];
-  for (const model of models) {
-    const gltf = await load(model);
-    const lobed = materialsOf(gltf.scene).filter((material) => lobesOf(material) !== null).length;
-    shown.push(settled(sceneOf(gltf.scene), camera, width, height, view.frames, view.edges));
-    found.push({ ...compared(shown.at(-1), reference), lobed });
-  }
-  const error = renderer.getContext().getError();
-  if (error !== 0) throw new Error(`GL error ${error}`);
-  return { models: found, zoom: view.zoom, strip: await strip(shown, width, view.crop, view.zoom) };
+  return { ...view, camera, sceneOf };
 }
 
-globalThis.lab = { pictures, load };
+function shotFrom(model, asked) {
+  const view = asked.direction ? framed(model, asked) : asked;
+  return shotOf(asked.moved ? { ...moved(view, asked.moved), crop: [0, 0, view.width, view.height] } : view);
+}
+
+const added = (sum, pixels) => pixels.forEach((value, i) => { sum[i] += value; });
+const scaled = (pixels, factor) => pixels.map((value) => factor * value);
+
+/**
+ * The mean of grids of `shot.samples` x `shot.samples` samples per pixel, each grid shifted by a part of a sample, and
+ * the floor over the same samples: one frame whose pixels have exact normals, colours and curvature, so that only the
+ * edges of triangles differ. One grid and no floor where `exact` is null; else as many as keep the noise, half of the
+ * difference of two halves, below NOISE_SHARE of the floor's error or below NOISE_SMALL, and at most as many samples as
+ * `shot.grids` grids of the whole picture have.
+ */
+function measured(shot, unfiltered, exact) {
+  const { camera, width, height, samples, crop } = shot, scene = shot.sceneOf(unfiltered.scene);
+  const grid = (number) => drawn(renderer, scene, camera,
+    { width, height, samples, crop, shift: shiftOfGrid(number) });
+  if (exact === null) return { pixels: grid(0), grids: 1 };
+  const halves = [0, 1].map(() => new Float32Array(4 * width * height)), floor = new Float32Array(4 * width * height);
+  const floorScene = shot.sceneOf(exact.scene);
+  const most = Math.min(GRIDS_MAX, shot.grids * width * height / (crop[2] * crop[3]));
+  for (let grids = 2; ; grids *= 2) {
+    for (let number = grids === 2 ? 0 : grids / 2; number < grids; ++number) {
+      added(halves[number % 2], grid(number));
+      exact.setGrid(number);
+      added(floor, settled(renderer, floorScene, camera, { ...shot, frames: 1 }));
+    }
+    const [a, b] = halves.map((half) => scaled(half, 2 / grids)), pixels = a.map((value, i) => (value + b[i]) / 2);
+    const noise = compared(a, b).error / 2, found = compared(scaled(floor, 1 / grids), pixels);
+    if (noise <= Math.max(NOISE_SHARE * found.error, NOISE_SMALL) || 2 * grids > most)
+      return { pixels, floorPixels: scaled(floor, 1 / grids), grids, noise, floor: found };
+  }
+}
+
+const toText = (pixels) => {
+  let text = "";
+  for (const byte of new Uint8Array(pixels.buffer)) text += String.fromCharCode(byte);
+  return btoa(text);
+};
+const toPixels = (text) => new Float32Array(Uint8Array.from(atob(text), (one) => one.charCodeAt(0)).buffer);
+
+/** Begins with another model, { url, reach }, whose references are drawn next. */
+async function begin(model) {
+  views.clear();
+  if (begun) Object.values(begun.gltfs).forEach(unload);
+  begun = { model, gltfs: { unfiltered: await load({ ...model, unfiltered: true }) } };
+}
+
+/** What its shading is exact in, for the grids of samples that the reference has. */
+async function exactOf(samples) {
+  begun.gltfs.exact ??= await load({ ...begun.model, exact: samples });
+  const { scene } = begun.gltfs.exact;
+  return { scene, setGrid(number) { for (const one of materialsOf(scene)) one.userData.setGrid?.(number); } };
+}
+
+/**
+ * Draws the reference of a view: { name, eye, target, angle, width, height, samples, frames, edges, light, intensity,
+ * room, crop, zoom, moved }, or direction and distance in place of eye, target, crop and zoom; with `grids`, the floor
+ * too. `moved`: { motion, step } of model_motion.js.
+ * Returns { pixels, grids, noise, floor }, pixels as text. `kept`: the same from before, drawn no more.
+ */
+async function refer(view, kept = null) {
+  const { unfiltered } = begun.gltfs, shot = shotFrom(unfiltered.scene, view);
+  const reference = kept ? { ...kept, pixels: toPixels(kept.pixels) }
+    : measured(shot, unfiltered, view.grids ? await exactOf(view.samples) : null);
+  views.set(view.name, { shot, reference, shown: [reference.pixels] });
+  return { ...reference, floorPixels: undefined, pixels: toText(reference.pixels) };
+}
+
+/**
+ * Draws `model`, { url, lobes, points, options, reach }, in all views. Returns by view { error, energy, lobed }, the
+ * last being how many materials draw lobes.
+ */
+async function draw(model) {
+  const gltf = await load(model), found = {};
+  const lobed = materialsOf(gltf.scene).filter((material) => lobesOf(material) !== null).length;
+  for (const [name, { shot, reference, shown }] of views) {
+    shown.push(settled(renderer, shot.sceneOf(gltf.scene), shot.camera, shot));
+    found[name] = { ...compared(shown.at(-1), reference.pixels), lobed };
+  }
+  unload(gltf);
+  const error = renderer.getContext().getError();
+  if (error !== 0) throw new Error(`GL error ${error}`);
+  return found;
+}
+
+/** The reference of a view and what draw() drew, side by side: { zoom, strip }, a JPEG in base64. */
+async function side(name) {
+  const { shot, shown } = views.get(name);
+  return { zoom: shot.zoom, strip: await strip(shown, shot.width, shot.crop, shot.zoom) };
+}
+
+/** Of the views `names`, neighbours in time: what changes() finds in each picture that draw() drew, in that order. */
+function motion(names) {
+  const floors = names.map((name) => views.get(name).reference.floorPixels);
+  const [references, ...drawn] = views.get(names[0]).shown.map((_, number) =>
+    names.map((name) => views.get(name).shown[number]));
+  return drawn.map((frames) => changes(frames, references, floors));
+}
+
+/** Loads models that repeat() draws; returns how many seconds each took. */
+async function hold(models) {
+  held = [];
+  const seconds = [];
+  for (const model of models) {
+    const begin = performance.now();
+    held.push(await load(model));
+    seconds.push((performance.now() - begin) / 1000);
+  }
+  return seconds;
+}
+
+/** Draws `count` frames of held model `number` in the view `name`, and waits for the last. */
+function repeat(number, name, count) {
+  const { shot } = views.get(name), scene = shot.sceneOf(held[number].scene), pixel = new Uint16Array(4);
+  const { width, height, edges: samples } = shot;
+  const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType, samples });
+  renderer.setRenderTarget(target);
+  for (let frame = 0; frame < count; ++frame) renderer.render(scene, shot.camera);
+  renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel);
+  renderer.setRenderTarget(null);
+  target.dispose();
+}
+
+globalThis.lab = { begin, refer, draw, side, motion, hold, repeat };

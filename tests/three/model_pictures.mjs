@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { models: [{ file, lobes, points,
-// options }], views: [of model_page.js, named] }, the first model the one that the reference is of, files beside the
-// plan. Writes NAME.jpg of each view to OUT; prints JSON: by view, error and energy of each model. Exit code 77: no
-// browser here.
+// Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { reference, models: [{ file, lobes,
+// points, options }], reach, views: [of model_page.js, named], keep, strips }, files next to the plan. The reference is
+// of the file `reference`, else of the first model. `keep`: by view, the file that keeps its reference. Writes NAME.jpg
+// of each view to OUT, but where `strips` is false; prints JSON: by view, error and energy of each model, and with
+// `grids` the floor and the reference's noise. Exit code 77: no browser here.
 //
 //   node model_pictures.mjs PACKAGE PLAN.json OUT
-import { readFileSync, writeFileSync } from "node:fs";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { executablePath, openPage } from "./addon_browser.mjs";
 
@@ -17,14 +18,28 @@ const { chromium } = await import("../service/web/node_modules/playwright-core/i
   skip("no playwright-core: tools/install_dependencies test"));
 const { page, complaints, close } = await openPage(chromium, { package: packageFolder, files: path.dirname(planFile),
   script: "model_page.js" });
+const keep = plan.keep ?? {}; // by view, the file of its reference
 try {
-  const models = plan.models.map(({ file, ...ways }) => ({ url: `/files/${file}`, ...ways }));
+  page.setDefaultTimeout(600000);
+  const models = plan.models.map(({ file, ...ways }) => ({ url: `/files/${file}`, reach: plan.reach, ...ways }));
+  const reference = { url: `/files/${plan.reference ?? plan.models[0].file}`, reach: plan.reach };
   const found = {};
-  for (const { name, ...view } of plan.views) {
-    page.setDefaultTimeout(600000);
-    const drawn = await page.evaluate(([all, one]) => globalThis.lab.pictures(all, one), [models, view]);
-    writeFileSync(path.join(out, `${name}.jpg`), Buffer.from(drawn.strip, "base64"));
-    found[name] = { models: drawn.models, zoom: drawn.zoom };
+  await page.evaluate((model) => globalThis.lab.begin(model), reference);
+  for (const view of plan.views) {
+    const file = keep[view.name], isKept = file !== undefined && existsSync(file);
+    const made = await page.evaluate(([one, before]) => globalThis.lab.refer(one, before),
+      [view, isKept ? JSON.parse(readFileSync(file, "utf8")) : null]);
+    if (file !== undefined && !isKept) writeFileSync(file, JSON.stringify(made));
+    found[view.name] = { models: [], ...made, pixels: undefined };
+  }
+  for (const model of models)
+    for (const [name, one] of Object.entries(await page.evaluate((asked) => globalThis.lab.draw(asked), model)))
+      found[name].models.push(one);
+  for (const { name } of plan.views) {
+    if (plan.strips === false) break;
+    const { strip, zoom } = await page.evaluate((one) => globalThis.lab.side(one), name);
+    writeFileSync(path.join(out, `${name}.jpg`), Buffer.from(strip, "base64"));
+    found[name].zoom = zoom;
   }
   console.log(JSON.stringify({ views: found, complaints }));
 } finally {

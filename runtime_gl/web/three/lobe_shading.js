@@ -147,6 +147,13 @@ void multum_decide() {
 
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
+// Octaves that a point's part of the pixel takes off the levels of all other maps: evaluations that are spent on lobes
+// leave fewer and larger parts.
+float multum_map_bias() {
+  vec2 points = vec2(multum_points());
+  return MULTUM_MAP_BIAS - 0.5 * log2(points.x * points.y);
+}
+
 // Point of the evaluation, from the pixel's middle, in pixels.
 vec2 multum_shift(int evaluation) {
   ivec2 points = multum_points();

@@ -41,6 +41,7 @@ ${each((name) => `multum_move_${name}(by)`)}}
 // Without lobes.
 const PLAIN = `
 void multum_decide() {}
+float multum_map_bias() { return MULTUM_MAP_BIAS - 0.5 * log2(float(MULTUM_EVALUATIONS)); }
 vec2 multum_shift(int evaluation) {
   return (vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5) / vec2(MULTUM_POINTS) - 0.5;
 }
@@ -90,8 +91,9 @@ const VARIANCE = `{
 
 /**
  * The fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, its maps sampled
- * MULTUM_MAP_BIAS octaves coarser than over all of it. `defines` by name. `lobes`: GLSL with multum_decide() and
- * multum_shift(), which replaces points alone, and in which the change of the geometry's normals is.
+ * MULTUM_MAP_BIAS octaves coarser than a point's part of it asks for. `defines` by name. `lobes`: GLSL with
+ * multum_decide(), multum_shift() and multum_map_bias(), which replaces points alone, and in which the change of the
+ * geometry's normals is.
  * `edit(name, text)`: what stands in place of a chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
@@ -105,7 +107,7 @@ export function fragmentAtPoints(fragment, chunks, revision,
     fragment.slice(first, behind));
   body = written(body, (name) => chunks[name] !== undefined);
   body = replaced(body, GEOMETRY, lobes === null ? VARIANCE : "", revision);
-  body = body.replace(/texture2D\( (\w+), (v\w+Uv) \)/g, "texture2D( $1, $2, MULTUM_MAP_BIAS )");
+  body = body.replace(/texture2D\( (\w+), (v\w+Uv) \)/g, "texture2D( $1, $2, multum_map_bias() )");
   const opaque = replaced(chunks.opaque_fragment, "material.transmissionAlpha", "multum_transmission", revision);
   const rest = ALPHA_TESTS.map((name) => `#include <${name}>\n`).join("") +
     replaced(fragment.slice(behind), BODY[1], opaque, revision);

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials of three.js whose shading averages a grid of places of each pixel, while edges stay those of one frame: the
+// error that is left is that of edges, whatever the textures say.
+import { REVISION, ShaderChunk } from "three";
+import { fragmentAtPoints } from "/package/shading_points.js";
+
+/** Where grid `number` of samples lies, in samples: low discrepancy, the first in the middle. */
+export function shiftOfGrid(number) {
+  const part = (step) => (0.5 + number * step) % 1 - 0.5;
+  return [part(0.7548776662466927), part(0.5698402909980532)]; // of the plastic number: Roberts's R2
+}
+
+// The package's loop over points, without its term for the change of normals.
+const PLACES = `
+uniform vec2 multum_grid_shift;
+void multum_decide() {}
+float multum_map_bias() { return MULTUM_MAP_BIAS; }
+vec2 multum_shift(int evaluation) {
+  vec2 place = vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5 + multum_grid_shift;
+  return place / vec2(MULTUM_POINTS) - 0.5;
+}
+`;
+
+/** Has `material` average `samples` x `samples` places; its userData.setGrid(number) moves them. */
+export function exactMaterial(material, samples) {
+  const shift = { value: [0, 0] };
+  const defines = { MULTUM_EVALUATIONS: samples ** 2, MULTUM_POINTS: `ivec2(${samples})`,
+    MULTUM_MAP_BIAS: (-Math.log2(samples)).toFixed(3) };
+  material.onBeforeCompile = (shader) => {
+    shader.uniforms.multum_grid_shift = shift;
+    shader.fragmentShader = fragmentAtPoints(shader.fragmentShader, ShaderChunk, REVISION, { defines, lobes: PLACES });
+  };
+  material.customProgramCacheKey = () => `exact ${samples}`;
+  material.userData.setGrid = (number) => {
+    const [x, down] = shiftOfGrid(number);
+    shift.value = [x, -down];
+  };
+  material.needsUpdate = true;
+}

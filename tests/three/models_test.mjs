@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Has three.js draw four small models and four bumpy surfaces that `multum gltf --lobes` dressed: plain mips, points,
+// one lobe, lobes and the rule, at equal evaluations. Asserts which way wins, and by how much. Exit code 77: skipped.
+//
+//   node models_test.mjs BIN_FOLDER
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { executablePath, openPage } from "./addon_browser.mjs";
+import { writeModels, writeSurfaces } from "./bumpy_models.mjs";
+
+const [bin] = process.argv.slice(2);
+const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
+if (executablePath === undefined) skip("no Chromium (Debian package chromium-headless-shell)");
+const { chromium } = await import("../service/web/node_modules/playwright-core/index.mjs").catch(() =>
+  skip("no playwright-core: tools/install_dependencies test"));
+
+const TEXELS = 256;
+const VIEW = { name: "far", distance: 5, direction: [0.3, 0.1, 1], angle: 45, width: 80, height: 100, samples: 8,
+  frames: 1, edges: 4, light: [1, 1, 0.6], intensity: 3, room: 0.3, grids: 4 };
+const REACH = 1.2; // metres: half of the diagonal of each
+const EVALUATIONS = 4;
+const dressed = (name) => `${name}_dressed.glb`;
+const ROWS = {
+  plain: (name) => ({ file: `${name}.glb` }),
+  points: (name) => ({ file: `${name}.glb`, points: EVALUATIONS }),
+  one: (name) => ({ file: dressed(name) }),
+  lobes: (name) => ({ file: dressed(name), lobes: true, options: { evaluations: EVALUATIONS, spend: "lobes" } }),
+  rule: (name) => ({ file: dressed(name), lobes: true, options: { evaluations: EVALUATIONS } }),
+};
+
+const folder = mkdtempSync(path.join(os.tmpdir(), "multum-models-"));
+const run = (...words) => execFileSync(path.join(bin, "multum"), words, { cwd: folder, encoding: "utf8",
+  stdio: ["ignore", "pipe", "pipe"] });
+const percent = (error) => `${(100 * error).toFixed(1)} %`;
+
+/** By row { error, energy, lobed }, and the floor's and the reference's noise. */
+async function measured(page, name) {
+  await page.evaluate((model) => globalThis.lab.begin(model), { url: `/files/${name}.glb`, reach: REACH });
+  const { floor, noise } = await page.evaluate((view) => globalThis.lab.refer(view), VIEW);
+  const found = { floor, noise };
+  for (const [row, asked] of Object.entries(ROWS)) {
+    const { file, ...ways } = asked(name);
+    const model = { url: `/files/${file}`, reach: REACH, ...ways };
+    found[row] = (await page.evaluate((asked) => globalThis.lab.draw(asked), model)).far;
+  }
+  console.log(`  ${name}: ${Object.keys(ROWS).map((row) => `${row} ${percent(found[row].error)} ` +
+    `(${found[row].energy.toFixed(3)})`).join(", ")}, floor ${percent(floor.error)}, noise ${percent(noise)}`);
+  return found;
+}
+
+/** (error - floor) / (plain - floor). */
+const share = (found, row) =>
+  (found[row].error - found.floor.error) / (found.plain.error - found.floor.error);
+
+// Points that the rule may be above the better of points and lobes. A model's goal is 0.3; more is what it is today.
+const RULE_ABOVE = { domes: 1.2, flakes_sphere: 3.5, bricks_sphere: 1.2 }, RULE_GOAL = 0.3;
+// Points that one lobe may be above plain mips: the goal is 0.2.
+const ONE_ABOVE = { flakes_sphere: 5 }, ONE_GOAL = 0.3;
+const SHARES_MOST = { // of the gap between plain mips and the floor
+  hammered_sphere: { one: 0.7, lobes: 0.3, rule: 0.3 }, flakes_sphere: { lobes: 0.65, rule: 0.75 },
+  bricks_sphere: { lobes: 0.5, rule: 0.6 }, water_sphere: { one: 0.75, lobes: 0.55, rule: 0.55 },
+  domes: { one: 0.6, lobes: 0.2, rule: 0.2 }, barrel: { rule: 0.35 }, cover: { rule: 0.3 },
+};
+
+function check(name, found) {
+  const above = (row, other) => 100 * (found[row].error - found[other].error);
+  const holds = (value, most, what) =>
+    assert.ok(value <= most, `${name}: ${what} ${value.toFixed(2)}, expected at most ${most}`);
+  for (const row of ["lobes", "rule"]) assert.equal(found[row].lobed, 1, `${name}, ${row}: material without lobes`);
+  for (const row of Object.keys(ROWS)) holds(-above(row, "floor"), 0, `${row} below the floor by`);
+  holds(Math.max(above("rule", "points"), above("rule", "lobes")), RULE_ABOVE[name] ?? RULE_GOAL,
+    "points of the rule above the better of points and lobes");
+  holds(above("one", "plain"), ONE_ABOVE[name] ?? ONE_GOAL, "points of one lobe above plain mips");
+  for (const [row, most] of Object.entries(SHARES_MOST[name] ?? {}))
+    holds(share(found, row), most, `share of plain mips' error that ${row} keeps:`);
+}
+
+let browser;
+try {
+  const surfaces = writeSurfaces(folder, TEXELS).filter((name) => name.endsWith("_sphere"));
+  const models = writeModels(folder, TEXELS), names = [...models, ...surfaces];
+  run("shaders", "-o", "shaders");
+  for (const name of names) run("gltf", `${name}.glb`, "--lobes", "--format", "rgba8", "-o", dressed(name));
+  browser = await openPage(chromium, { package: path.join(folder, "shaders", "three"), files: folder,
+    script: "model_page.js" });
+  const found = {};
+  for (const name of names) found[name] = await measured(browser.page, name);
+  assert.deepEqual(browser.complaints, []);
+  for (const name of names) check(name, found[name]);
+} finally {
+  if (browser) await browser.close();
+  rmSync(folder, { recursive: true });
+}

@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/GLTF_MODELS.md: models of others and bumpy surfaces, drawn by three.js in every way that multum knows, at
+equal evaluations of a pixel's light.
+
+    tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--package FOLDER] [--only NAME...] [--rows NAME...]
+        [--distances METRES...] [--gltf=OPTIONS]
+
+MODELS is a folder with the files of tools/lab/models.json, which says where each comes from. OUT is written anew after
+each model. The cache keeps dressed models, references and errors: what has not changed is not drawn again. With --only
+and --rows the document has only what was drawn. --package draws with another @multum/three; models stay dressed by
+BIN_FOLDER. Needs Node.js, Chromium and the packages of tests/service/web.
+"""
+import argparse
+import hashlib
+import json
+import pathlib
+import shlex
+import sys
+import tempfile
+
+import model_table_text
+from model_views import DISTANCES, MODULES, ROOT, VIEW, digest, draw, dress, fail, link_model, run
+
+LIST = ROOT / "tools" / "lab" / "models.json"
+SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
+SURFACE_TEXELS = 1024
+SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
+DRAWING = 1  # of tests/three/model_page.js: raise it where the pictures change
+GRIDS = 2  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
+COUNTS = (1, 4, 8, 16)  # evaluations
+# By name: `dressed`, options of `multum gltf`, None for the model itself; the rest as model_page.js has it.
+ROWS = {"plain mips": {"dressed": None}}
+ROWS |= {f"points, {n}": {"dressed": None, "points": n} for n in COUNTS}
+ROWS |= {"one lobe": {"dressed": ["--lobes"]}}
+ROWS |= {f"one lobe and points, {n}": {"dressed": ["--lobes"], "points": n} for n in COUNTS}
+for ROW_NAME, SPEND in (("lobes", "lobes"), ("rule", "auto")):
+    ROWS |= {f"{ROW_NAME}, {n}": {"dressed": ["--lobes"], "lobes": True, "options": {"evaluations": n, "spend": SPEND}}
+             for n in COUNTS}
+ROWS_AT_ONCE = 6  # what a browser draws before it is kept
+# Files of the package that a row depends on.
+POINT_SCRIPTS = ("lobe_material.js", "shading_points.js")
+
+
+def key_of(*parts):
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
+
+
+class Cache:
+    """What was made before, by what it was made of."""
+
+    def __init__(self, folder, programs, package=None):
+        self.folder = folder
+        for name in ("dressed", "references", "rows", "surfaces"):
+            (folder / name).mkdir(parents=True, exist_ok=True)
+        self.multum = programs / "multum"
+        self.multum_digest = digest(self.multum)
+        if package is None:
+            run(self.multum, "shaders", "-o", folder / "shaders")
+        self.package = package.resolve() if package else folder / "shaders" / "three"
+        self.scripts = {one.name: digest(one) for one in sorted(self.package.glob("*.js"))}
+
+    def surfaces(self):
+        """Models of the bumpy surfaces, as models.json has models."""
+        names = run("node", SURFACES, self.folder / "surfaces", SURFACE_TEXELS).split()
+        return [{"name": name.removesuffix(".glb"), "path": self.folder / "surfaces" / name, "reach": SURFACE_REACH,
+                 "surface": True} for name in names if "_" in name]
+
+    def dressed(self, model, options):
+        """The model after `multum gltf`, and its report."""
+        key = key_of(digest(model), self.multum_digest, options)
+        out, report = (self.folder / "dressed" / f"{key}.{kind}" for kind in ("glb", "json"))
+        if not report.exists():
+            part = report.with_suffix(".part")
+            dress(self.multum, model, out, part, *options)
+            part.rename(report)
+        return out, json.loads(report.read_text(encoding="utf-8"))
+
+    def row_file(self, file, row, view, reach):
+        """Where the errors of a row are kept."""
+        names = self.scripts if row.get("lobes") else POINT_SCRIPTS if "points" in row else ()
+        scripts = [self.scripts[name] for name in names]
+        ways = {name: value for name, value in row.items() if name != "dressed"}
+        return self.folder / "rows" / f"{key_of(DRAWING, digest(file), ways, view, reach, scripts)}.json"
+
+    def reference_file(self, file, view, reach):
+        return self.folder / "references" / f"{key_of(DRAWING, digest(file), view, reach)}.json"
+
+
+def view_from(distance):
+    return {**VIEW, "distance": distance, "grids": GRIDS}
+
+
+def file_of(cache, entry, row):
+    """What the row draws of the model: itself, or dressed."""
+    return entry["path"] if row["dressed"] is None else cache.dressed(entry["path"], row["dressed"])[0]
+
+
+def measure(cache, entry, rows, distances):
+    """{ reports, views: by distance { rows, floor, noise, grids } } of one model."""
+    source, reach = entry["path"], entry.get("reach")
+    files = {name: file_of(cache, entry, row) for name, row in rows.items()}
+    reports = {" ".join(row["dressed"]): cache.dressed(source, row["dressed"])[1] for row in rows.values()
+               if row["dressed"] is not None}
+    wanted = {}  # rows to draw, by the distances that they lack
+    for name, row in rows.items():
+        lacking = tuple(one for one in distances if not
+                        cache.row_file(files[name], row, view_from(one), reach).exists())
+        if lacking:
+            wanted.setdefault(lacking, []).append(name)
+    unseen = tuple(one for one in distances if not cache.reference_file(source, view_from(one), reach).exists())
+    if unseen:
+        wanted.setdefault(unseen, [])
+    for lacking, names in wanted.items():
+        for first in range(0, max(1, len(names)), ROWS_AT_ONCE):
+            part = names[first:first + ROWS_AT_ONCE]
+            draw_rows(cache, entry, {name: rows[name] for name in part}, lacking)
+    views = {}
+    for one in distances:
+        kept = json.loads(cache.reference_file(source, view_from(one), reach).read_text(encoding="utf-8"))
+        views[one] = {**{key: kept[key] for key in ("floor", "noise", "grids")}, "rows": {
+            name: json.loads(cache.row_file(files[name], row, view_from(one), reach).read_text(encoding="utf-8"))
+            for name, row in rows.items()}}
+    return {"reports": reports, "views": views}
+
+
+def with_options(row, options):
+    """The row, dressed with more options."""
+    return row if row["dressed"] is None else {**row, "dressed": row["dressed"] + options}
+
+
+def link_rows(cache, entry, rows, folder):
+    """Has `folder` show the files that `rows` draw of the model; returns the rows as model_page.js has them."""
+    link_model(entry["path"], folder)
+    models = []
+    for row in rows.values():
+        file = file_of(cache, entry, row)
+        if row["dressed"] is not None:
+            (folder / file.name).unlink(missing_ok=True)
+            (folder / file.name).symlink_to(file.resolve())
+        models.append({**{key: value for key, value in row.items() if key != "dressed"}, "file": file.name})
+    return models
+
+
+def draw_rows(cache, entry, rows, distances):
+    """Draws them into the cache."""
+    source, reach = entry["path"], entry.get("reach")
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        models = link_rows(cache, entry, rows, folder)
+        plan = {"reference": source.name, "models": models, "strips": False,
+                "views": [{**view_from(one), "name": str(one)} for one in distances],
+                "keep": {str(one): str(cache.reference_file(source, view_from(one), reach)) for one in distances}}
+        if reach is not None:
+            plan["reach"] = reach
+        drawn = draw(cache.package, plan, folder)
+    for one in distances:
+        for row, found in zip(rows.values(), drawn[str(one)]["models"]):
+            file = cache.row_file(file_of(cache, entry, row), row, view_from(one), reach)
+            file.write_text(json.dumps(found), encoding="utf-8")
+
+
+def listed(folder, cache, only):
+    """What to measure, and the names of the rest; stops where a listed file is another."""
+    entries = json.loads(LIST.read_text(encoding="utf-8"))
+    for entry in entries:
+        entry["path"] = folder / entry["file"]
+    entries += cache.surfaces()
+    names = [entry["name"] for entry in entries]
+    if only:
+        unknown = set(only) - set(names)
+        if unknown:
+            fail(f"--only: found {', '.join(sorted(unknown))}, expected names of {LIST.name} or of surfaces")
+        entries = sorted((entry for entry in entries if entry["name"] in only),
+                         key=lambda entry: only.index(entry["name"]))
+    for entry in entries:
+        if not entry["path"].exists():
+            fail(f"found no {entry['path']}, expected {entry['source']}")
+        if "sha256" in entry and digest(entry["path"]) != entry["sha256"]:
+            fail(f"{entry['path']}: found SHA-256 {digest(entry['path'])}..., expected {entry['sha256']}")
+    return entries, [name for name in names if only and name not in only]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("programs", type=pathlib.Path)
+    parser.add_argument("models", type=pathlib.Path)
+    parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("--cache", type=pathlib.Path, required=True)
+    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of what BIN_FOLDER writes")
+    parser.add_argument("--gltf", default="", metavar="OPTIONS", help="more options of `multum gltf`, in one word")
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
+    parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")
+    parser.add_argument("--distances", nargs="+", type=float, default=DISTANCES, metavar="METRES")
+    options = parser.parse_args()
+    if not MODULES.exists():
+        fail(f"found no {MODULES}: tools/install_dependencies test installs it")
+    cache = Cache(options.cache.resolve(), options.programs, options.package)
+    rows = {name: with_options(ROWS[name], shlex.split(options.gltf)) for name in ROWS if name in options.rows}
+    distances = [int(one) if float(one).is_integer() else one for one in options.distances]
+    found = []
+    entries, others = listed(options.models, cache, options.only)
+    for number, entry in enumerate(entries):
+        print(entry["name"], file=sys.stderr, flush=True)
+        found.append((entry, measure(cache, entry, rows, distances)))
+        lacking = [one["name"] for one in entries[number + 1:]] + others
+        options.out.write_text(model_table_text.document(found, list(rows), COUNTS, VIEW, lacking), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Models as three.js draws them from near and far: the views of docs/GLTF_EXAMPLE.md and docs/GLTF_MODELS.md, and what
+draws them in Chromium."""
+import hashlib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import urllib.parse
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+MODULES = ROOT / "tests" / "service" / "web" / "node_modules"
+DISTANCES = (1, 5, 25, 50)  # metres
+VIEW = {"direction": [0.3, 0.1, 1.0], "angle": 45, "width": 200, "height": 250, "samples": 12, "frames": 1, "edges": 4,
+        "light": [1.0, 1.0, 0.6], "intensity": 3.0, "room": 0.3}
+
+
+def fail(what):
+    sys.exit(f"{os.path.basename(sys.argv[0])}: {what}")
+
+
+def run(*arguments):
+    """What the program prints; stops where it fails."""
+    done = subprocess.run([str(one) for one in arguments], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        fail(f"{arguments[0]} failed: {done.stderr or done.stdout}")
+    return done.stdout
+
+
+def files_of(model):
+    """The model and what it names beside itself, as paths from the model's folder."""
+    text = json.loads(model.read_text(encoding="utf-8")) if model.suffix == ".gltf" else {}
+    names = [one["uri"] for kind in ("buffers", "images") for one in text.get(kind, []) if "uri" in one]
+    return [model.name] + [urllib.parse.unquote(name) for name in names if not name.startswith("data:")]
+
+
+def link_model(model, folder):
+    """Has `folder` show the model and what it names; its path there is the model's name."""
+    for name in files_of(model):
+        link = folder / name
+        link.parent.mkdir(parents=True, exist_ok=True)
+        link.unlink(missing_ok=True)
+        link.symlink_to((model.parent / name).resolve())
+
+
+def digest(model):
+    """Of the file alone: 16 digits of its SHA-256."""
+    return hashlib.sha256(model.read_bytes()).hexdigest()[:16]
+
+
+def dress(multum, model, out, report, *options):
+    """Writes the dressed model, with UASTC."""
+    run(multum, "gltf", model, *options, "-o", out, "--encoder", MODULES, "--report", report)
+
+
+def draw(package, plan, folder):
+    """What model_pictures.mjs says of `plan`, whose files are in `folder`; pictures go there too."""
+    (folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    drawn = json.loads(run("node", ROOT / "tests/three/model_pictures.mjs", package, folder / "plan.json", folder))
+    if drawn["complaints"]:
+        fail(f"three.js complains: {drawn['complaints']}")
+    return drawn["views"]
+
+
+def megabytes(count):
+    return f"{count / 1e6:.2f} MB"
+
+
+def byte_text(report):
+    texts = []
+    for kind, name in (("normal", "fitted normals"), ("metallic_roughness", "fitted roughness and metalness"),
+                       ("lobes", "lobes")):
+        texts.append(f"{name} {megabytes(sum(one['bytes'].get(kind, 0) for one in report['textures']))}")
+    fitted = sum(one["fitted"] for one in report["materials"])
+    return (f"{megabytes(report['bytes_before'])} before, {megabytes(report['bytes_after'])} after. Fitted materials: "
+            f"{fitted} of {len(report['materials'])}; sets of textures: {len(report['textures'])}; {', '.join(texts)}.")
