@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-constexpr double kLightIntensity = 3.0, kSkyIntensity = 0.3;  // as docs/GLTF_EXAMPLE.md's scenes have them
+constexpr double kLightIntensity = 3.0, kRoomIntensity = 0.3;  // as docs/GLTF_EXAMPLE.md's scenes have them
 constexpr double kRoughnessLeast = 0.0525;                    // three.js's
 constexpr double kDielectric = 0.04;                          // reflectance along the normal
 
@@ -24,9 +24,42 @@ const std::array<glm::dvec3, kFormLights>& form_lights() {
 
 double schlick(double f0, double cosine) { return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), 5.0); }
 
-// A sky that is brighter above, blurred by `width`.
-double sky_at(double height, double width) {
-  return 0.4 + 1.2 * (0.5 + 0.5 * height / std::sqrt(height * height + width * width));
+// Lamps of a room such as three.js's RoomEnvironment, whose reflections smooth surfaces show.
+struct Lamp {
+  glm::dvec3 direction;
+  double solid_angle, radiance;
+};
+const std::array<Lamp, 5>& lamps() {
+  static const std::array<Lamp, 5> all = {{{glm::normalize(glm::dvec3(-0.70, 0.62, 0.36)), 0.0125, 50.0},
+                                           {glm::normalize(glm::dvec3(-0.63, 0.70, -0.32)), 0.0125, 50.0},
+                                           {glm::normalize(glm::dvec3(0.77, 0.63, -0.09)), 0.0725, 17.0},
+                                           {glm::normalize(glm::dvec3(-0.03, 0.52, 0.85)), 0.082, 43.0},
+                                           {glm::normalize(glm::dvec3(0.19, 0.66, -0.73)), 0.0167, 20.0}}};
+  return all;
+}
+
+// The walls are brighter above.
+double walls_at(double height, double width) {
+  return 0.5 + 0.3 * height / std::sqrt(height * height + width * width);
+}
+
+// What a surface of this alpha reflects from a direction: normals of variance alpha^2 / 2 turn reflections by twice.
+double room_at(const glm::dvec3& direction, double alpha) {
+  double sum = walls_at(direction.y, 0.1 + alpha);
+  for (const Lamp& lamp : lamps()) {
+    const double kappa = 1.0 / (2.0 * alpha * alpha + lamp.solid_angle / (4.0 * std::numbers::pi));
+    sum += lamp.radiance * lamp.solid_angle * kappa / (2.0 * std::numbers::pi * (1.0 - std::exp(-2.0 * kappa))) *
+           std::exp(kappa * (glm::dot(direction, lamp.direction) - 1.0));
+  }
+  return sum;
+}
+
+// Irradiance over pi.
+double room_around(const glm::dvec3& normal) {
+  double sum = walls_at(normal.y, 1.0);
+  for (const Lamp& lamp : lamps())
+    sum += lamp.radiance * lamp.solid_angle * std::max(glm::dot(normal, lamp.direction), 0.0) / std::numbers::pi;
+  return sum;
 }
 
 double reflectance_of(const FormSurface& surface) {
@@ -41,13 +74,13 @@ double split_sum(double f0, double roughness, double n_v) {
   return f0 * (-1.04 * a + rz) + 1.04 * a + rw;
 }
 
-double sky_light(const glm::dvec3& normal, const FormSurface& surface, double sky_roughness, double n_v,
+double room_light(const glm::dvec3& normal, const FormSurface& surface, double room_roughness, double n_v,
                  const glm::dvec3& view) {
   const glm::dvec3 reflected = 2.0 * glm::dot(normal, view) * normal - view;
-  const double specular = sky_at(reflected.y, 0.1 + sky_roughness * sky_roughness) *
+  const double specular = room_at(reflected, room_roughness * room_roughness) *
                           split_sum(reflectance_of(surface), surface.roughness, n_v);
-  const double diffuse = sky_at(normal.y, 1.0) * surface.colour * (1.0 - surface.metalness);
-  return kSkyIntensity * (specular + diffuse);
+  const double diffuse = room_around(normal) * surface.colour * (1.0 - surface.metalness);
+  return kRoomIntensity * (specular + diffuse);
 }
 
 }  // namespace
@@ -56,12 +89,12 @@ FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, co
   const double roughness = std::max(surface.roughness, kRoughnessLeast), alpha = roughness * roughness;
   const double a2 = alpha * alpha, f0 = reflectance_of(surface), n_v = std::max(glm::dot(normal, view), 1e-4);
   const double view_side = std::sqrt(a2 + (1.0 - a2) * n_v * n_v);
-  const double sky = sky_light(normal, surface, roughness, n_v, view);
+  const double room = room_light(normal, surface, roughness, n_v, view);
   FormLight made;
   for (std::size_t i = 0; i < kFormLights; ++i) {
     const glm::dvec3& light = form_lights()[i];
     const double n_l = glm::dot(normal, light);
-    made[i] = sky;
+    made[i] = room;
     if (n_l <= 0.0) continue;
     const glm::dvec3 half = glm::normalize(light + view);
     const double n_h = std::clamp(glm::dot(normal, half), 0.0, 1.0), d = n_h * n_h * (a2 - 1.0) + 1.0;
@@ -80,7 +113,7 @@ FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const 
   const glm::dvec3 mean = length > 1e-12 ? glm::dvec3(lobe) / length : view;
   const double f0 = reflectance_of(surface), kappa = std::max(shaded_kappa(spread), 1e-6);
   const double wide = std::pow(std::min(alpha * alpha + 2.0 / kappa, 1.0), 0.25);
-  const double sky = sky_light(mean, surface, wide, shaded_mean_cosine(spread, glm::dot(mean, view)), view);
+  const double room = room_light(mean, surface, wide, shaded_mean_cosine(spread, glm::dot(mean, view)), view);
   const GgxOverLobe shaded(glm::dvec4(glm::dvec3(lobe) / lobe.w, 1.0), alpha);
   FormLight made;
   for (std::size_t i = 0; i < kFormLights; ++i) {
@@ -89,7 +122,7 @@ FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const 
     const double fresnel = schlick(f0, glm::dot(view, half));
     const double diffuse = surface.colour * (1.0 - surface.metalness) * (1.0 - fresnel) / std::numbers::pi *
                            shaded_mean_cosine(spread, glm::dot(mean, light));
-    made[i] = sky + kLightIntensity * (shaded.specular(light, view, half) * fresnel + diffuse);
+    made[i] = room + kLightIntensity * (shaded.specular(light, view, half) * fresnel + diffuse);
   }
   return made;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of a pixel as engines shade it, grey and in double: three directional lights, one picture each, and a sky
-// of which rough surfaces reflect a blurred part. GGX with Smith's height-correlated visibility, Schlick's Fresnel and
+// The light of a pixel as engines shade it, grey and in double: three directional lights, one picture each, and a room
+// with lamps, which rough surfaces reflect blurred. GGX with Smith's height-correlated visibility, Schlick's Fresnel and
 // Lambert (glTF 2.0, appendix B; host/delivery/export/accuracy/lobe_shading.h has the sources).
 #pragma once
 

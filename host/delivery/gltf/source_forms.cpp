@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::size_t kPicturedPixels = 250;  // of a picture
 constexpr int kFormRows = 64;
+// Lobes do not know a second layer's own normals, which evaluations that are spent on lobes would see at one point.
+constexpr const char* kClearcoatNormal = "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture";
 
 // KHR_texture_transform; v of meshes grows upwards, that of glTF downwards.
 glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& uv) {
@@ -104,7 +106,7 @@ SourceForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
   const ChosenNormalForm chosen = choose_normal_form(meter);
   made.normals = chosen.form;
   made.errors = {{"plain", chosen.plain}, {"one_lobe", chosen.fitted}, {"chosen", chosen.chosen}};
-  if (baked.empty()) return made;
+  if (baked.empty() || described.contains(GltfJson::json_pointer(kClearcoatNormal))) return made;
   const LobeLevels lobes(baked, from.wrap_s, from.wrap_t, bytes_each);
   made.errors["points_4"] = meter.points(made.normals);
   made.errors["lobes_4"] = meter.lobes(lobes);
