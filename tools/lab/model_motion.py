@@ -9,11 +9,14 @@ MODELS and the cache are those of model_table.py. Needs Node.js, Chromium and th
 """
 import argparse
 import json
+import os
 import pathlib
+import platform
 import statistics
 import sys
 import tempfile
 
+import report_page
 from model_table import Cache, ROWS, link_rows, listed
 from model_views import ROOT, VIEW, fail, run
 
@@ -37,7 +40,7 @@ in sRGB, where no edge of a triangle is.
 ## Cost
 
 Processor seconds of the process of Chromium that draws (SwiftShader), over those of plain mips, which were measured
-right before; medians of {pairs} pairs.
+right before; medians of {pairs} pairs. On {machine}.
 
 {cost}
 Seconds until a model is loaded, with what else the machine did then:
@@ -60,6 +63,13 @@ def measured(cache, entry, rows, options):
     if said["complaints"]:
         fail(f"three.js complains: {said['complaints']}")
     return dict(zip(rows, said["models"]))
+
+
+def machine():
+    """Its processor and system."""
+    model = report_page.first_value("/proc/cpuinfo", "model name") or platform.machine()
+    system = report_page.first_value("/etc/os-release", "PRETTY_NAME") or platform.platform()
+    return f"{model}, {os.cpu_count()} cores, {system}"
 
 
 def motion_cell(found):
@@ -116,7 +126,8 @@ def main():
     for entry in listed(options.models, cache, options.only)[0]:
         print(entry["name"], file=sys.stderr, flush=True)
         found.append((entry["name"], measured(cache, entry, rows, options)))
-        numbers = {"distance": f"{options.distance:g}", "frames": options.frames, "pairs": options.pairs, **SIZE}
+        numbers = {"distance": f"{options.distance:g}", "frames": options.frames, "pairs": options.pairs,
+                   "machine": machine(), **SIZE}
         options.out.write_text(PAGE.format(**numbers, flicker=flicker_text(found, list(rows)),
                                            cost=cost_text(found, list(rows)), loads=load_text(found, list(rows))),
                                encoding="utf-8")
