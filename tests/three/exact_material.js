@@ -14,7 +14,7 @@ export function shiftOfGrid(number) {
 const PLACES = `
 uniform vec2 multum_grid_shift;
 void multum_decide() {}
-float multum_map_bias() { return MULTUM_MAP_BIAS; }
+vec4 multum_map(sampler2D map, vec2 st, vec2 along_x, vec2 along_y) { return texture2D(map, st, MULTUM_MAP_BIAS); }
 vec2 multum_shift(int evaluation) {
   vec2 place = vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5 + multum_grid_shift;
   return place / vec2(MULTUM_POINTS) - 0.5;
@@ -28,7 +28,8 @@ export function exactMaterial(material, samples) {
     MULTUM_MAP_BIAS: (-Math.log2(samples)).toFixed(3) };
   material.onBeforeCompile = (shader) => {
     shader.uniforms.multum_grid_shift = shift;
-    shader.fragmentShader = fragmentAtPoints(shader.fragmentShader, ShaderChunk, REVISION, { defines, lobes: PLACES });
+    shader.fragmentShader = fragmentAtPoints(shader.fragmentShader, ShaderChunk, REVISION, { defines, lobes: PLACES,
+      geometry: "" });
   };
   material.customProgramCacheKey = () => `exact ${samples}`;
   material.userData.setGrid = (number) => {

@@ -43,12 +43,12 @@ function checkNumbers(numbers) {
     if (!Number.isFinite(value)) throw new Error(`${name}: found ${value}, expected a number`);
 }
 
-/** What the loop over evaluations is compiled with. */
+/** What the loop over evaluations is compiled with. `mapBias` is over the whole pixel. */
 function evaluationDefines(evaluations, mapBias) {
   if (!Object.hasOwn(GRIDS, evaluations))
     throw new Error(`evaluations: found ${evaluations}, expected one of ${Object.keys(GRIDS).join(", ")}`);
   return { MULTUM_EVALUATIONS: evaluations, MULTUM_POINTS: GRIDS[evaluations],
-    MULTUM_MAP_BIAS: mapBias.toFixed(3) };
+    MULTUM_MAP_BIAS: (mapBias - 0.5 * Math.log2(evaluations)).toFixed(3) };
 }
 
 /** Evaluations that are spent on lobes: as many points as are a power of two and have `lobeCount` each; 1 at least. */

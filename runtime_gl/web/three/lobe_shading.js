@@ -4,7 +4,7 @@
 // like, behind its shadows, attenuations and maps; those that depend on normals are replaced here, by ones that add up
 // over lobes. Lobes are taken to the space of the view, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
-import { fragmentAtPoints, replaced } from "./shading_points.js";
+import { fragmentAtPoints, replaced, VARIANCE } from "./shading_points.js";
 
 // The normal map's share: level 0 of 8 bits holds unit vectors but for their rounding, so its four texels are fetched
 // and made unit; coarser levels are averages whose length counts.
@@ -48,7 +48,8 @@ vec3 multum_finest_normal(vec2 st, float level) {
 `;
 
 // A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. Where lobes are narrow
-// they are spent on points, whose lobes are added up to one; where they are wide, on lobes.
+// they are spent on points: of the material as three.js has it from 4 on, of all lobes added up to one where there are
+// fewer. Where lobes are wide they are spent on lobes.
 //
 // Lobes are read at points, each over its part of the footprint, and turned by the frame of its own place before they
 // are added up: the map of a model with few polygons cancels the turns of its interpolated normals.
@@ -57,6 +58,7 @@ uniform sampler2D u_ggx_lobe_table;
 vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in the space of the view
 vec4 multum_lobe;  // the evaluation's own, of amplitude 1
 bool multum_lobes_pay = false;
+#define MULTUM_ENOUGH_POINTS (MULTUM_EVALUATIONS >= 4)
 
 vec4 multum_turned(mat3 frame, vec4 lobe) {
   // Tangents that are not at right angles turn a lobe, and leave it its width.
@@ -147,11 +149,16 @@ void multum_decide() {
 
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
-// Octaves that a point's part of the pixel takes off the levels of all other maps: evaluations that are spent on lobes
-// leave fewer and larger parts.
-float multum_map_bias() {
-  vec2 points = vec2(multum_points());
-  return MULTUM_MAP_BIAS - 0.5 * log2(points.x * points.y);
+// All other maps over a point's part of the pixel. Evaluations that are spent on lobes leave fewer points, and their
+// maps are the means of as many places as there would be.
+vec4 multum_map(sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
+  ivec2 points = multum_points(), places = MULTUM_POINTS / points;
+  vec4 sum = vec4(0.0);
+  for (int i = 0; i < places.x * places.y; ++i) {
+    vec2 shift = ((vec2(i % places.x, i / places.x) + 0.5) / vec2(places) - 0.5) / vec2(points);
+    sum += texture2D(map, st + shift.x * along_x + shift.y * along_y, MULTUM_MAP_BIAS);
+  }
+  return sum / float(places.x * places.y);
 }
 
 // Point of the evaluation, from the pixel's middle, in pixels.
@@ -162,7 +169,13 @@ vec2 multum_shift(int evaluation) {
 }
 
 // Sets the evaluation's lobe. Returns its weight.
-float multum_take_lobe(int evaluation, float side) {
+float multum_take_lobe(int evaluation, vec3 normal, float side) {
+#if MULTUM_ENOUGH_POINTS
+  if (!multum_lobes_pay) {
+    multum_lobe = vec4(normal, 1.0);
+    return 1.0 / float(MULTUM_EVALUATIONS);
+  }
+#endif
   ivec2 points = multum_points();
   vec2 part = 1.0 / vec2(points);
   int number = multum_lobes_pay ? evaluation % MULTUM_LOBE_COUNT : 0;
@@ -254,8 +267,15 @@ void RE_Direct_RectArea_Multum(const in RectAreaLight rectAreaLight, const in ve
 
 // Green points the way that normalScale says; how far is in the lobes.
 const NORMAL = `
-multum_weight = multum_take_lobe(multum_evaluation, faceDirection);
+multum_weight = multum_take_lobe(multum_evaluation, normal, faceDirection);
 if (dot(multum_lobe.xyz, multum_lobe.xyz) > 1e-12) normal = normalize(multum_lobe.xyz);
+`;
+
+// The change of the geometry's normals is in lobes.
+const GEOMETRY = `
+#if MULTUM_ENOUGH_POINTS
+if (!multum_lobes_pay) ${VARIANCE}
+#endif
 `;
 
 /** The fragment shader of a physical material with lobes; `defines` by name, `chunks` of three.js. */
@@ -269,5 +289,5 @@ export function fragmentWithLobes(fragment, defines, chunks, revision) {
     return chunk;
   };
   const lobes = [lobesGlsl, lobeTextureGlsl, NORMAL_MAP, FETCH, DIRECT, INDIRECT].join("\n");
-  return fragmentAtPoints(fragment, chunks, revision, { defines, lobes, edit });
+  return fragmentAtPoints(fragment, chunks, revision, { defines, lobes, geometry: GEOMETRY, edit });
 }

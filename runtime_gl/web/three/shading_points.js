@@ -41,7 +41,7 @@ ${each((name) => `multum_move_${name}(by)`)}}
 // Without lobes.
 const PLAIN = `
 void multum_decide() {}
-float multum_map_bias() { return MULTUM_MAP_BIAS - 0.5 * log2(float(MULTUM_EVALUATIONS)); }
+vec4 multum_map(sampler2D map, vec2 st, vec2 along_x, vec2 along_y) { return texture2D(map, st, MULTUM_MAP_BIAS); }
 vec2 multum_shift(int evaluation) {
   return (vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5) / vec2(MULTUM_POINTS) - 0.5;
 }
@@ -83,7 +83,7 @@ const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 // The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
 // 2019), where three.js adds the largest change of a component to the roughness.
 const GEOMETRY = "material.roughness += geometryRoughness;";
-const VARIANCE = `{
+export const VARIANCE = `{
   vec3 along_x = dFdx(nonPerturbedNormal), along_y = dFdy(nonPerturbedNormal);
   float variance = (dot(along_x, along_x) + dot(along_y, along_y)) / (12.0 * float(MULTUM_EVALUATIONS));
   material.roughness = sqrt(sqrt(min(pow2(pow2(material.roughness)) + variance, 1.0)));
@@ -91,13 +91,13 @@ const VARIANCE = `{
 
 /**
  * The fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, its maps sampled
- * MULTUM_MAP_BIAS octaves coarser than a point's part of it asks for. `defines` by name. `lobes`: GLSL with
- * multum_decide(), multum_shift() and multum_map_bias(), which replaces points alone, and in which the change of the
- * geometry's normals is.
+ * MULTUM_MAP_BIAS octaves coarser than all of it asks for. `defines` by name. `lobes`: GLSL with multum_decide(),
+ * multum_shift() and multum_map(), which replaces points alone; `geometry`: what the change of the geometry's normals
+ * does to roughness.
  * `edit(name, text)`: what stands in place of a chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
-  { defines, lobes = null, edit = (name, text) => text }) {
+  { defines, lobes = null, geometry = VARIANCE, edit = (name, text) => text }) {
   const written = (text, isWanted) => movable(text.replace(/#include <(\w+)>/g, (include, name) =>
     isWanted(name) ? edit(name, chunks[name]) : include));
   for (const line of BODY) replaced(fragment, line, "", revision); // an Error where it is not there
@@ -106,8 +106,8 @@ export function fragmentAtPoints(fragment, chunks, revision,
   let body = ALPHA_TESTS.reduce((text, name) => replaced(text, `#include <${name}>`, "", revision),
     fragment.slice(first, behind));
   body = written(body, (name) => chunks[name] !== undefined);
-  body = replaced(body, GEOMETRY, lobes === null ? VARIANCE : "", revision);
-  body = body.replace(/texture2D\( (\w+), (v\w+Uv) \)/g, "texture2D( $1, $2, multum_map_bias() )");
+  body = replaced(body, GEOMETRY, geometry, revision);
+  body = body.replace(/texture2D\( (\w+), (v\w+Uv) \)/g, "multum_map( $1, $2, multum_along_x_$2, multum_along_y_$2 )");
   const opaque = replaced(chunks.opaque_fragment, "material.transmissionAlpha", "multum_transmission", revision);
   const rest = ALPHA_TESTS.map((name) => `#include <${name}>\n`).join("") +
     replaced(fragment.slice(behind), BODY[1], opaque, revision);
