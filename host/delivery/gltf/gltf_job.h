@@ -22,9 +22,11 @@ struct GltfJob {
   std::string input;   // *.glb or *.gltf
   std::string output;  // *.glb
   std::string report;  // JSON; empty: none
-  GltfTextureFormat format = GltfTextureFormat::kUastc;
+  GltfTextureFormat format = GltfTextureFormat::kAuto;
+  bool has_fallback = false;  // level 0 of each texture as a plain image too
   bool is_anisotropic = false;
-  bool has_lobes = false;  // beside the fitted textures, in MULTUM_lobes
+  bool has_lobes = false;                 // beside the fitted textures, in MULTUM_lobes
+  std::optional<LobeTexels> lobe_texels;  // unset: as `format` says; only with lobes
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
   std::optional<ZRange> z_range;             // of all normal maps; unset: from statistics
@@ -45,7 +47,10 @@ struct GltfReport {
   /// Of materials that have the same.
   struct Textures {
     int width = 0, height = 0, level_count = 0;
-    std::map<std::string, std::uint64_t> bytes;  // "normal", "metallic_roughness", "anisotropy", "lobes"
+    std::map<std::string, EncodedTexture> storage;  // "normal", "metallic_roughness", "anisotropy", "lobes"
+
+    /// "normals: UASTC 2.1 MB, +0.2 points; ..."
+    std::string storage_text() const;
   };
   std::vector<Material> materials;
   std::vector<Textures> textures;

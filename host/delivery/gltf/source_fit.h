@@ -42,6 +42,8 @@ struct PreparedSource {
   std::string kept;                       // why it is not fitted; empty: it is
   bool is_bad = false;                    // that reason is a fault of an image
   std::vector<std::string> notes;
+  // Level 0 of the texture is the image as it is in the file, of a kind that glTF has everywhere.
+  bool normal_is_original = false, surface_is_original = false;
 
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
 };

@@ -7,16 +7,31 @@
 
 #include "host/bakes/bake/bake_file.h"
 #include "host/delivery/export/lobes/lobe_export.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/textures/lobe_texture.h"
+#include "host/foundation/base/size_of.h"
 
 namespace multum {
 namespace {
 
 constexpr int kLobeZstdLevel = 12;  // as UASTC's
 
+// Of the level where it is largest.
+double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const LobeSurface& surface) {
+  const auto levels_of = [&](const MovmfMipmap& mipmap) {
+    std::vector<LobeLevel> levels;
+    for (std::size_t l = size_of(stored.header.first_level); l < mipmap.levels.size(); ++l)
+      levels.push_back({mipmap.levels[l].width, mipmap.levels[l].height, &mipmap.levels[l].lobes});
+    return levels;
+  };
+  return lobe_storage_error(levels_of(exact), levels_of(stored), surface).error;
+}
+
 }  // namespace
 
 EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
-                                   std::size_t number, const SourceFitSettings& settings, Progress* progress) {
+                                   std::size_t number, const SourceLobeSettings& how, const SourceFitSettings& settings,
+                                   Progress* progress) {
   const LobeSource& source = prepared.source;
   return of_image(asset, source.normal_image, prepared.normal_file, [&] {
     Progress cancelling = cancel_only(progress);
@@ -34,12 +49,17 @@ EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const
     LobeExportJob lobes;
     lobes.input = bake.output;
     lobes.output = fmt::format("{}/lobes_{}.ktx2", settings.folder, number);
+    lobes.texels = how.texels;
     lobes.zstd_level = kLobeZstdLevel;
     lobes.threads = settings.threads;
     export_lobes(lobes, device, &cancelling);
+    EncodedTexture made{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output),
+                        choice_name(kLobeTexels, how.texels)};
+    made.storage_error = worst_error(read_movmf_mipmap(bake.output, settings.threads),
+                                     unpacked_mipmap(read_lobe_texture(lobes.output)), how.surface);
     std::error_code ignored;
     std::filesystem::remove(bake.output, ignored);
-    return EncodedTexture{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output)};
+    return made;
   });
 }
 

@@ -13,9 +13,15 @@
 
 namespace multum {
 
+struct SourceLobeSettings {
+  LobeTexels texels = LobeTexels::kBlocks;
+  LobeSurface surface;  // under the lobes, for the error that storing them adds
+};
+
 /// Of the map's own size, whatever the fitted textures have. Files are named by `number`. Cancels by `progress`, and
 /// counts nothing. Throws Error(kInput) naming the image, kEnvironment, Cancelled.
 EncodedTexture encode_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
-                                   std::size_t number, const SourceFitSettings& settings, Progress* progress);
+                                   std::size_t number, const SourceLobeSettings& how, const SourceFitSettings& settings,
+                                   Progress* progress);
 
 }  // namespace multum
