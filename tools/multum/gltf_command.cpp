@@ -27,10 +27,12 @@ int run_gltf(GltfOptions& o) {
   const ParameterValues& values = o.values;
   o.job.format = values.choice("format", kGltfTextureFormats).value_or(o.job.format);
   o.job.form = values.choice("form", kGltfForms).value_or(o.job.form);
+  o.job.has_fallback = values.flag("png_fallback");
   o.job.uastc_effort = values.integer("uastc_effort").value_or(o.job.uastc_effort);
   o.job.encoder = values.text("encoder").value_or("");
   o.job.is_anisotropic = values.flag("anisotropy");
   o.job.has_lobes = values.flag("lobes");
+  o.job.lobe_texels = values.choice("lobe_texels", kLobeTexels);
   o.job.is_fast = values.flag("fast");
   o.job.two_channel = values.flag("two_channel");
   o.job.z_range = z_range(values);
@@ -51,6 +53,9 @@ int run_gltf(GltfOptions& o) {
     if (!material.form.empty()) print_shown(stdout, "  %s: %s\n", material.name.c_str(), material.form.c_str());
     for (const std::string& note : material.notes)
       print_shown(stdout, "  %s: %s\n", material.name.c_str(), note.c_str());
+    if (material.textures >= 0)
+      print_shown(stdout, "  %s: %s\n", material.name.c_str(),
+                  report.textures[static_cast<std::size_t>(material.textures)].storage_text().c_str());
   }
   if (!o.common.verbose) return 0;
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);

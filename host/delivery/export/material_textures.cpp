@@ -289,8 +289,11 @@ std::unique_ptr<TextureFiles> make_texture(const MaterialFolderSettings& setting
       settings.format == MaterialFormat::kDds
           ? make_dds_file(files[0], texture)
           : make_ktx2_file(files[0], texture, {swizzle_of(format), settings.zstd_level});
-  if (settings.texels == MaterialTexels::kUastc)
-    return std::make_unique<TextureUastc>(name_of(role), texture, settings.uastc, std::move(file));
+  if (settings.texels == MaterialTexels::kUastc) {
+    UastcSettings uastc = settings.uastc;
+    uastc.has_normals = role == TextureRole::kNormal;
+    return std::make_unique<TextureUastc>(name_of(role), texture, uastc, std::move(file));
+  }
   if (settings.texels == MaterialTexels::kBlocks)
     return std::make_unique<TextureBlocks>(texture, role == TextureRole::kMask ? BlockColour::kRga : BlockColour::kRgb,
                                            encoder, std::move(file));

@@ -12,8 +12,8 @@ namespace multum {
 namespace {
 
 constexpr double kLightIntensity = 3.0, kRoomIntensity = 0.3;  // as docs/GLTF_EXAMPLE.md's scenes have them
-constexpr double kRoughnessLeast = 0.0525;                    // three.js's
-constexpr double kDielectric = 0.04;                          // reflectance along the normal
+constexpr double kRoughnessLeast = 0.0525;                     // three.js's
+constexpr double kDielectric = 0.04;                           // reflectance along the normal
 
 const std::array<glm::dvec3, kFormLights>& form_lights() {
   static const std::array<glm::dvec3, kFormLights> lights = {glm::normalize(glm::dvec3(1.0, 1.0, 0.6)),
@@ -39,9 +39,7 @@ const std::array<Lamp, 5>& lamps() {
 }
 
 // The walls are brighter above.
-double walls_at(double height, double width) {
-  return 0.5 + 0.3 * height / std::sqrt(height * height + width * width);
-}
+double walls_at(double height, double width) { return 0.5 + 0.3 * height / std::sqrt(height * height + width * width); }
 
 // What a surface of this alpha reflects from a direction: normals of variance alpha^2 / 2 turn reflections by twice.
 double room_at(const glm::dvec3& direction, double alpha) {
@@ -75,10 +73,10 @@ double split_sum(double f0, double roughness, double n_v) {
 }
 
 double room_light(const glm::dvec3& normal, const FormSurface& surface, double room_roughness, double n_v,
-                 const glm::dvec3& view) {
+                  const glm::dvec3& view) {
   const glm::dvec3 reflected = 2.0 * glm::dot(normal, view) * normal - view;
-  const double specular = room_at(reflected, room_roughness * room_roughness) *
-                          split_sum(reflectance_of(surface), surface.roughness, n_v);
+  const double specular =
+      room_at(reflected, room_roughness * room_roughness) * split_sum(reflectance_of(surface), surface.roughness, n_v);
   const double diffuse = room_around(normal) * surface.colour * (1.0 - surface.metalness);
   return kRoomIntensity * (specular + diffuse);
 }

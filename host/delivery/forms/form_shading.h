@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The light of a pixel as engines shade it, grey and in double: three directional lights, one picture each, and a room
-// with lamps, which rough surfaces reflect blurred. GGX with Smith's height-correlated visibility, Schlick's Fresnel and
-// Lambert (glTF 2.0, appendix B; host/delivery/export/accuracy/lobe_shading.h has the sources).
+// with lamps, which rough surfaces reflect blurred. GGX with Smith's height-correlated visibility, Schlick's Fresnel
+// and Lambert (glTF 2.0, appendix B; host/delivery/export/accuracy/lobe_shading.h has the sources).
 #pragma once
 
 #include <array>

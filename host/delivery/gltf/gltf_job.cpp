@@ -46,9 +46,27 @@ std::vector<std::string> input_files(const GltfAsset& asset) {
 
 void check_gltf_job(const GltfJob& job) {
   if (!job.output.ends_with(".glb")) throw Error(ErrorCode::kUsage, job.output + ": expected a name that ends in .glb");
+  if (job.lobe_texels && !job.has_lobes)
+    throw Error(ErrorCode::kUsage, "--lobe-texels says how lobes are stored, and there are none; add --lobes");
   check_paths_differ({job.input}, {job.output, job.report});
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
+}
+
+nlohmann::ordered_json json_of_textures(const GltfReport::Textures& textures) {
+  nlohmann::ordered_json json = {{"width", textures.width},
+                                 {"height", textures.height},
+                                 {"levels", textures.level_count},
+                                 {"bytes", nlohmann::ordered_json::object()},
+                                 {"storage", nlohmann::ordered_json::object()}};
+  for (const auto& [name, texture] : textures.storage) {
+    json["bytes"][name] = texture.byte_count;
+    nlohmann::ordered_json& storage = json["storage"][name];
+    storage = {{"format", texture.format}, {"points", 100.0 * texture.storage_error}};
+    if (texture.refused_error > 0.0) storage["uastc_points"] = 100.0 * texture.refused_error;
+    if (texture.fallback) storage["fallback_bytes"] = texture.fallback->byte_count;
+  }
+  return json;
 }
 
 class GltfConversion {
@@ -74,7 +92,7 @@ class GltfConversion {
     folder_ = WorkFolder::take(partial_folder_of(job_.output));
     if (folder_ == nullptr) throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
     folder_->clear();
-    if (job_.format == GltfTextureFormat::kUastc && !plan.sources.empty()) check_uastc_encoder(uastc());
+    if (has_uastc() && !plan.sources.empty()) check_uastc_encoder(uastc());
     std::vector<PreparedSource> prepared;
     for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
     lap("read");
@@ -97,6 +115,7 @@ class GltfConversion {
   }
 
  private:
+  bool has_uastc() const { return job_.format == GltfTextureFormat::kUastc || job_.format == GltfTextureFormat::kAuto; }
   void warn(const std::string& what) {
     report_.warnings.push_back(what);
     log_warning(job_.input, what);
@@ -104,13 +123,17 @@ class GltfConversion {
   void lap(const char* stage) { report_.seconds.emplace_back(stage, stopwatch_.lap()); }
 
   UastcSettings uastc() const { return {"--format", folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
+  LobeTexels lobe_texels() const {
+    const bool is_plain = job_.format == GltfTextureFormat::kRgba8;
+    return job_.lobe_texels.value_or(is_plain ? LobeTexels::kRgba8 : LobeTexels::kBlocks);
+  }
   SourceFitSettings fit_settings() const {
     return {.folder = folder_->path(),
             .is_fast = job_.is_fast,
             .surface = job_.surface,
             .z_range = job_.z_range,
             .two_channel = job_.two_channel,
-            .side_multiple = job_.format == GltfTextureFormat::kUastc ? kBasisSideMultiple : 1,
+            .side_multiple = has_uastc() ? kBasisSideMultiple : 1,
             .memory_bytes = job_.memory_bytes,
             .threads = job_.threads};
   }
@@ -118,10 +141,15 @@ class GltfConversion {
   void warn_of_format(const GltfPlan& plan) {
     if (std::none_of(plan.materials.begin(), plan.materials.end(), [](const auto& one) { return one.kept.empty(); }))
       return;
-    if (job_.format == GltfTextureFormat::kRgba8)
+    int plain_count = 0, count = 0;
+    for (const GltfReport::Textures& one : report_.textures)
+      for (const auto& [name, texture] : one.storage)
+        if (name != "lobes") ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
+    if (plain_count > 0)
       warn(
-          "its new textures are KTX2 files that are not compressed: outside of KHR_texture_basisu, by whose name "
-          "they are loaded; " +
+          fmt::format("{} of its {} new textures are KTX2 files of 8 bits a channel: outside of KHR_texture_basisu, by "
+                      "whose name they are loaded; ",
+                      plain_count, count) +
           engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
     if (job_.format == GltfTextureFormat::kPng)
       warn(
@@ -234,26 +262,40 @@ class GltfConversion {
     progress_stage(progress_, "encode");
     // Lobes need a map that has its scale in it, as they have.
     if (form.normals.has_fitted_normals() || source.source.normal_scale != 1.0)
-      made.normal = encode(fitted.normal, source, "normal");
-    if (!form.normals.is_plain()) made.surface = encode(fitted.surface, source, "metallic_roughness");
-    if (source.source.is_anisotropic) made.anisotropy = encode(fitted.anisotropy, source, "anisotropy");
+      made.normal = encode(fitted, fitted.normal, source, "normal");
+    if (!form.normals.is_plain()) made.surface = encode(fitted, fitted.surface, source, "metallic_roughness");
+    if (source.source.is_anisotropic) made.anisotropy = encode(fitted, fitted.anisotropy, source, "anisotropy");
+    const LobeSurface surface = mean_surface({fitted.normal.get(), fitted.surface.get()});
+    for (const auto* levels : {&fitted.normal, &fitted.surface, &fitted.anisotropy, &fitted.averages}) {
+      std::error_code ignored;  // as large as the texture is in memory
+      if (*levels != nullptr) std::filesystem::remove((*levels)->path(), ignored);
+    }
     seconds_.encode += stopwatch_.lap();
     if (!form.has_lobes) return made;
     progress_stage(progress_, "lobes");
-    made.lobes = encode_source_lobes(device_, baked, fit_settings(), progress_);
-    report_.textures.back().bytes["lobes"] = made.lobes->byte_count;
+    made.lobes = encode_source_lobes(device_, baked, {lobe_texels(), surface}, fit_settings(), progress_);
+    report_.textures.back().storage["lobes"] = *made.lobes;
     seconds_.lobes += stopwatch_.lap();
     return made;
   }
 
-  std::optional<EncodedTexture> encode(const std::unique_ptr<LevelFile>& levels, const PreparedSource& source,
-                                       const char* name) {
+  // What storing `levels` adds to the light's error is measured with the source's other texture as it is.
+  std::optional<EncodedTexture> encode(const FittedSource& fitted, const std::unique_ptr<LevelFile>& levels,
+                                       const PreparedSource& source, const char* name) {
     std::optional<EncodedTexture> made;
     if (levels != nullptr) {
-      made = encode_texture(*levels, job_.format, uastc(), progress_);
-      report_.textures.back().bytes[name] = made->byte_count;
-      std::error_code ignored;
-      std::filesystem::remove(levels->path(), ignored);  // as large as the texture is in memory
+      const MaterialLevels exact{fitted.normal.get(), fitted.surface.get()};
+      TextureEncoding how{job_.format, job_.has_fallback, false, uastc(), [&](const LevelFile& decoded) {
+                            MaterialLevels stored = exact;
+                            if (&levels == &fitted.normal) stored.normal = &decoded;
+                            if (&levels == &fitted.surface) stored.surface = &decoded;
+                            return storage_error(exact, stored);
+                          }};
+      how.uastc.has_normals = &levels == &fitted.normal;
+      if (&levels == &fitted.normal) how.is_original = source.normal_is_original;
+      if (&levels == &fitted.surface) how.is_original = source.surface_is_original;
+      made = encode_texture(*levels, how, progress_);
+      report_.textures.back().storage[name] = *made;
     }
     progress_advance(progress_, source.texel_count());
     return made;
@@ -272,6 +314,24 @@ class GltfConversion {
 };
 
 }  // namespace
+
+std::string GltfReport::Textures::storage_text() const {
+  static const std::map<std::string, const char*> names = {
+      {"normal", "normals"}, {"metallic_roughness", "roughness"}, {"anisotropy", "anisotropy"}, {"lobes", "lobes"}};
+  std::string text;
+  for (const char* name : {"normal", "metallic_roughness", "anisotropy", "lobes"}) {
+    const auto found = storage.find(name);
+    if (found == storage.end()) continue;
+    const EncodedTexture& one = found->second;
+    std::string format = one.format;
+    std::transform(format.begin(), format.end(), format.begin(),
+                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+    text += fmt::format("{}{}: {} {:.2f} MB, +{:.1f} points", text.empty() ? "" : "; ", names.at(name), format,
+                        1e-6 * static_cast<double>(one.byte_count), 100.0 * one.storage_error);
+    if (one.refused_error > 0.0) text += fmt::format(" (UASTC +{:.1f})", 100.0 * one.refused_error);
+  }
+  return text;
+}
 
 int GltfReport::fitted_count() const {
   return static_cast<int>(
@@ -304,9 +364,7 @@ std::string GltfReport::to_json(const GltfJob& job) const {
   }
   for (const SourceForm& form : forms)
     if (!form.distances.empty()) json["forms"].push_back(form.to_json());
-  for (const Textures& one : textures)
-    json["textures"].push_back(
-        {{"width", one.width}, {"height", one.height}, {"levels", one.level_count}, {"bytes", one.bytes}});
+  for (const Textures& one : textures) json["textures"].push_back(json_of_textures(one));
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
   return json_text(json, 2) + "\n";
 }

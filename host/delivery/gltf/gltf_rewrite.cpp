@@ -243,23 +243,37 @@ class GltfRewriter {
 
   void place_images() {
     const GltfUses after = gltf_uses(made_.json);
-    std::map<ImageKey, std::size_t> placed;
+    std::map<ImageKey, std::size_t> placed, fallbacks;
+    for (const auto& [number, key] : new_textures_)
+      if (const std::optional<FallbackImage>& one = encoded(key).fallback; one && one->file.empty())
+        fallbacks[key] = *image_before(key);
+    const auto is_fallback = [&](std::size_t image) {
+      return std::any_of(fallbacks.begin(), fallbacks.end(), [&](const auto& one) { return one.second == image; });
+    };
     for (const auto& [number, key] : new_textures_) {
       const EncodedTexture& texture = encoded(key);
       const auto same = placed.find(key);
       std::size_t at = same == placed.end() ? array("images").size() : same->second;
       if (same == placed.end()) {
         const std::optional<std::size_t> old = image_before(key);
-        const bool is_in_place = old && after.image_uses(*old) == 0 && !renewed_images_.contains(*old);
+        const bool is_in_place =
+            old && after.image_uses(*old) == 0 && !renewed_images_.contains(*old) && !is_fallback(*old);
         if (is_in_place) at = *old;
         else array("images").push_back(GltfJson::object());
         renewed_images_.insert(at);
         give_bytes(at, texture.type, {"", texture.file, texture.byte_count});
         placed.emplace(key, at);
+        if (texture.fallback && !fallbacks.contains(key)) {
+          fallbacks[key] = array("images").size();
+          array("images").push_back(GltfJson::object());
+          renewed_images_.insert(fallbacks[key]);
+          give_bytes(fallbacks[key], "image/png", {"", texture.fallback->file, texture.fallback->byte_count});
+        }
       }
       GltfJson& object = array("textures")[number];
       if (texture.type == "image/ktx2") object["extensions"]["KHR_texture_basisu"] = {{"source", at}};
       else object["source"] = at;
+      if (const auto fallback = fallbacks.find(key); fallback != fallbacks.end()) object["source"] = fallback->second;
     }
   }
 
@@ -296,8 +310,10 @@ class GltfRewriter {
 
   void declare_extensions() {
     for (const auto& [number, key] : new_textures_) {
-      if (encoded(key).type == "image/ktx2")
-        for (const char* list : {"extensionsUsed", "extensionsRequired"}) declare(list, "KHR_texture_basisu");
+      if (encoded(key).type == "image/ktx2") {
+        declare("extensionsUsed", "KHR_texture_basisu");
+        if (!encoded(key).fallback) declare("extensionsRequired", "KHR_texture_basisu");
+      }
       if (key.role == TextureRole::kAnisotropy) declare("extensionsUsed", "KHR_materials_anisotropy");
     }
     if (!lobes_.empty()) declare("extensionsUsed", kLobesExtension);

@@ -279,8 +279,10 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
   };
   const auto normal = size_of_image(source.normal_image, made.normal_file);
   auto largest = normal;
+  bool is_surface_whole = false;
   if (source.surface_image) {
     const auto surface = size_of_image(*source.surface_image, made.surface_file);
+    is_surface_whole = surface.first >= normal.first && surface.second >= normal.second;
     largest = {std::max(normal.first, surface.first), std::max(normal.second, surface.second)};
     const auto texels = [](const std::pair<int, int>& size) { return std::int64_t{size.first} * size.second; };
     // A quarter of a common size is a side that differs; more is two images that were not made for one another, and
@@ -295,6 +297,13 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
   if (normal == std::make_pair(1, 1)) made.kept = "its normal map is a single texel";
   made.width = rounded_up(largest.first, settings.side_multiple);
   made.height = rounded_up(largest.second, settings.side_multiple);
+  const auto is_plain = [&](const std::string& file, const std::pair<int, int>& size) {
+    return size == std::make_pair(made.width, made.height) && !file.ends_with(".webp");
+  };
+  made.normal_is_original =
+      is_plain(made.normal_file, normal) && source.normal_scale == 1.0 && !settings.two_channel && !settings.z_range;
+  made.surface_is_original = source.surface_image && is_plain(made.surface_file, largest) &&
+                             source.roughness_factor == 1.0 && is_surface_whole;
   if (std::make_pair(made.width, made.height) != largest)
     made.notes.push_back(
         fmt::format("{} x {} was enlarged to {} x {}: KHR_texture_basisu has sides that are "

@@ -43,6 +43,8 @@ struct PreparedSource {
   bool is_bad = false;                    // that reason is a fault of an image
   bool is_plain = false;                  // that reason is that its own mips are as near
   std::vector<std::string> notes;
+  // Level 0 of the texture is the image as it is in the file, of a kind that glTF has everywhere.
+  bool normal_is_original = false, surface_is_original = false;
 
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
 };

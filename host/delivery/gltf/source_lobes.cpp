@@ -7,11 +7,25 @@
 
 #include "host/bakes/bake/bake_file.h"
 #include "host/delivery/export/lobes/lobe_export.h"
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/asset/textures/lobe_texture.h"
+#include "host/foundation/base/size_of.h"
 
 namespace multum {
 namespace {
 
 constexpr int kLobeZstdLevel = 12;  // as UASTC's
+
+// Of the level where it is largest.
+double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const LobeSurface& surface) {
+  const auto levels_of = [&](const MovmfMipmap& mipmap) {
+    std::vector<LobeLevel> levels;
+    for (std::size_t l = size_of(stored.header.first_level); l < mipmap.levels.size(); ++l)
+      levels.push_back({mipmap.levels[l].width, mipmap.levels[l].height, &mipmap.levels[l].lobes});
+    return levels;
+  };
+  return lobe_storage_error(levels_of(exact), levels_of(stored), surface).error;
+}
 
 }  // namespace
 
@@ -35,16 +49,23 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
   });
 }
 
-EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceFitSettings& settings,
-                                   Progress* progress) {
+EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceLobeSettings& how,
+                                   const SourceFitSettings& settings, Progress* progress) {
   Progress cancelling = cancel_only(progress);
   LobeExportJob lobes;
   lobes.input = baked;
   lobes.output = baked + ".ktx2";
+  lobes.texels = how.texels;
   lobes.zstd_level = kLobeZstdLevel;
   lobes.threads = settings.threads;
   export_lobes(lobes, device, &cancelling);
-  return {lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output)};
+  EncodedTexture made{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output),
+                      choice_name(kLobeTexels, how.texels)};
+  made.storage_error = worst_error(read_movmf_mipmap(baked, settings.threads),
+                                   unpacked_mipmap(read_lobe_texture(lobes.output)), how.surface);
+  std::error_code ignored;
+  std::filesystem::remove(baked, ignored);
+  return made;
 }
 
 }  // namespace multum

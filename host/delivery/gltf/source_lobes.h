@@ -13,12 +13,17 @@
 
 namespace multum {
 
+struct SourceLobeSettings {
+  LobeTexels texels = LobeTexels::kBlocks;
+  LobeSurface surface;  // under the lobes, for the error that storing them adds
+};
+
 /// Bakes a file of the map's own size, whatever the fitted textures have, and returns its path. Files are named by
 /// `number`. Cancels by `progress`, and counts nothing. Throws Error(kInput) naming the image, kEnvironment, Cancelled.
 std::string bake_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
                               std::size_t number, const SourceFitSettings& settings, Progress* progress);
-/// Of such a file. Throws Error(kEnvironment), Cancelled.
-EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceFitSettings& settings,
-                                   Progress* progress);
+/// Of such a file, which it removes. Throws Error(kEnvironment), Cancelled.
+EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceLobeSettings& how,
+                                   const SourceFitSettings& settings, Progress* progress);
 
 }  // namespace multum

@@ -21,9 +21,15 @@ std::vector<Parameter> gltf_rows() {
       {.name = "format",
        .kind = Kind::kChoice,
        .help = "images of the new textures: uastc, of KHR_texture_basisu, encoded by Node.js with ktx2-encoder; "
-               "rgba8, KTX2 that is not compressed and outside of that extension; png, level 0 alone",
-       .default_text = "uastc",
+               "rgba8, KTX2 of 8 bits a channel, outside of that extension; png, level 0 alone; auto, uastc for "
+               "each texture where that adds less than 0.3 % to the light's error, else rgba8 and a fallback",
+       .default_text = "auto",
        .choices = choice_names(kGltfTextureFormats),
+       .group = kStorageGroup,
+       .surfaces = kOnCommandLine},
+      {.name = "png_fallback",
+       .help = "store level 0 of each new texture as a plain image too, for loaders without KHR_texture_basisu, "
+               "which is not required then",
        .group = kStorageGroup,
        .surfaces = kOnCommandLine},
       {.name = "form",
@@ -42,6 +48,14 @@ std::vector<Parameter> gltf_rows() {
                "draws; other viewers draw the textures. With another form than auto: into all materials",
        .group = kStorageGroup,
        .excludes = {"anisotropy"},
+       .surfaces = kOnCommandLine},
+      {.name = "lobe_texels",
+       .kind = Kind::kChoice,
+       .help = "texels of lobes: bc, blocks of BC5, a quarter of the bytes of halfs; rgba8, half of them; rgba16f, "
+               "half floats; only with --lobes",
+       .default_text = "rgba8 with --format rgba8, else bc",
+       .choices = choice_names(kLobeTexels),
+       .group = kStorageGroup,
        .surfaces = kOnCommandLine},
       std::move(two_channel),
       std::move(z_range),

@@ -110,13 +110,16 @@ inline constexpr Choices<LobeTexels> kLobeTexels = {
 
 /// format of `multum gltf`: images of the new textures.
 enum class GltfTextureFormat {
+  kAuto,   // kUastc where that shows little, else kRgba8 with a PNG for loaders that have no KHR_texture_basisu
   kUastc,  // KHR_texture_basisu
   kRgba8,  // KTX2, not compressed: outside of KHR_texture_basisu; host/delivery/export/engine_support.h has who refuses
            // it
   kPng,    // level 0 alone
 };
-inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {
-    {"uastc", GltfTextureFormat::kUastc}, {"rgba8", GltfTextureFormat::kRgba8}, {"png", GltfTextureFormat::kPng}};
+inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {{"auto", GltfTextureFormat::kAuto},
+                                                                   {"uastc", GltfTextureFormat::kUastc},
+                                                                   {"rgba8", GltfTextureFormat::kRgba8},
+                                                                   {"png", GltfTextureFormat::kPng}};
 
 /// form of `multum gltf`: what a material's normals become.
 enum class GltfForm {

@@ -23,7 +23,7 @@ from model_writing import Glb, Model, bumps, png
 MULTUM = ""
 USAGE = 2
 HERE = pathlib.Path(__file__).resolve().parent
-BC5, ZSTANDARD = 141, 2
+BC5, RGBA8, RGBA16F, ZSTANDARD = 141, 37, 97, 2
 NAME = "MULTUM_lobes"
 
 
@@ -76,7 +76,7 @@ class GltfLobesTest(FolderCase):
         self.assertEqual(after.json["textures"][1], before["textures"][1])
         self.assertEqual(after.image(1), packed(16, 8))
         form, layers, scheme, key = key_of(self.lobes_of(after, 0))
-        self.assertEqual((form, layers, scheme), (BC5, 8, ZSTANDARD))
+        self.assertEqual((form, layers, scheme), (RGBA8, 4, ZSTANDARD))
         self.assertEqual((key["mapWidth"], key["mapHeight"], key["firstLevel"]), (32, 16, 1))
         self.assertEqual((key["wrapS"], key["wrapT"], len(key["lobes"])), ("periodic", "periodic", 4))
         self.assertEqual(report["textures"][0]["bytes"]["lobes"], len(self.lobes_of(after, 0)))
@@ -91,6 +91,28 @@ class GltfLobesTest(FolderCase):
             self.assertEqual(after.image(one["index"]), plain.image(other["index"]), place)
             self.assertNotIn("scale", one)
         self.assertNotIn("roughnessFactor", here["pbrMetallicRoughness"])
+
+    def test_texels_of_lobes_are_those_of_the_format_or_as_asked_for(self):
+        points = {}
+        for form, arguments, expected in (("rgba8", (), (RGBA8, 4)), ("png", (), (BC5, 8)),
+                                          ("rgba8", ("--lobe-texels", "bc"), (BC5, 8)),
+                                          ("png", ("--lobe-texels", "rgba16f"), (RGBA16F, 4))):
+            after, report = self.convert(plain_model(normal=bumps(64, 64)), "--lobes", *arguments, form=form)
+            found, layers, _, _ = key_of(self.lobes_of(after, 0))
+            self.assertEqual((found, layers), expected, arguments)
+            storage = report["textures"][0]["storage"]["lobes"]
+            points[storage["format"]] = storage["points"]
+        # What storing adds to a picture's error.
+        self.assertLess(points["rgba8"], 0.5 * points["bc"])
+        self.assertLess(points["rgba16f"], 0.1 * points["bc"])
+        self.write_model(plain_model())
+        run = self.run_gltf("in.glb", "none.glb", "--lobe-texels", "bc")
+        self.assertEqual(run.returncode, USAGE)
+        self.assertIn("--lobes", run.stderr)
+
+    def write_model(self, model):
+        with open(self.path("in.glb"), "wb") as file:
+            file.write(model.glb())
 
     def test_roughness_by_a_factor_and_shared_lobes(self):
         model = Model()

@@ -12,6 +12,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import shutil
 import signal
 import subprocess
@@ -21,7 +22,7 @@ import unittest
 
 from folder_case import FolderCase
 from gltf_test import LINEAR, MIPMAPPED, REPEAT
-from model_writing import Model, code, png
+from model_writing import Glb, Model, code, png
 
 MULTUM = ""
 HERE = pathlib.Path(__file__).resolve().parent
@@ -107,7 +108,7 @@ class ReadersTest(FolderCase):
     def test_uastc_is_read_and_drawn(self):
         with open(self.path("in.glb"), "wb") as file:
             file.write(metal_plate())
-        self.convert(self.path("in.glb"), "uastc.glb")
+        self.convert(self.path("in.glb"), "uastc.glb", "--format", "uastc")
         self.convert(self.path("in.glb"), "rgba8.glb", "--format", "rgba8")
         self.convert(self.path("in.glb"), "png.glb", "--format", "png")
         names = ("in.glb", "uastc.glb", "rgba8.glb", "png.glb")
@@ -139,7 +140,8 @@ class ReadersTest(FolderCase):
             file.write(metal_plate(128))
         found = set()
         for threads in ("1", "2"):
-            self.convert(self.path("in.glb"), "out.glb", "--threads", threads, "--uastc-effort", "0")
+            self.convert(self.path("in.glb"), "out.glb", "--threads", threads, "--uastc-effort", "0", "--format",
+                         "uastc")
             with open(self.path("out.glb"), "rb") as file:
                 found.add(file.read())
         self.assertEqual(len(found), 1)
@@ -151,11 +153,63 @@ class ReadersTest(FolderCase):
                        pbrMetallicRoughness={"roughnessFactor": 0.3})
         with open(self.path("in.glb"), "wb") as file:
             file.write(model.glb())
-        report = self.convert(self.path("in.glb"), "out.glb")
+        report = self.convert(self.path("in.glb"), "out.glb", "--format", "uastc")
         self.assertIn("enlarged to 32 x 20", report["materials"][0]["notes"][1])
         read, = self.read_by_others(self.path("out.glb"))
         self.assert_valid(read)
         self.assertEqual([texture["size"] for texture in read["textures"]], [[32, 20]] * 2)
+
+    def test_uastc_is_taken_where_it_shows_little(self):
+        """Smooth bumps stay UASTC; for noise it is no format: 8 bits a channel, and an image for other loaders."""
+        draw = random.Random(54)
+        noise = [bytes((draw.randrange(64, 192), draw.randrange(64, 192), 230)) for _ in range(64 * 64)]
+        swell = png(64, 64, lambda x, y:
+                    (code(0.1 * math.sin(x / 10)), code(0.1 * math.cos(y / 10)), code(0.99)))
+        found = {}
+        for name, normal in (("smooth", swell), ("noise", png(64, 64, lambda x, y: noise[y * 64 + x]))):
+            model = Model()
+            model.square()
+            model.material(normalTexture={"index": model.texture(model.image(normal))},
+                           pbrMetallicRoughness={"roughnessFactor": 0.9})
+            with open(self.path("in.glb"), "wb") as file:
+                file.write(model.glb())
+            report = self.convert(self.path("in.glb"), name + ".glb")
+            storage = found[name] = report["textures"][0]["storage"]["normal"]
+            read, = self.read_by_others(self.path(name + ".glb"))
+            self.assertEqual(read["errors"], 0, read)
+            with open(self.path(name + ".glb"), "rb") as file:
+                after = Glb(file.read())
+            texture = after.json["textures"][after.json["materials"][0]["normalTexture"]["index"]]
+            basis = texture["extensions"]["KHR_texture_basisu"]["source"]
+            self.assertNotEqual(texture.get("source"), basis)
+            self.assertEqual("source" in texture, "fallback_bytes" in storage)
+            if name == "noise":
+                # Level 0 is the image that there was.
+                self.assertEqual(after.view(after.json["images"][texture["source"]]["bufferView"]), normal)
+        self.assertEqual(found["smooth"]["format"], "uastc")
+        self.assertLess(found["smooth"]["points"], 0.3)
+        self.assertEqual(found["noise"]["format"], "rgba8")
+        self.assertGreater(found["noise"]["uastc_points"], 0.3)
+        self.convert(self.path("in.glb"), "asked.glb", "--format", "uastc")
+        with open(self.path("report.json"), encoding="utf-8") as file:
+            asked = json.load(file)["textures"][0]["storage"]["normal"]
+        self.assertEqual(asked["format"], "uastc")
+        self.assertGreater(asked["points"], 0.3)
+
+    def test_a_fallback_for_every_texture(self):
+        with open(self.path("in.glb"), "wb") as file:
+            file.write(metal_plate(64))
+        self.convert(self.path("in.glb"), "out.glb", "--format", "rgba8", "--png-fallback")
+        with open(self.path("out.glb"), "rb") as file:
+            after = Glb(file.read())
+        self.assertIn("KHR_texture_basisu", after.json["extensionsUsed"])
+        self.assertNotIn("extensionsRequired", after.json)
+        for texture in after.json["textures"]:
+            image = after.json["images"][texture["source"]]
+            self.assertEqual(image["mimeType"], "image/png")
+            self.assertTrue(after.view(image["bufferView"]).startswith(b"\x89PNG"))
+        read, = self.read_by_others(self.path("out.glb"))
+        self.assertEqual(read["errors"], 0, read)
 
     def test_an_interrupted_encoder_leaves_nothing(self):
         with open(self.path("in.glb"), "wb") as file:

@@ -104,11 +104,8 @@ LobeExportReport export_lobes(const LobeExportJob& job, Device& device, Progress
       make_ktx2_file(job.output, texture, {"", job.zstd_level, {{kLobeTextureKey, lobe_texture_text(report.header)}}});
   for (int l = 0; l < texture.level_count; ++l) {
     const MovmfLevel& level = mipmap.levels[size_of(map.first_level + l)];
-    for (std::size_t j = 0; j < lobe_count; ++j) {
-      const std::vector<std::uint8_t> layers = encoder.encode(bases[j], level.width, level.height, level.lobes[j]);
-      file->write_rows(l, block_rows(texture, l) / static_cast<int>(lobe_count), layers.data());
-      progress_advance(progress, level.lobes[j].size());
-    }
+    const std::vector<std::uint8_t> layers = encoder.encode(bases, level.width, level.height, level.lobes, progress);
+    file->write_rows(l, block_rows(texture, l), layers.data());
   }
   progress_stage(progress, "write");
   file->finish();

@@ -7,6 +7,7 @@
 //
 // PLAN: {"encoder": FOLDER or "", "threads": 2, "effort": 1, "input": FILE, "output": FILE, "decoded": FILE, "levels":
 // [{"width": 4, "height": 4}, ...]}. The input is RGBA of 8 bits, level after level (level_file.h);
+// "normals": true for normal maps, whose blocks are then chosen by the angles that they turn normals by;
 // the output are blocks of 16 bytes in rows, level after level. "decoded", which may be missing, is a file that
 // gets the blocks' texels in the form of the input. Without "input" the package is only looked for. Exit code 3: it is
 // not there.
@@ -83,6 +84,111 @@ async function texelsOf(file, { width, rows }, encoder) {
   }
 }
 
+async function blocksOf(texels, { width, rows }, plan, basis) {
+  const file = await basis.encode(texels, {
+    isUASTC: true, isKTX2File: true, generateMipmap: false, needSupercompression: false, isPerceptual: false,
+    isInputSRGB: false, isSetKTX2SRGBTransferFunc: false, uastcLDRQualityLevel: plan.effort,
+    imageDecoder: async (data) => ({ data, width, height: rows }),
+  });
+  return { file, blocks: levelOf(file) };
+}
+
+// Where a block's texels are in a strip; texels beyond its edge are the last ones again, as the encoder has them.
+function texelsOfBlock({ width, rows }, block) {
+  const columns = Math.ceil(width / BLOCK_SIDE);
+  const [x, y] = [BLOCK_SIDE * (block % columns), BLOCK_SIDE * Math.floor(block / columns)];
+  return Array.from({ length: 16 }, (_, i) =>
+    Math.min(x + i % BLOCK_SIDE, width - 1) + width * Math.min(y + Math.floor(i / BLOCK_SIDE), rows - 1));
+}
+
+// Three numbers a texel, -1 to 1, any length.
+function vectorsAt(texels, places) {
+  const made = new Float64Array(48);
+  places.forEach((place, i) => { for (let c = 0; c < 3; ++c) made[3 * i + c] = texels[4 * place + c] / 127.5 - 1; });
+  return made;
+}
+
+function normalized(v) {
+  const made = new Float64Array(v.length);
+  for (let i = 0; i < v.length; i += 3) {
+    const length = Math.hypot(v[i], v[i + 1], v[i + 2]) || 1;
+    for (let c = 0; c < 3; ++c) made[i + c] = v[i + c] / length;
+  }
+  return made;
+}
+
+// The directions of a block's texels, and of points between four of them, where a sampler's mean depends on lengths.
+function directionsOf(v) {
+  const all = new Float64Array(48 + 27);
+  all.set(v);
+  for (let y = 0, to = 48; y < 3; ++y)
+    for (let x = 0; x < 3; ++x, to += 3)
+      for (let c = 0; c < 3; ++c) {
+        const at = 3 * (x + 4 * y) + c;
+        all[to + c] = v[at] + v[at + 3] + v[at + 12] + v[at + 15];
+      }
+  return normalized(all);
+}
+
+function squaredAngles(one, other) {
+  let sum = 0;
+  for (let i = 0; i < one.length; ++i) sum += (one[i] - other[i]) ** 2;
+  return sum;
+}
+
+// The same directions with other lengths, which the encoder stores otherwise: its error is of all three numbers, and
+// on a plane it is one of angles. The plane is square to `axis`; null: a normal is behind it.
+function onPlane(v, axis) {
+  const unit = normalized(v), made = new Float64Array(48);
+  let most = 1;
+  for (let i = 0; i < 48; i += 3) {
+    const height = unit[i] * axis[0] + unit[i + 1] * axis[1] + unit[i + 2] * axis[2];
+    if (height < 0.05) return null;
+    for (let c = 0; c < 3; ++c) most = Math.max(most, Math.abs(made[i + c] = unit[i + c] / height));
+  }
+  return made.map((value) => value / most);
+}
+
+const sumOf = (v) => [0, 1, 2].map((c) => v.reduce((sum, value, i) => (i % 3 === c ? sum + value : sum), 0));
+
+const PLANES = [
+  (v) => onPlane(v, normalized(sumOf(v))),
+  (v) => onPlane(v, [0, 0, 1]),
+];
+
+// Replaces blocks that another coding of the same normals turns less.
+async function improveNormals(texels, strip, found, plan, basis) {
+  const worth = 16 * (0.1 * Math.PI / 180) ** 2; // below 0.1 degrees a block is good enough
+  const wanted = new Map();
+  for (let block = 0; block < found.blocks.length / BLOCK_BYTES; ++block) {
+    const places = texelsOfBlock(strip, block), v = vectorsAt(texels, places);
+    const directions = directionsOf(v);
+    const error = squaredAngles(directionsOf(vectorsAt(found.texels, places)), directions);
+    if (error > worth) wanted.set(block, { places, v, directions, error });
+  }
+  const inRow = Math.min(wanted.size, STRIP_TEXELS >> 8), all = [...wanted];
+  if (inRow === 0) return;
+  const packed = { width: BLOCK_SIDE * inRow, rows: BLOCK_SIDE * Math.ceil(all.length / inRow) };
+  for (const plane of PLANES) {
+    const input = new Uint8Array(4 * packed.width * packed.rows).fill(255);
+    all.forEach(([, { v }], i) => {
+      const other = plane(v) ?? v;
+      texelsOfBlock(packed, i).forEach((place, k) => {
+        for (let c = 0; c < 3; ++c) input[4 * place + c] = Math.round(127.5 * (other[3 * k + c] + 1));
+      });
+    });
+    const { file, blocks } = await blocksOf(input, packed, plan, basis), decoded = await texelsOf(file, packed, basis);
+    all.forEach(([block, one], i) => {
+      const places = texelsOfBlock(packed, i);
+      const error = squaredAngles(directionsOf(vectorsAt(decoded, places)), one.directions);
+      if (error >= one.error) return;
+      one.error = error;
+      found.blocks.set(blocks.subarray(BLOCK_BYTES * i, BLOCK_BYTES * (i + 1)), BLOCK_BYTES * block);
+      one.places.forEach((place, k) => found.texels.set(decoded.subarray(4 * places[k], 4 * places[k] + 4), 4 * place));
+    });
+  }
+}
+
 async function work({ plan, encoder, strips, next }) {
   console.log = () => {}; // the encoder tells of each slice
   const { NodeBasisEncoder } = await import(pathToFileURL(encoder).href);
@@ -93,15 +199,13 @@ async function work({ plan, encoder, strips, next }) {
     const strip = strips[i];
     const texels = new Uint8Array(4 * strip.width * strip.rows);
     if (readSync(input, texels, 0, texels.length, strip.input) !== texels.length) throw new Error("levels are cut");
-    const file = await basis.encode(texels, {
-      isUASTC: true, isKTX2File: true, generateMipmap: false, needSupercompression: false, isPerceptual: false,
-      isInputSRGB: false, isSetKTX2SRGBTransferFunc: false, uastcLDRQualityLevel: plan.effort,
-      imageDecoder: async (data) => ({ data, width: strip.width, height: strip.rows }),
-    });
-    const blocks = levelOf(file);
-    if (blocks.length !== strip.bytes) throw new Error(`found ${blocks.length} bytes, expected ${strip.bytes}`);
-    writeSync(output, blocks, 0, blocks.length, strip.output);
-    if (decoded !== undefined) writeSync(decoded, await texelsOf(file, strip, basis), 0, texels.length, strip.input);
+    const found = await blocksOf(texels, strip, plan, basis);
+    if (found.blocks.length !== strip.bytes)
+      throw new Error(`found ${found.blocks.length} bytes, expected ${strip.bytes}`);
+    if (decoded !== undefined || plan.normals) found.texels = await texelsOf(found.file, strip, basis);
+    if (plan.normals) await improveNormals(texels, strip, found, plan, basis);
+    writeSync(output, found.blocks, 0, found.blocks.length, strip.output);
+    if (decoded !== undefined) writeSync(decoded, found.texels, 0, texels.length, strip.input);
   }
   for (const descriptor of [input, output, decoded]) if (descriptor !== undefined) closeSync(descriptor);
 }

@@ -68,7 +68,10 @@ nlohmann::json plan_of(const UastcSettings& settings) {
   std::error_code error;
   const std::string encoder =
       settings.encoder.empty() ? "" : std::filesystem::absolute(settings.encoder, error).string();
-  return {{"encoder", encoder}, {"threads", settings.threads}, {"effort", settings.effort}};
+  return {{"encoder", encoder},
+          {"threads", settings.threads},
+          {"effort", settings.effort},
+          {"normals", settings.has_normals}};
 }
 
 }  // namespace

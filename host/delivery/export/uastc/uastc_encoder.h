@@ -18,6 +18,8 @@ struct UastcSettings {
   std::string encoder;  // folder of the package, or of the node_modules with it; empty: looked for where node does
   int effort = 1;       // of Basis Universal, 0..3: how many ways to code a block are tried
   int threads = 1;
+  // RGB are normals: of several codings each block takes the one that turns them least. Two to three times as slow.
+  bool has_normals = false;
 };
 
 /// Throws Error(kEnvironment): there is no Node.js, or it does not find ktx2-encoder; says what to install.
