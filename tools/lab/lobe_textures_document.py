@@ -43,8 +43,8 @@ drawn by llvmpipe, which filters 8 bits and blocks through 8 bits. Medians over 
 error over that of the same lobes as they were baked. *Bytes*: the texture over all levels of the map in BC5 and BC4;
 the normal map's level 0 in BC5, which a renderer has anyhow, would add a half. *Fetches*: a tap, without the normal
 map's. Every row evaluates the material as often per pixel as it says lobes: averaged normals and LEAN at as many
-points, rounded up to a power of two, from floats. LEAN has the lower error in this near view: finer than level 1 these files
-have one mean normal, and LEAN its moments. Files that store level 0 have the lower error (README.md).
+points, rounded up to a power of two, from floats. LEAN has the lower error in this near view: finer than level 1
+these files have one mean normal, and LEAN its moments. Files that store level 0 have the lower error (README.md).
 """
 
 
