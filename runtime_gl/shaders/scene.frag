@@ -66,7 +66,12 @@ vec3 multum_evaluated() {
 #else
   MultumFootprint finer = multum_surface_footprint(v_st);
   finer.level -= 2.0;
-  if (multum_spread_of_all(multum_fetch_surface(v_st, finer)) > MULTUM_SPREAD_OF_LOBES) points = lobe_points;
+  bool pays = multum_spread_of_all(multum_fetch_surface(v_st, finer)) > MULTUM_SPREAD_OF_LOBES;
+#ifdef MULTUM_NORMAL_MAP
+  // An octave nearer there are no lobes to spend on.
+  if (multum_normal_map_share(finer.level + 1.0) > 0.0) pays = false;
+#endif
+  if (pays) points = lobe_points;
   else multum_part_count = 1;
 #endif
 #endif
