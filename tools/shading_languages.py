@@ -14,7 +14,7 @@ import pathlib
 import re
 import sys
 
-FILES = ("common/movmf_shading.glsl", "common/blue_noise.glsl", "brdf/blinn_phong.glsl",
+FILES = ("common/movmf_shading.glsl", "common/evaluations.glsl", "common/blue_noise.glsl", "brdf/blinn_phong.glsl",
          "brdf/cook_torrance.glsl", "brdf/ggx.glsl", "brdf/ggx_lobe.glsl")
 TYPES = ("float", "int", "vec2", "vec3", "vec4")
 HEAD = """// SPDX-License-Identifier: Apache-2.0

@@ -24,14 +24,21 @@ void append(const ShaderParts& parts, ShaderSources& sources) {
       sources.fragment.push_back(text);
 }
 
-void append_filter(const TextureFilter& filter, ShaderSources& sources) {
+// `samples_light`: of materials that are drawn many times and averaged.
+void append_filter(const TextureFilter& filter, bool samples_light, ShaderSources& sources) {
   MULTUM_CHECK(filter.taps >= 1 && filter.taps <= kTapCountMax);
+  MULTUM_CHECK(filter.evaluations >= 0 && filter.evaluations <= kEvaluationsMax);
   if (filter.is_drivers) {
     sources.flags.push_back("MULTUM_DRIVER_FILTER");
     return;
   }
   if (filter.taps > 1) sources.flags.push_back("MULTUM_TAPS " + std::to_string(filter.taps));
-  if (filter.taps > 1 && filter.shades_taps) sources.flags.push_back("MULTUM_SHADE_TAPS");
+  if (filter.evaluations > 0 && !samples_light) {
+    sources.flags.push_back("MULTUM_EVALUATIONS " + std::to_string(filter.evaluations));
+    if (filter.is_turned) sources.flags.push_back("MULTUM_TURNED");
+  } else if (filter.taps > 1 && filter.shades_taps) {
+    sources.flags.push_back("MULTUM_SHADE_TAPS");
+  }
 }
 
 }  // namespace
@@ -45,12 +52,12 @@ Renderer::Renderer(const GlFunctions& gl, int width, int height)
       environment_(gl) {}
 
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene) {
-  ShaderSources sources{
-      material.name(),
-      {},
-      {shader_scene_vert},
-      {shader_common_movmf_shading_glsl, shader_common_texture_filter_glsl, shader_common_reflection_glsl}};
-  append_filter(scene.filter, sources);
+  ShaderSources sources{material.name(),
+                        {},
+                        {shader_scene_vert},
+                        {shader_common_movmf_shading_glsl, shader_common_evaluations_glsl,
+                         shader_common_texture_filter_glsl, shader_common_reflection_glsl}};
+  append_filter(scene.filter, material.samples_light(), sources);
   append(brdf_shader_parts(scene.brdf), sources);
   append(environment_shader_parts(scene, material.samples_light()), sources);
   append(material.shader_parts(), sources);

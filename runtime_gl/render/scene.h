@@ -39,7 +39,11 @@ struct TextureFilter {
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
   bool shades_taps = kShadesTapsDefault;  // each tap is shaded by itself; else what they return is averaged first
   bool is_drivers = false;                // the driver's own sampler instead: its anisotropy, no bias
+  int evaluations = 0;     // of the material in a pixel, a power of two, 1..kEvaluationsMax; 0: by taps, as above
+  bool is_turned = false;  // with evaluations: lobes by the frames of several places, as a mesh needs it
 };
+
+constexpr int kEvaluationsMax = 16;
 
 /// Perceptual roughness, 0..1, row 0 on top; over the same coordinates as the map.
 struct RoughnessMap {

@@ -17,6 +17,7 @@ extern const char* const shader_common_movmf_shading_glsl;
 extern const char* const shader_common_gmm_shading_glsl;
 extern const char* const shader_common_moment_shading_glsl;
 extern const char* const shader_common_blue_noise_glsl;
+extern const char* const shader_common_evaluations_glsl;
 extern const char* const shader_common_footprint_glsl;
 extern const char* const shader_common_reflection_glsl;
 extern const char* const shader_common_sh_shading_glsl;

@@ -6,6 +6,8 @@
 // Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE averages it
 // over samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
 // MULTUM_SHADE_TAPS: each tap of the texture's filter is shaded by itself, and what comes of them averaged.
+// MULTUM_EVALUATIONS n: as many evaluations of the material, by common/evaluations.glsl; MULTUM_TURNED: lobes are read
+// at 2 x 2 places of the pixel at least, and turned by the frame of each.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -15,7 +17,102 @@ uniform vec3 u_eye;
 
 layout(location = 0) out vec4 o_colour;
 
+#ifdef MULTUM_EVALUATIONS
+struct MultumDerivatives {
+  vec2 st;
+  vec3 position, normal;
+  vec4 tangent;
+};
+
+MultumDerivatives multum_along_x, multum_along_y;
+
+mat3 multum_frame_at(vec2 place) {
+  return multum_tangent_frame(v_normal + place.x * multum_along_x.normal + place.y * multum_along_y.normal,
+                              v_tangent + place.x * multum_along_x.tangent + place.y * multum_along_y.tangent);
+}
+
+MultumSurface multum_fetch_at(vec2 place, MultumFootprint footprint) {
+  return multum_fetch_surface(v_st + place.x * multum_along_x.st + place.y * multum_along_y.st, footprint);
+}
+
+#if defined(MULTUM_TURNED) && defined(MULTUM_LOBES_ADD_UP)
+// Lobes of a part of the pixel about `middle`: of `places`, each in `frame`.
+MultumSurface multum_fetch_turned(vec2 middle, vec2 part, vec2 places, mat3 frame, MultumFootprint footprint) {
+  MultumSurface sum = multum_fetch_at(middle, footprint);
+  for (int j = 0; j < MULTUM_PART_COUNT; ++j) sum.lobes[j] = vec4(0.0);
+  float count = places.x * places.y;
+  for (float i = 0.0; i < count; ++i) {
+    vec2 place = middle + part * multum_point_place(i, places);
+    mat3 turn = transpose(frame) * multum_frame_at(place);
+    MultumSurface one = multum_fetch_at(place, footprint);
+    for (int j = 0; j < MULTUM_PART_COUNT; ++j)
+      sum.lobes[j] += vec4(turn * one.lobes[j].xyz, one.lobes[j].w) / count;
+  }
+  return sum;
+}
+#endif
+
+vec3 multum_evaluated() {
+  multum_along_x = MultumDerivatives(dFdx(v_st), dFdx(v_position), dFdx(v_normal), dFdx(v_tangent));
+  multum_along_y = MultumDerivatives(dFdy(v_st), dFdy(v_position), dFdy(v_normal), dFdy(v_tangent));
+  vec2 size = vec2(multum_surface_size());
+  float points = float(MULTUM_EVALUATIONS);
+#ifdef MULTUM_LOBE_COUNT
+  float lobe_points = multum_lobe_points(points, float(MULTUM_LOBE_COUNT));
+#if !defined(MULTUM_LOBES_ADD_UP)
+  points = lobe_points;
+#elif MULTUM_EVALUATIONS < MULTUM_LOBE_COUNT
+  multum_part_count = 1;
+#else
+  MultumFootprint finer = multum_surface_footprint(v_st);
+  finer.level -= 2.0;
+  bool pays = multum_spread_of_all(multum_fetch_surface(v_st, finer)) > MULTUM_SPREAD_OF_LOBES;
+#ifdef MULTUM_NORMAL_MAP
+  // An octave nearer there are no lobes to spend on.
+  if (multum_normal_map_share(finer.level + 1.0) > 0.0) pays = false;
+#endif
+  if (pays) points = lobe_points;
+  else multum_part_count = 1;
+#endif
+#endif
+  vec2 grid = multum_point_grid(points, length(multum_along_x.st * size), length(multum_along_y.st * size));
+  vec2 part = 1.0 / grid;
+  vec2 places = vec2(1.0);
+#if defined(MULTUM_TURNED) && defined(MULTUM_LOBES_ADD_UP)
+  places = max(floor(2.0 / grid), vec2(1.0));
+#endif
+  multum_part = part / places;
+  MultumFootprint footprint = multum_surface_footprint(v_st);
+#ifdef MULTUM_ROUGHNESS_TEXTURE
+  multum_part = part;
+  MultumFootprint of_roughness = multum_roughness_footprint(v_st);
+#endif
+  vec3 sum = vec3(0.0);
+  for (float i = 0.0; i < points; ++i) {
+    vec2 place = multum_point_place(i, grid);
+    mat3 to_world = multum_frame_at(place);
+    vec3 position = v_position + place.x * multum_along_x.position + place.y * multum_along_y.position;
+#ifdef MULTUM_ROUGHNESS_TEXTURE
+    multum_take_roughness(v_st + place.x * multum_along_x.st + place.y * multum_along_y.st, of_roughness);
+#endif
+#if defined(MULTUM_TURNED) && defined(MULTUM_LOBES_ADD_UP)
+    MultumSurface surface = multum_fetch_turned(place, part, places, to_world, footprint);
+#else
+    MultumSurface surface = multum_fetch_at(place, footprint);
+#endif
+#ifdef MULTUM_LOBES_ADD_UP
+    if (multum_part_count == 1) multum_add_up(surface);
+#endif
+    sum += multum_lights(surface, to_world, position, normalize(u_eye - position) * to_world);
+  }
+  return sum / points;
+}
+#endif
+
 void main() {
+#ifdef MULTUM_EVALUATIONS
+  o_colour = vec4(multum_evaluated(), 1.0);
+#else
   mat3 to_world = multum_tangent_frame(v_normal, v_tangent);
   vec3 v = normalize(u_eye - v_position) * to_world;
   MultumFootprint footprint = multum_surface_footprint(v_st);
@@ -37,5 +134,6 @@ void main() {
   o_colour = vec4(sum / float(footprint.tap_count), 1.0);
 #else
   o_colour = vec4(multum_lights(multum_fetch_surface(v_st, footprint), to_world, v_position, v), 1.0);
+#endif
 #endif
 }

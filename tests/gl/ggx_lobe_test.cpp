@@ -290,8 +290,8 @@ TEST_F(GgxLobeTest, TheHighlightWithVisibilityIsNear) {
     }
   EXPECT_LT(worst, 18.5);
   EXPECT_GT(worst, 17.0) << "the bound that documents state is too wide";
-  EXPECT_LT(worst_of_narrow, 9.0);
-  EXPECT_GT(worst_of_narrow, 8.0) << "the bound that documents state is too wide";
+  EXPECT_LT(worst_of_narrow, 8.0);
+  EXPECT_GT(worst_of_narrow, 7.0) << "the bound that documents state is too wide";
 }
 
 TEST_F(GgxLobeTest, HardCasesAreFinite) {

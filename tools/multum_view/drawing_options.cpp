@@ -63,8 +63,14 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
   CLI::Option* const shade =
       app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
-                   "shade each of --taps by itself, then average (default); --no-shade-taps: average what they "
-                   "return, then shade once");
+                   "shade each of --taps by itself, then average; --no-shade-taps: average what they return, then "
+                   "shade once (default)");
+  CLI::Option* const evaluations =
+      app.add_option("--evaluations", options.filter.evaluations,
+                     "evaluations of the map's light per pixel, 1, 2, 4, 8 or 16: of points where normals are alike, "
+                     "else of lobes (default: each lobe once, or once per tap with --shade-taps)")
+          ->check(CLI::IsMember({1, 2, 4, 8, 16}))
+          ->excludes(shade);
   app.add_option_function<float>(
          "--anisotropy",
          [&options](const float& anisotropy) {
@@ -75,7 +81,8 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
       ->check(number_in(1.0f, 16.0f))
       ->excludes(taps)
       ->excludes(bias)
-      ->excludes(shade);
+      ->excludes(shade)
+      ->excludes(evaluations);
 }
 
 }  // namespace

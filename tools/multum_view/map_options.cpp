@@ -29,7 +29,10 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
 void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
   app.add_option_function<std::string>(
       "--compare", [&options](const std::string& text) { options.pictures = parse_compared("--compare", text); },
-      "also draw these beside it, of reference,mip,toksvig,lean,lean-jacobian; with reference: errors too");
+      "also draw these beside it, of reference,mip,toksvig,lean,lean-jacobian; with reference: errors too. points: "
+      "mip, "
+      "shaded at as many points of each pixel as the map takes evaluations; toksvig-points, lean-points, "
+      "lean-jacobian-points: the same");
   CLI::Option* const samples =
       app.add_option("--samples", options.sampling.sample_count,
                      "samples per pixel of the reference (default: as many as --reference-noise takes)")

@@ -21,7 +21,7 @@ struct SourceOptions {
 };
 
 struct ComparisonOptions {
-  std::vector<std::string> pictures;  // of reference, mip, toksvig, lean, lean-jacobian
+  std::vector<std::string> pictures;  // as parse_compared() gives them
   gl::ReferenceSampling sampling;
   std::string kept_reference;  // a file; empty: the reference is drawn anew
   gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kFootprint: --reference-of texels

@@ -135,7 +135,9 @@ std::vector<float> parse_distances(const std::string& option, const std::string&
 }
 
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text) {
-  std::vector<std::string> names = parse_words(option, text, {"reference", "mip", "toksvig", "lean", "lean-jacobian"});
+  std::vector<std::string> names = parse_words(option, text,
+                                               {"reference", "mip", "toksvig", "lean", "lean-jacobian", "points",
+                                                "toksvig-points", "lean-points", "lean-jacobian-points"});
   std::vector<std::string> once;
   for (const std::string& name : names)
     if (std::find(once.begin(), once.end(), name) == once.end()) once.push_back(name);

@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <optional>
+#include <string_view>
 #include <utility>
+#include <variant>
 
 #include "host/foundation/base/log.h"
 #include "host/foundation/base/progress.h"
@@ -15,11 +18,33 @@
 namespace multum {
 namespace {
 
-gl::Baseline baseline_of(const std::string& name) {
-  return name == "mip"       ? gl::Baseline::kMip
-         : name == "toksvig" ? gl::Baseline::kToksvig
-         : name == "lean"    ? gl::Baseline::kLean
-                             : gl::Baseline::kLeanJacobian;
+struct ComparedMethod {
+  gl::Baseline baseline;
+  bool has_points;  // shaded at as many points as the map takes evaluations
+};
+
+ComparedMethod method_of(const std::string& name) {
+  if (name == "points") return {gl::Baseline::kMip, true};
+  constexpr std::string_view kEnding = "-points";
+  const bool has_points = name.ends_with(kEnding);
+  const std::string_view of = std::string_view(name).substr(0, name.size() - (has_points ? kEnding.size() : 0));
+  return {of == "mip"       ? gl::Baseline::kMip
+          : of == "toksvig" ? gl::Baseline::kToksvig
+          : of == "lean"    ? gl::Baseline::kLean
+                            : gl::Baseline::kLeanJacobian,
+          has_points};
+}
+
+// The next power of two, so that no method has more than those that it is compared with.
+int evaluations_of(const gl::TextureFilter& filter, int lobe_count) {
+  if (filter.evaluations > 0) return filter.evaluations;
+  const int taken = lobe_count * (filter.shades_taps ? filter.taps : 1);
+  return std::min(static_cast<int>(std::bit_ceil(static_cast<unsigned>(taken))), gl::kEvaluationsMax);
+}
+
+int lobe_count_of(const BakedMap& map) {
+  const auto* const lobes = std::get_if<MovmfMipmap>(&map.levels);
+  return lobes == nullptr || lobes->levels.empty() ? 1 : static_cast<int>(lobes->levels.front().lobes.size());
 }
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
@@ -69,6 +94,7 @@ PictureDrawer::PictureDrawer(const MapOptions& options, const std::vector<Brdf>&
     : options_(options),
       basis_(basis),
       mesh_(mesh),
+      lobe_count_(lobe_count_of(map)),
       renderer_(gl, options.picture.output.width(), options.picture.output.height()),
       baked_(make_material(gl, map, options.picture.shading, source)) {
   using gl::NormalMaterial;
@@ -85,11 +111,11 @@ PictureDrawer::PictureDrawer(const MapOptions& options, const std::vector<Brdf>&
 
 std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   std::vector<NamedPicture> pictures;
-  const auto drawn = [&](gl::Material& material) {
-    return draw_blended(basis_, scene, material,
+  const auto drawn = [&](gl::Material& material, const gl::RenderScene& of_method) {
+    return draw_blended(basis_, of_method, material,
                         [&](const gl::RenderScene& one) { return renderer_.draw(mesh_, material, one); });
   };
-  pictures.push_back({"multum", drawn(*baked_)});
+  pictures.push_back({"multum", drawn(*baked_, scene)});
   for (const std::string& name : options_.comparison.pictures) {
     if (name == "reference" && kept_reference_) {
       pictures.insert(pictures.begin(), {name, *kept_reference_});
@@ -104,8 +130,11 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
       if (const std::string& file = options_.comparison.kept_reference; !file.empty())
         write_kept_reference(file, pictures.front().picture);
     } else {
-      mipmapped_->set_baseline(baseline_of(name));
-      pictures.push_back({name, drawn(*mipmapped_)});
+      const ComparedMethod method = method_of(name);
+      gl::RenderScene of_method = scene;
+      of_method.filter.evaluations = method.has_points ? evaluations_of(scene.filter, lobe_count_) : 0;
+      mipmapped_->set_baseline(method.baseline);
+      pictures.push_back({name, drawn(*mipmapped_, of_method)});
     }
   }
   const std::shared_ptr<const gl::FloatImage> background = background_of(options_.picture, scene);

@@ -39,6 +39,7 @@ class PictureDrawer {
   const MapOptions& options_;
   const std::vector<Brdf>& basis_;
   const gl::Mesh& mesh_;
+  int lobe_count_;
   gl::Renderer renderer_;
   std::unique_ptr<gl::Material> baked_;
   std::optional<gl::NormalMaterial> mipmapped_, finest_;

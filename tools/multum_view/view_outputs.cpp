@@ -79,10 +79,12 @@ std::string reference_line(const gl::Picture& reference) {
 
 nlohmann::json filter_json(const ShadingOptions& shading) {
   if (shading.filter.is_drivers) return {{"of", "driver"}, {"anisotropy", shading.anisotropy}};
-  return {{"of", "multum"},
-          {"taps", shading.filter.taps},
-          {"level_bias", shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault))},
-          {"shades_taps", shading.filter.shades_taps}};
+  nlohmann::json filter = {{"of", "multum"},
+                           {"taps", shading.filter.taps},
+                           {"level_bias", shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault))},
+                           {"shades_taps", shading.filter.shades_taps}};
+  if (shading.filter.evaluations > 0) filter["evaluations"] = shading.filter.evaluations;
+  return filter;
 }
 
 /// The sheet, and with --pictures each picture.

@@ -112,6 +112,7 @@ ViewScenes make_scenes(const PictureOptions& options) {
   scenes.basis = make_basis(options.material, !options.light.environment.empty());
   scenes.first.brdf = scenes.basis[0];
   scenes.first.filter = options.shading.filter;
+  scenes.first.filter.is_turned = !options.surface.mesh.empty();
   scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));
   if (options.material.fixed_fresnel && !options.light.environment.empty())
     throw Error(ErrorCode::kUsage, "--fixed-fresnel: is for lights alone; found --environment, expected none");

@@ -5,7 +5,7 @@
 //
 //         ______             a footprint is a rectangle in texels of level 0: the pixel's square, as it lies on a
 //        /     /  b          plane that is looked at from anywhere. Its shorter side b, 2^u texels, says how far away
-//       /  x  /              the surface is; the longer, a = e b, how much it is tilted; x is one of N = 2 taps.
+//       /  x  /              the surface is; the longer, a = e b, how much it is tilted; x is one of N taps, here 2.
 //      /  x  /
 //     /_____/ a
 #pragma once

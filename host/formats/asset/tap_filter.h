@@ -11,9 +11,9 @@
 namespace multum {
 
 constexpr int kTapCountMax = 16;
-constexpr int kTapCountDefault = 2;
-constexpr double kLevelBiasDefault = -0.25;  // levels
-constexpr bool kShadesTapsDefault = true;
+constexpr int kTapCountDefault = 4;
+constexpr double kLevelBiasDefault = -0.5;  // levels
+constexpr bool kShadesTapsDefault = false;
 constexpr double kTapOverlap = 0.75;  // levels: neighbouring taps overlap
 
 struct TapFilter {

@@ -27,7 +27,7 @@ GgxLobeShape ggx_lobe_shape(double alpha, double spread) {
         mixed[k] +=
             weight * static_cast<double>(half_to_float(table[((row + j) * kGgxLobeTableSide + column + i) * 4 + k]));
     }
-  return {mixed[0], mixed[1], mixed[2], mixed[3]};
+  return {std::numbers::pi * mixed[0], mixed[1], mixed[2], -mixed[3]};
 }
 
 }  // namespace multum

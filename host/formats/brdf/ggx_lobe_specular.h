@@ -25,7 +25,7 @@ class GgxOverLobe {
   double specular(const glm::dvec3& light, const glm::dvec3& view, const glm::dvec3& half) const;
 
  private:
-  double amplitude_, spread_, kappa_, alpha_;
+  double amplitude_, spread_, alpha_;
   glm::dvec3 mean_direction_;
   GgxLobeShape shape_;
 };

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <numbers>
 
 #include "host/formats/brdf/ggx_lobe_fit.h"
 #include "host/foundation/base/half_bits.h"
@@ -18,7 +19,7 @@ int main(int argc, char** argv) {
           "{\n\n"
           "constexpr std::uint16_t kTable[] = {\n";
   for (const multum::GgxLobeShape& shape : multum::fit_ggx_lobe_table()) {
-    for (const double value : {shape.peak, shape.slope, shape.bend, shape.power})
+    for (const double value : {shape.peak / std::numbers::pi, shape.slope, shape.bend, -shape.power})
       file << fmt::format("{},", multum::float_to_half(static_cast<float>(value)));
     file << '\n';
   }

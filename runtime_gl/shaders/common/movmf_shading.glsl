@@ -24,13 +24,12 @@ const float MULTUM_AMPLITUDE_MIN = 1e-6;  // below: no lobe; 1/32767, the least 
 // 1 - |r|, the lobe's spread: 0 = one direction, 1 = all directions. Formed from (a - |a r|) / a; rounding of stored
 // values can leave |r| a little above 1, which means 1.
 float multum_movmf_spread(vec4 lobe) {
-  return clamp((lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0, 1.0);
+  return max(lobe.w - length(lobe.xyz), 0.0) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 }
 
 // The mean direction mu; any unit vector when r = 0, where nothing depends on it.
 vec3 multum_movmf_mean_direction(vec4 lobe) {
-  float size = length(lobe.xyz);
-  return size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0);
+  return normalize(lobe.xyz + vec3(0.0, 0.0, 1e-12));
 }
 
 // 1 - mu . w = |mu - w|^2 / 2 for unit vectors: no cancellation where the dot product is close to 1.

@@ -67,15 +67,21 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
   return texture(map, vec3(st, layer));
 }
 #else
+#ifdef MULTUM_EVALUATIONS
+vec2 multum_part = vec2(1.0);  // of the pixel's width and height, that a footprint covers
+#else
+const vec2 multum_part = vec2(1.0);
+#endif
+
 // Takes derivatives: call it where every fragment does.
 MultumFootprint multum_footprint(sampler2D map, vec2 st) {
   vec2 size = vec2(textureSize(map, 0));
-  return multum_footprint_of(dFdx(st) * size, dFdy(st) * size, size);
+  return multum_footprint_of(multum_part.x * dFdx(st) * size, multum_part.y * dFdy(st) * size, size);
 }
 
 MultumFootprint multum_footprint(sampler2DArray map, vec2 st) {
   vec2 size = vec2(textureSize(map, 0).xy);
-  return multum_footprint_of(dFdx(st) * size, dFdy(st) * size, size);
+  return multum_footprint_of(multum_part.x * dFdx(st) * size, multum_part.y * dFdy(st) * size, size);
 }
 
 #if MULTUM_TAPS == 1

@@ -44,10 +44,17 @@ uniform sampler2D u_weights[MULTUM_LOBE_COUNT];
 #else
 #define MULTUM_EACH_LOBE(j) for (int j = 0; j < MULTUM_LOBE_COUNT; ++j)
 #endif
+#ifdef MULTUM_EVALUATIONS
+int multum_part_count = MULTUM_PART_COUNT;  // 1 where all parts are added up
+#endif
 #if MULTUM_PART_COUNT == 1
 #define MULTUM_EACH_PART(j) const int j = 0;
 #else
+#ifdef MULTUM_EVALUATIONS
+#define MULTUM_EACH_PART(j) for (int j = 0; j < multum_part_count; ++j)
+#else
 #define MULTUM_EACH_PART(j) for (int j = 0; j < MULTUM_PART_COUNT; ++j)
+#endif
 #endif
 
 struct MultumSurface {
@@ -71,6 +78,7 @@ struct MultumSurface {
 MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(MULTUM_FIRST_LOBES, st); }
 
 ivec2 multum_lobe_map_size() { return textureSize(MULTUM_FIRST_LOBES, 0).xy; }
+ivec2 multum_surface_size() { return multum_lobe_map_size(); }
 
 #ifdef MULTUM_LOBE_LAYERS
 vec4 multum_unpacking(int at) {

@@ -2,6 +2,33 @@
 // A mixture of MULTUM_LOBE_COUNT vMF lobes, fetched by lobes.glsl. MULTUM_ROUGHNESS: the BRDF's width is in the lobes;
 // MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular alike.
 
+#ifdef MULTUM_EVALUATIONS
+#define MULTUM_LOBES_ADD_UP
+
+// All parts as one, in the first's place.
+void multum_add_up(inout MultumSurface surface) {
+  vec4 sum = vec4(0.0);
+#ifdef MULTUM_COLOURS
+  vec3 colours = vec3(0.0);
+#endif
+  for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
+    sum += surface.lobes[j];
+#ifdef MULTUM_COLOURS
+    colours += surface.lobes[j].w * surface.albedos[j];
+#endif
+  }
+  surface.lobes[0] = sum;
+#ifdef MULTUM_COLOURS
+  surface.albedos[0] = colours / max(sum.w, MULTUM_AMPLITUDE_MIN);
+#endif
+}
+
+float multum_spread_of_all(MultumSurface surface) {
+  multum_add_up(surface);
+  return multum_movmf_spread(surface.lobes[0]);
+}
+#endif
+
 #ifdef MULTUM_VISIBILITY
 // V of the mean cosines of those normals of the lobe that reflect from l to v. They are near h: their mean lies between
 // it and the lobe's, nearer to what is sharper, and is where n.h is taken.

@@ -47,6 +47,8 @@ struct MultumSurface {
 #endif
 };
 
+ivec2 multum_surface_size() { return textureSize(u_normals, 0); }
+
 #if defined(MULTUM_REFERENCE) && !defined(MULTUM_FOOTPRINT)
 // The finest level at one place: no filter but that between its texels.
 MultumFootprint multum_surface_footprint(vec2 st) { return MultumFootprint(vec2(0.0), 1, 0.0); }

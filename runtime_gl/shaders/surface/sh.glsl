@@ -37,6 +37,7 @@ struct MultumSurface {
 };
 
 MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_harmonics, st); }
+ivec2 multum_surface_size() { return textureSize(u_harmonics, 0).xy; }
 
 MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MultumSurface surface;

@@ -2,25 +2,20 @@
 // Draws a plane, or a model with the map on it, by WebGL 2 with the shading that multum-view draws with
 // (runtime_gl/shaders), lobes or one normal a texel, each method into a texture; the screen shows one of them left and
 // one right of a divider, or their difference.
-const FILTER = { taps: 2, bias: -0.25 }; // docs/FILTER.md
+const FILTER = { taps: 4, bias: -0.5 }; // docs/FILTER.md
 
 const SCREEN_VERTEX = `#version 300 es
 void main() {
   gl_Position = vec4(vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0), 0.0, 1.0);
 }`;
 
-// What the eye sees of the surface at st, as the mean over the footprint's taps.
+// What the eye sees of the surface at st.
 const LOOK_SHADED = `
 uniform float u_locked_level;  // of the texture of the surface; below -100: none
 vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
   MultumFootprint footprint = multum_surface_footprint(st);
   if (u_locked_level > -100.0) footprint.level = u_locked_level;
-  MultumFootprint one = MultumFootprint(vec2(0.0), 1, footprint.level);
-  vec2 place = multum_first_tap(st, footprint);
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < footprint.tap_count; ++i)
-    sum += multum_lights(multum_fetch_surface(place + float(i) * footprint.tap_step, one), to_world, position, v);
-  return sum / float(footprint.tap_count);
+  return multum_lights(multum_fetch_surface(st, footprint), to_world, position, v);
 }
 `;
 
@@ -162,7 +157,7 @@ class LookGl {
   }
 
   fragment(flags, texts, surface, main) {
-    const all = [`MULTUM_TAPS ${FILTER.taps}`, "MULTUM_SHADE_TAPS", "MULTUM_GGX", "MULTUM_VISIBILITY", "MULTUM_FRESNEL",
+    const all = [`MULTUM_TAPS ${FILTER.taps}`, "MULTUM_GGX", "MULTUM_VISIBILITY", "MULTUM_FRESNEL",
       "MULTUM_FRESNEL_DIFFUSE", "MULTUM_DIRECTIONAL_LIGHTS 1", ...flags];
     return `#version 300 es\nprecision highp float;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n` +
       `${all.map((flag) => `#define ${flag}\n`).join("")}${texts}${surface}\n${this.shaders.lights}${main}`;

@@ -124,7 +124,7 @@ void multum_fetch_lobes(ivec2 points, vec2 part, float side) {
   float map_share = multum_normal_map_share(footprint.level);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) multum_lobes[j] = vec4(0.0);
   for (int i = 0; i < points.x * points.y; ++i) {
-    vec2 shift = (vec2(i % points.x, i / points.x) + 0.5) * share - 0.5 * part;
+    vec2 shift = part * multum_point_place(float(i), vec2(points));
     vec2 place = vNormalMapUv + shift.x * multum_along_x_vNormalMapUv + shift.y * multum_along_y_vNormalMapUv;
     mat3 frame = multum_frame(shift, side);
     MultumSurface surface = multum_fetch_surface(place, footprint);
@@ -165,7 +165,7 @@ vec4 multum_map(sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
 vec2 multum_shift(int evaluation) {
   ivec2 points = multum_points();
   int point = multum_lobes_pay ? evaluation / MULTUM_LOBE_COUNT : evaluation;
-  return (vec2(point % points.x, point / points.x) + 0.5) / vec2(points) - 0.5;
+  return multum_point_place(float(point), vec2(points));
 }
 
 // Sets the evaluation's lobe. Returns its weight.

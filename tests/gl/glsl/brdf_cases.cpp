@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "host/formats/brdf/ggx_lobe.h"
+#include "host/formats/brdf/ggx_lobe_specular.h"
 #include "host/lab/reference/charlie.h"
 #include "host/lab/reference/shading.h"
 #include "runtime_gl/materials/ggx_lobe_texture.h"
@@ -351,12 +352,9 @@ void ggx_highlights(const GlFunctions& gl, const Edits& edits, WorstError& worst
       const double kappa = spread == 0.0 ? 1e12 : spread == 1.0 ? 0.0 : reference::vmf_kappa(spread);
       const double facets = ggx_lobe_density(ggx_lobe_shape(alpha_double, spread), alpha_double, spread, e);
       const glm::dvec3 sum = ggx_facet_kappa(alpha_double, kappa, e) * glm::dvec3(b) + kappa * up;
-      const double n_l = highlight_cosine(sum, l), n_v = highlight_cosine(sum, {0.0, 0.6, 0.8});
-      const double x = alpha_double * alpha_double;
-      const double masking = n_l * std::sqrt(n_v * n_v * (1.0 - x) + x),
-                   shadowing = n_v * std::sqrt(n_l * n_l * (1.0 - x) + x);
-      const double highlight = a.w * facets * n_l * M_PI * x;
-      return glm::dvec4(highlight, highlight * 0.5 / std::max(masking + shadowing, 1e-6), 0.0, 0.0);
+      const double unit = M_PI * alpha_double * alpha_double;
+      const double specular = GgxOverLobe(a, alpha_double).specular(l, {0.0, 0.6, 0.8}, glm::dvec3(b));
+      return glm::dvec4(a.w * facets * highlight_cosine(sum, l) * unit, specular * unit, 0.0, 0.0);
     };
     c.variant.flags = {"MULTUM_GGX"};
     c.variant.formulas = brdf_shader_text("ggx_lobe.glsl");
@@ -506,7 +504,8 @@ std::vector<GlslCase> facet_cases() {
         "0.22 % of the cosine's model"},
        {unclamped},
        ggx_highlights,
-       {"multum_lobe_highlight", "multum_movmf_ggx", "multum_movmf_ggx_facet_kappa", "multum_movmf_ggx_specular"}},
+       {"multum_lobe_highlight", "multum_movmf_ggx", "multum_movmf_ggx_facet_kappa", "multum_movmf_ggx_specular",
+        "multum_ggx_lobe_specular", "multum_ggx_lobe_facets", "multum_ggx_lobe_curve", "multum_vmf_scatter"}},
       {{"glsl-facets-of-charlie", "charlie.glsl", of_all_directions, "1 - 3/5 r^2 below r = 0.1", 6e-4, unit, reason},
        {glsl_edit("r > 0.1 ? min(3.0 * r / kappa, 1.0) : 1.0 - 0.6 * r * r", "3.0 * r / kappa")},
        charlie_facets,

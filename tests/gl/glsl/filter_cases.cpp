@@ -125,6 +125,45 @@ void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, Worst
   compare_glsl(gl, edits, c, worst);
 }
 
+// Columns and rows, by halving the longer side's points while the parts stay longer than wide.
+glm::dvec2 exact_grid(double count, double along_x, double along_y) {
+  const double ratio = std::max(along_x, along_y) / std::max(std::min(along_x, along_y), 1e-20);
+  double across = 1.0;
+  while (ratio * 2.0 * across * across < count && across * across * 4.0 <= count) across *= 2.0;
+  return along_x > along_y ? glm::dvec2(count / across, across) : glm::dvec2(across, count / across);
+}
+
+// Round, long and one-dimensional footprints of any budget.
+void points_of_no_width(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
+  GlslComparison grids{
+      "vec4(multum_point_grid(a.z, a.x, a.y), multum_lobe_points(a.z, a.w), "
+      "multum_widened_alpha(0.25, vec3(b.x), vec3(0.0, b.y, 0.0), a.z))",
+      {},
+      {}};
+  GlslComparison places{"vec4(multum_point_place(a.x, b.xy), 0.0, 0.0)", {}, {}};
+  for (const float count : {1.0f, 2.0f, 4.0f, 8.0f, 16.0f})
+    for (const float x : {0.0f, 0.5f, 1.0f, 1.5f, 9.0f, 1e4f})
+      for (const float y : {0.0f, 1.0f, 3.0f}) {
+        grids.inputs.push_back({{x, y, count, 1.0f + y}, {0.1f * x, y, 0.0f, 0.0f}});
+        const glm::dvec2 grid = exact_grid(static_cast<double>(count), static_cast<double>(x), static_cast<double>(y));
+        for (float point = 0.0f; point < count; point += 1.0f)
+          places.inputs.push_back({{point, 0.0f, 0.0f, 0.0f}, glm::vec4(glm::vec2(grid), 0.0f, 0.0f)});
+      }
+  grids.variant.formulas = places.variant.formulas = shader_common_evaluations_glsl;
+  grids.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    double points = 1.0;
+    while (2.0 * points * a.w <= a.z) points *= 2.0;
+    const double variance = (3.0 * b.x * b.x + b.y * b.y) / (12.0 * a.z);
+    return glm::dvec4(exact_grid(a.z, a.x, a.y), points, std::sqrt(std::min(0.0625 + variance, 1.0)));
+  };
+  places.exact = [](const glm::dvec4& a, const glm::dvec4& b) {
+    const double row = std::floor(a.x / b.x), column = a.x - row * b.x;
+    return glm::dvec4((column + 0.5) / b.x - 0.5, (row + 0.5) / b.y - 0.5, 0.0, 0.0);
+  };
+  compare_glsl(gl, edits, grids, worst);
+  compare_glsl(gl, edits, places, worst);
+}
+
 }  // namespace
 
 std::vector<GlslCase> glsl_filter_cases() {
@@ -157,6 +196,11 @@ std::vector<GlslCase> glsl_filter_cases() {
        {glsl_edit("if (footprint.tap_count == 1) return footprint.level;", "")},
        longer_lengths,
        {"multum_footprint_longer_lod"}},
+      {{"glsl-points-of-no-width", "evaluations.glsl", "a length of 0 divides", "lengths of at least 1e-20", 1e-4,
+        "absolute, of points, places and alpha", "some roundings"},
+       {glsl_edit("max(min(along_x, along_y), 1e-20)", "min(along_x, along_y)")},
+       points_of_no_width,
+       {"multum_lobe_points", "multum_point_grid", "multum_point_place", "multum_widened_alpha"}},
   };
 }
 

@@ -29,8 +29,7 @@ SourceEdit glsl_edit(const std::string& text, const std::string& replacement) {
 }
 
 SourceEdit glsl_unclamped_spread() {
-  const std::string spread = "(lobe.w - length(lobe.xyz)) / max(lobe.w, MULTUM_AMPLITUDE_MIN)";
-  return glsl_edit("clamp(" + spread + ", 0.0, 1.0)", "(" + spread + ")");
+  return glsl_edit("max(lobe.w - length(lobe.xyz), 0.0)", "(lobe.w - length(lobe.xyz))");
 }
 
 glm::dvec3 tilted(double degrees, double azimuth) {

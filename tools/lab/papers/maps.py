@@ -17,7 +17,9 @@ REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lob
                    ("gmm, 4 lobes", "gmm", ("--ndf", "gmm")),
                    ("sh, order 8", "sh8", ("--ndf", "sh", "--sh-order", "8")),
                    ("sh, order 4", "sh4", ("--ndf", "sh")), ("moments", "moments", ("--ndf", "moments")))
-BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"))
+# The last two are shaded at as many points of each pixel as four lobes take evaluations.
+BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
+             ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"), ("averaged normals, 4 points", "points"))
 MATERIAL_RUNS = 5  # of each material
 NORMAL_MAP = re.compile(r"^(pm_\d+|.*(normal|_norm|_nm?|flakes5n))\.(png|jpg|webp)$")
 

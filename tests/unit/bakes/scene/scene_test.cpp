@@ -455,7 +455,7 @@ TEST_F(SceneTest, DiffuseLightTakesOneLobe) {
 
 TEST_F(SceneTest, FarAwayTheFinestLevelsAreLeftOut) {
   write_map(64, noise);
-  const MapPlan map = plan(with(kScene, "distance = [1, 20]", "distance = [100, 200]")).maps[0];
+  const MapPlan map = plan(with(kScene, "distance = [1, 20]", "distance = [120, 200]")).maps[0];
   EXPECT_GE(map.first_seen, 3);
   EXPECT_EQ(map.job.fitting.first_level, map.first_seen);
   EXPECT_FALSE(effect(map.effects, "finest levels").needed);

@@ -169,7 +169,7 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Of four lobes: the default beside what a sampler gives in about the same time.
+// Of four lobes: the default next to half as many taps that are each shaded, in about the same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
   const auto describe = [&](int taps, bool shades_taps) {
@@ -180,10 +180,10 @@ std::string default_text(const Json& result, const Figures& errors) {
                        median_of(times, timed, method));
   };
   return fmt::format(
-      "**Default**: {} taps, each shaded, at a bias of {:g}. With 4 lobes: {}. Four taps that are averaged before "
-      "they are shaded, at the same bias: {}. A sampler with anisotropy does the latter, and shades once however many "
-      "lights there are; here there is one.\n\n",
-      kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(4, false));
+      "**Default**: {} taps, averaged and shaded once, at a bias of {:g}, as an anisotropic sampler does. With 4 "
+      "lobes: "
+      "{}. Two taps that are each shaded, at the same bias: {}.\n\n",
+      kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
 }  // namespace

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pixel's budget of evaluations (shaders/common/evaluations.glsl, scene.frag): spent on points or on lobes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "runtime_gl/materials/moment_material.h"
+#include "runtime_gl/materials/movmf_material.h"
+#include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/materials/sh_material.h"
+#include "runtime_gl/render/picture_error.h"
+#include "runtime_gl/render/renderer.h"
+#include "tests/gl/sh_test_map.h"
+#include "tests/gl/test_context.h"
+#include "tests/gl/test_maps.h"
+
+namespace multum::gl {
+namespace {
+
+TextureFilter filter_of(int evaluations, bool is_turned = false) {
+  TextureFilter filter{4, -0.5f, false, false};
+  filter.evaluations = evaluations;
+  filter.is_turned = is_turned;
+  return filter;
+}
+
+// A strip of a cylinder about Y whose normals turn from -60 to 60 degrees, as flat triangles between two edges.
+MeshData turning_quad(float size) {
+  MeshData data;
+  for (const float side : {-1.0f, 1.0f})
+    for (const float up : {0.0f, 1.0f}) {
+      const double angle = static_cast<double>(side) * 1.05;
+      const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+      data.vertices.push_back(
+          {{0.5f * side * size, up * size, 0.0f}, {s, 0.0f, c}, {c, 0.0f, -s, 1.0f}, {0.5f + 0.5f * side, up}});
+    }
+  data.indices = {0, 2, 3, 0, 3, 1};
+  return data;
+}
+
+class EvaluationsTest : public testing::TestWithParam<ContextBackend> {
+ protected:
+  void SetUp() override {
+    context_ = make_test_context(GetParam());
+    mesh_ = std::make_unique<Mesh>(context_->functions(), make_quad(60.0f));
+    renderer_ = std::make_unique<Renderer>(context_->functions(), 80, 60);
+  }
+
+  FloatImage drawn(const Material& material, RenderScene scene, const TextureFilter& filter) {
+    scene.filter = filter;
+    return renderer_->draw_once(*mesh_, material, scene);
+  }
+  FloatImage reference(const NormalImage& image, const RenderScene& scene) {
+    const NormalMaterial material(context_->functions(), image, NormalMaterial::Sampling::kNearest, 1.0f);
+    return renderer_->draw_reference(*mesh_, material, scene, {256}).image;
+  }
+  static double error_of(const FloatImage& picture, const FloatImage& exact) {
+    return picture_error(picture, exact).relative_l1;
+  }
+
+  std::unique_ptr<HeadlessContext> context_;
+  std::unique_ptr<Mesh> mesh_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+TEST_P(EvaluationsTest, AFlatMapIsTheSameByAnyBudget) {
+  const TestMap map = make_flat_map(16);
+  const GlFunctions& gl = context_->functions();
+  std::vector<std::unique_ptr<Material>> materials;
+  materials.push_back(std::make_unique<MovmfMaterial>(gl, map.mipmap, 1.0f));
+  materials.push_back(std::make_unique<MovmfMaterial>(gl, as_gaussians(map.mipmap), 1.0f));
+  materials.push_back(std::make_unique<MomentMaterial>(gl, make_moments(map.image, StorageEncoding::kFloat), 1.0f));
+  materials.push_back(std::make_unique<ShMaterial>(gl, make_harmonics(map.image, 4, StorageEncoding::kFloat), 1.0f));
+  RenderScene scene;
+  scene.brdf.exponent = 20.0f;
+  for (const auto& material : materials) {
+    const FloatImage usual = drawn(*material, scene, filter_of(0));
+    // Each is a program of its own, which takes drivers a second to compile.
+    for (const TextureFilter& filter : {filter_of(2), filter_of(16, true)})
+      EXPECT_LT(error_of(drawn(*material, scene, filter), usual), 2e-3)
+          << material->name() << ", " << filter.evaluations;
+  }
+}
+
+// Averaged normals gain from points, and the more the better; lobes of steep bumps do not need them.
+TEST_P(EvaluationsTest, PointsAreNearer) {
+  const TestMap map = make_noise_map(64, 0.3f, WrapMode::kPeriodic);
+  RenderScene scene = distant_scene();
+  scene.uv_scale = 10.0f;
+  scene.brdf.exponent = 100.0f;
+  NormalMaterial averages(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
+  averages.set_baseline(Baseline::kMip);
+  const FloatImage exact = reference(map.image, scene);
+  double before = error_of(drawn(averages, scene, filter_of(1)), exact);
+  for (const int points : {4, 16}) {
+    const double error = error_of(drawn(averages, scene, filter_of(points)), exact);
+    EXPECT_LT(error, 0.9 * before) << points;
+    before = error;
+  }
+}
+
+// Two tilts are two lobes. A budget for both spends itself on them; that of one evaluation adds them up to one lobe.
+TEST_P(EvaluationsTest, NormalsThatScatterAreShadedAsLobes) {
+  const TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
+  RenderScene scene = distant_scene();
+  const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
+  const FloatImage usual = drawn(lobes, scene, filter_of(0));
+  EXPECT_LT(error_of(drawn(lobes, scene, filter_of(2)), usual), 1e-3);
+  EXPECT_GT(error_of(drawn(lobes, scene, filter_of(1)), usual), 0.05);
+  // Tilts of half a degree are alike: 1 - |r| is 4e-5. Points then have one lobe each, which changes next to nothing.
+  const TestMap alike = make_two_tilt_map(16, 0.5, StorageEncoding::kFloat, false);
+  const MovmfMaterial narrow(context_->functions(), alike.mipmap, 1.0f);
+  EXPECT_LT(error_of(drawn(narrow, scene, filter_of(2)), drawn(narrow, scene, filter_of(0))), 0.01);
+}
+
+// Where a mesh's normals turn within a pixel, lobes of several places have that in them, each in the frame of its own.
+TEST_P(EvaluationsTest, LobesTurnWithTheMesh) {
+  const TestMap map = make_flat_map(16);
+  mesh_ = std::make_unique<Mesh>(context_->functions(), turning_quad(6.0f));
+  RenderScene scene;
+  scene.camera.eye = {0.0f, 3.0f, 30.0f};
+  scene.camera.target = {0.0f, 3.0f, 0.0f};
+  scene.camera.up = {0.0f, 1.0f, 0.0f};
+  scene.uv_scale = 1.0f;
+  scene.lights[0].direction = glm::normalize(glm::vec3(0.3f, 0.2f, 1.0f));
+  scene.brdf.exponent = 60.0f;
+  scene.brdf.diffuse = glm::vec3(0.0f);  // no light from the strip's edges
+  const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
+  const FloatImage exact = reference(map.image, scene);
+  const double once = error_of(drawn(lobes, scene, filter_of(1)), exact);
+  EXPECT_LT(error_of(drawn(lobes, scene, filter_of(1, true)), exact), 0.8 * once);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, EvaluationsTest, testing::ValuesIn(test_backends()),
+                         [](const auto& test) { return std::string(context_backend_name(test.param)); });
+
+}  // namespace
+}  // namespace multum::gl
