@@ -278,7 +278,7 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
   for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
     EXPECT_LT(picture_error(moments(map, coarse, far, shading), moments(map, whole, far, shading)).relative_l1, 1e-6);
   RenderScene near = plain_scene();
-  look_from_above(near, 1.7, 64, kRenderHeight);
+  look_from_above(near, 2.05, 64, kRenderHeight);
   const FloatImage toksvig = baseline(map, near, Baseline::kToksvig);
   for (const MomentShading shading : {MomentShading::kToksvig, MomentShading::kLean, MomentShading::kLeanJacobian})
     EXPECT_LT(picture_error(moments(map, coarse, near, shading), toksvig).relative_l1, 1e-5);

@@ -114,7 +114,7 @@ TEST_P(ShRenderTest, LevelsThatAreLeftToTheNormalMap) {
   for (std::size_t l = 0; l < 2; ++l) coarse.levels[l].parts.clear();
   const RenderScene far = scene_of(20.0f, 600.0f);
   RenderScene near = scene_of(20.0f);
-  look_from_above(near, 1.7, 16, kShHeight);
+  look_from_above(near, 2.05, 16, kShHeight);
   EXPECT_LT(error(draw(coarse, far, &map.image), draw(whole, far)), 1e-5);
   TestMap one_lobe = make_one_lobe_map(map.image);
   EXPECT_LT(error(draw(coarse, near, &map.image), lobes(one_lobe, near)), 1e-4);

@@ -55,25 +55,23 @@ async function measured(page, name) {
 const share = (found, row) =>
   (found[row].error - found.floor.error) / (found.plain.error - found.floor.error);
 
-// Points that the rule may be above the better of points and lobes. A model's goal is 0.3; more is what it is today.
-const RULE_ABOVE = { domes: 1.2, flakes_sphere: 3.5, bricks_sphere: 1.2 }, RULE_GOAL = 0.3;
-// Points that one lobe may be above plain mips: the goal is 0.2.
-const ONE_ABOVE = { flakes_sphere: 5 }, ONE_GOAL = 0.3;
+// Points that the rule may be above the better of points and lobes. The goal is 0.3; more is what it is today.
+const RULE_ABOVE = { domes: 0.8, flakes_sphere: 0.5 }, RULE_GOAL = 0.3;
+const ONE_GOAL = 0.2; // points that one lobe may be above plain mips
 const SHARES_MOST = { // of the gap between plain mips and the floor
-  hammered_sphere: { one: 0.7, lobes: 0.3, rule: 0.3 }, flakes_sphere: { lobes: 0.65, rule: 0.75 },
-  bricks_sphere: { lobes: 0.5, rule: 0.6 }, water_sphere: { one: 0.75, lobes: 0.55, rule: 0.55 },
-  domes: { one: 0.6, lobes: 0.2, rule: 0.2 }, barrel: { rule: 0.35 }, cover: { rule: 0.3 },
+  hammered_sphere: { one: 0.65, lobes: 0.3, rule: 0.3 }, flakes_sphere: { lobes: 0.65, rule: 0.65 },
+  bricks_sphere: { one: 0.9, lobes: 0.5, rule: 0.5 }, water_sphere: { one: 0.8, lobes: 0.6, rule: 0.6 },
+  domes: { one: 0.6, lobes: 0.2, rule: 0.2 }, barrel: { rule: 0.35 }, tower: { rule: 0.45 }, cover: { rule: 0.3 },
 };
 
 function check(name, found) {
   const above = (row, other) => 100 * (found[row].error - found[other].error);
   const holds = (value, most, what) =>
     assert.ok(value <= most, `${name}: ${what} ${value.toFixed(2)}, expected at most ${most}`);
-  for (const row of ["lobes", "rule"]) assert.equal(found[row].lobed, 1, `${name}, ${row}: material without lobes`);
   for (const row of Object.keys(ROWS)) holds(-above(row, "floor"), 0, `${row} below the floor by`);
   holds(Math.max(above("rule", "points"), above("rule", "lobes")), RULE_ABOVE[name] ?? RULE_GOAL,
     "points of the rule above the better of points and lobes");
-  holds(above("one", "plain"), ONE_ABOVE[name] ?? ONE_GOAL, "points of one lobe above plain mips");
+  holds(above("one", "plain"), ONE_GOAL, "points of one lobe above plain mips");
   for (const [row, most] of Object.entries(SHARES_MOST[name] ?? {}))
     holds(share(found, row), most, `share of plain mips' error that ${row} keeps:`);
 }

@@ -60,6 +60,12 @@ double room_around(const glm::dvec3& normal) {
   return sum;
 }
 
+// Banerjee et al. 2005.
+double kappa_of_spread(double spread) {
+  const double r = 1.0 - spread;
+  return r * (3.0 - r * r) / std::max(spread * (2.0 - spread), 1e-12);
+}
+
 double reflectance_of(const FormSurface& surface) {
   return kDielectric + (surface.colour - kDielectric) * surface.metalness;
 }
@@ -109,7 +115,7 @@ FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const 
   const double roughness = std::max(surface.roughness, kRoughnessLeast), alpha = roughness * roughness;
   const double length = glm::length(glm::dvec3(lobe)), spread = std::clamp(1.0 - length / lobe.w, 0.0, 1.0);
   const glm::dvec3 mean = length > 1e-12 ? glm::dvec3(lobe) / length : view;
-  const double f0 = reflectance_of(surface), kappa = std::max(shaded_kappa(spread), 1e-6);
+  const double f0 = reflectance_of(surface), kappa = std::max(kappa_of_spread(spread), 1e-6);
   const double wide = std::pow(std::min(alpha * alpha + 2.0 / kappa, 1.0), 0.25);
   const double room = room_light(mean, surface, wide, shaded_mean_cosine(spread, glm::dot(mean, view)), view);
   const GgxOverLobe shaded(glm::dvec4(glm::dvec3(lobe) / lobe.w, 1.0), alpha);

@@ -16,7 +16,7 @@ namespace {
 constexpr int kAnisotropyMax = 16;  // what three.js's add-on asks for, and GPUs have
 constexpr int kPointsPerSide = 2;
 // As @multum/three has them (runtime_gl/web/three/lobe_material.js).
-constexpr double kPointsBias = -0.25 - 1.0, kLobeBias = -0.5, kLobesFrom = 0.005;
+constexpr double kPointsBias = -0.25 - 1.0, kLobeBias = -0.5, kLobesFrom = 0.002;
 constexpr double kLobeRoughnessMin = 0.045;
 constexpr int kPixelsAtOnce = 64;
 
@@ -168,21 +168,23 @@ FormError FormMeter::normals(const NormalForm& form) const {
   return errors_of(contributions([&](const Measured& at) { return middle_light(at, form); }));
 }
 
-FormError FormMeter::points(const NormalForm& form) const {
-  return errors_of(contributions([&](const Measured& at) {
-    constexpr int kPoints = kPointsPerSide * kPointsPerSide;
-    FormLight sum{};
-    for (int p = 0; p < kPoints; ++p) {
-      const SurfacePoint point = moved(*at.pixel, part_place(p % kPointsPerSide, kPointsPerSide),
-                                       part_place(p / kPointsPerSide, kPointsPerSide));
-      const FormLight light = shade(at, point, at.looked[size_of(1 + p)], form, true, 1.0 / kPointsPerSide);
-      for (std::size_t l = 0; l < kFormLights; ++l) sum[l] += light[l] / kPoints;
-    }
-    return sum;
-  }));
+FormLight FormMeter::point_light(const Measured& at, const NormalForm& form) const {
+  constexpr int kPoints = kPointsPerSide * kPointsPerSide;
+  FormLight sum{};
+  for (int p = 0; p < kPoints; ++p) {
+    const SurfacePoint point = moved(*at.pixel, part_place(p % kPointsPerSide, kPointsPerSide),
+                                     part_place(p / kPointsPerSide, kPointsPerSide));
+    const FormLight light = shade(at, point, at.looked[size_of(1 + p)], form, true, 1.0 / kPointsPerSide);
+    for (std::size_t l = 0; l < kFormLights; ++l) sum[l] += light[l] / kPoints;
+  }
+  return sum;
 }
 
-FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes) const {
+FormError FormMeter::points(const NormalForm& form) const {
+  return errors_of(contributions([&](const Measured& at) { return point_light(at, form); }));
+}
+
+FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form) const {
   const ModelPixel& pixel = *at.pixel;
   const auto count = size_of(lobes.count());
   // Lobes of a part of the pixel, in world space, the map's share in the first.
@@ -207,14 +209,13 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes) co
     sums[0] += map_share * turned_lobe(point, {mean * ((1.0 - seen + seen * std::min(length, 1.0)) / length), 1.0});
   };
   const auto whole = lobes.footprint(pixel.along_x.place, pixel.along_y.place, kLobeBias);
-  bool lobes_pay = whole.level >= 1.0 && count <= kPointsPerSide * kPointsPerSide;
-  if (lobes_pay) {
-    LobeLevels::Footprint finer = whole;
-    finer.level -= 2.0;
-    glm::dvec4 sum(0.0);
-    for (const glm::dvec4& lobe : lobes.at(pixel.middle.place, finer)) sum += lobe;
-    lobes_pay = 1.0 - glm::length(glm::dvec3(sum)) / std::max(sum.w, 1e-6) > kLobesFrom;
-  }
+  LobeLevels::Footprint finer = whole;
+  finer.level = std::max(whole.level - 2.0, 0.0);
+  glm::dvec4 all_normals(0.0);
+  for (const glm::dvec4& lobe : lobes.at(pixel.middle.place, finer)) all_normals += lobe;
+  if (1.0 - glm::length(glm::dvec3(all_normals)) / std::max(all_normals.w, 1e-6) <= kLobesFrom)
+    return point_light(at, form);
+  const bool lobes_pay = whole.level >= 1.0 && count <= kPointsPerSide * kPointsPerSide;
   const glm::dvec3 view = glm::normalize(at.picture->eye - pixel.middle.position);
   FormLight made{};
   const auto add_light = [&](const glm::dvec4& lobe, double weight, const Looked& looked, const glm::dvec3& from) {
@@ -246,8 +247,8 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes) co
   return made;
 }
 
-FormError FormMeter::lobes(const LobeLevels& lobes) const {
-  return errors_of(contributions([&](const Measured& at) { return shade_lobes(at, lobes); }));
+FormError FormMeter::lobes(const LobeLevels& lobes, const NormalForm& form) const {
+  return errors_of(contributions([&](const Measured& at) { return shade_lobes(at, lobes, form); }));
 }
 
 void FormMeter::improve(NormalForm& form, const std::vector<double>& limits) const {
@@ -317,7 +318,7 @@ ChosenNormalForm choose_normal_form(const FormMeter& meter) {
   NormalForm improved = made.form;
   meter.improve(improved, limits);
   const FormError error = meter.normals(improved);
-  if (error.mean > made.plain.mean - kFormGain) return made;
+  if (error.mean > made.plain.mean - std::max(kFormGain, kFormGainShare * made.plain.mean)) return made;
   made.form = improved;
   made.chosen = error;
   return made;

@@ -68,8 +68,8 @@ class FormMeter {
   void improve(NormalForm& form, const std::vector<double>& limits) const;
   /// At 2 x 2 points of each pixel, with the variance of slopes: addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;
-  /// As addLobes() of @multum/three draws them with 4 evaluations.
-  FormError lobes(const LobeLevels& lobes) const;
+  /// As addLobes() of @multum/three draws them with 4 evaluations, beside textures of this form.
+  FormError lobes(const LobeLevels& lobes, const NormalForm& form) const;
 
  private:
   struct LookedLevel {  // values of all textures in one level
@@ -96,7 +96,8 @@ class FormMeter {
   FormLight reference_of(const ModelPicture& picture, const ModelPixel& pixel) const;
   FormLight shade(const Measured& at, const SurfacePoint& point, const Looked& looked, const NormalForm& form,
                   bool has_variance, double part) const;
-  FormLight shade_lobes(const Measured& at, const LobeLevels& lobes) const;
+  FormLight point_light(const Measured& at, const NormalForm& form) const;
+  FormLight shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form) const;
   FormLight middle_light(const Measured& at, const NormalForm& form) const;
   static double contribution(const Measured& at, const FormLight& light);
   template <typename Shade>
@@ -118,7 +119,8 @@ struct ChosenNormalForm {
 };
 ChosenNormalForm choose_normal_form(const FormMeter& meter);
 
-constexpr double kFormGain = 0.2;       // points
-constexpr double kFormTolerance = 0.1;  // points, of any distance
+constexpr double kFormGain = 0.2;        // points, or
+constexpr double kFormGainShare = 0.05;  // of the error, whichever is more: pictures are that much unlike an engine's
+constexpr double kFormTolerance = 0.1;   // points, of any distance
 
 }  // namespace multum

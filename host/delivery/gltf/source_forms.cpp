@@ -109,7 +109,7 @@ SourceForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
   if (baked.empty() || described.contains(GltfJson::json_pointer(kClearcoatNormal))) return made;
   const LobeLevels lobes(baked, from.wrap_s, from.wrap_t, bytes_each);
   made.errors["points_4"] = meter.points(made.normals);
-  made.errors["lobes_4"] = meter.lobes(lobes);
+  made.errors["lobes_4"] = meter.lobes(lobes, made.normals);
   made.has_lobes = made.errors["lobes_4"].mean < made.errors["points_4"].mean - kFormGain;
   return made;
 }

@@ -10,7 +10,7 @@
 //       vec2 place = multum_point_place(number, grid);
 //       uv + place.x * dFdx(uv) + place.y * dFdy(uv), read with the derivatives dFdx(uv) / grid.x, dFdy(uv) / grid.y
 
-const float MULTUM_SPREAD_OF_LOBES = 0.005;
+const float MULTUM_SPREAD_OF_LOBES = 0.002;
 
 // Points at which each of `lobe_count` lobes is evaluated: a power of two, 1 at least.
 float multum_lobe_points(float evaluations, float lobe_count) {

@@ -29,7 +29,8 @@ float multum_movmf_spread(vec4 lobe) {
 
 // The mean direction mu; any unit vector when r = 0, where nothing depends on it.
 vec3 multum_movmf_mean_direction(vec4 lobe) {
-  return normalize(lobe.xyz + vec3(0.0, 0.0, 1e-12));
+  float size = length(lobe.xyz);
+  return size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0);
 }
 
 // 1 - mu . w = |mu - w|^2 / 2 for unit vectors: no cancellation where the dot product is close to 1.

@@ -47,9 +47,9 @@ vec3 multum_finest_normal(vec2 st, float level) {
 }
 `;
 
-// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. Where lobes are narrow
-// they are spent on points: of the material as three.js has it from 4 on, of all lobes added up to one where there are
-// fewer. Where lobes are wide they are spent on lobes.
+// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. Where normals are alike
+// they are spent on points of the material as three.js has it, from 4 evaluations on. Where they are not, evaluations
+// are spent on lobes, or, near the level of the map, on points whose lobes are added up to one.
 //
 // Lobes are read at points, each over its part of the footprint, and turned by the frame of its own place before they
 // are added up: the map of a model with few polygons cancels the turns of its interpolated normals.
@@ -57,8 +57,7 @@ const FETCH = `
 uniform sampler2D u_ggx_lobe_table;
 vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in the space of the view
 vec4 multum_lobe;  // the evaluation's own, of amplitude 1
-bool multum_lobes_pay = false;
-#define MULTUM_ENOUGH_POINTS (MULTUM_EVALUATIONS >= 4)
+bool multum_lobes_pay = false, multum_is_plain = false;
 
 vec4 multum_turned(mat3 frame, vec4 lobe) {
   // Tangents that are not at right angles turn a lobe, and leave it its width.
@@ -134,16 +133,17 @@ void multum_fetch_lobes(ivec2 points, vec2 part, float side) {
   }
 }
 
-// Whether a pixel's evaluations are spent on lobes: by the spread of all its normals, two levels finer than its own.
+// What a pixel's evaluations are spent on: by the spread of all its normals, two levels finer than its own.
 void multum_decide() {
-#if MULTUM_EVALUATIONS >= MULTUM_LOBE_COUNT && MULTUM_LOBE_COUNT > 1
+#if MULTUM_EVALUATIONS >= 4
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
-  if (multum_normal_map_share(footprint.level - 1.0) > 0.0) return;
-  footprint.level -= 2.0;
+  bool is_near = multum_normal_map_share(footprint.level - 1.0) > 0.0;
+  footprint.level = max(footprint.level - 2.0, 0.0);
   MultumSurface surface = multum_fetch_surface(vNormalMapUv, footprint);
   vec4 sum = vec4(0.0);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += surface.lobes[j];
-  multum_lobes_pay = multum_movmf_spread(sum) > MULTUM_LOBES_FROM;
+  multum_is_plain = multum_movmf_spread(sum) <= MULTUM_LOBES_FROM;
+  multum_lobes_pay = MULTUM_LOBE_COUNT > 1 && MULTUM_LOBE_COUNT <= MULTUM_EVALUATIONS && !multum_is_plain && !is_near;
 #endif
 }
 
@@ -170,12 +170,10 @@ vec2 multum_shift(int evaluation) {
 
 // Sets the evaluation's lobe. Returns its weight.
 float multum_take_lobe(int evaluation, vec3 normal, float side) {
-#if MULTUM_ENOUGH_POINTS
-  if (!multum_lobes_pay) {
+  if (multum_is_plain) {
     multum_lobe = vec4(normal, 1.0);
     return 1.0 / float(MULTUM_EVALUATIONS);
   }
-#endif
   ivec2 points = multum_points();
   vec2 part = 1.0 / vec2(points);
   int number = multum_lobes_pay ? evaluation % MULTUM_LOBE_COUNT : 0;
@@ -273,9 +271,7 @@ if (dot(multum_lobe.xyz, multum_lobe.xyz) > 1e-12) normal = normalize(multum_lob
 
 // The change of the geometry's normals is in lobes.
 const GEOMETRY = `
-#if MULTUM_ENOUGH_POINTS
-if (!multum_lobes_pay) ${VARIANCE}
-#endif
+if (multum_is_plain) ${VARIANCE}
 `;
 
 /** The fragment shader of a physical material with lobes; `defines` by name, `chunks` of three.js. */
