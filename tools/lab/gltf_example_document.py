@@ -53,6 +53,8 @@ SHA-256 of {file} begins with {hash}.
 {pictures}{errors}
 
 {bytes}
+
+{forms}
 """
 
 
@@ -64,13 +66,18 @@ def error_table(views):
     return "\n".join(lines)
 
 
+def form_text(report):
+    """What `multum gltf` said of each material."""
+    return "\n".join(f"* {one['name']}: {one['form']}" for one in report["materials"] if "form" in one)
+
+
 def counts(views):
     """How often which way is nearer; `views`: errors by WAYS."""
     def share(one, other, points):
         return sum(100 * (view[WAYS.index(one)] - view[WAYS.index(other)]) <= points for view in views)
 
-    return {"views": len(views), "one": share("one lobe", "plain mips", 0.2), "lobes": share("lobes", "plain mips", 0.0),
-            "points": share("lobes", "points", 0.3)}
+    return {"views": len(views), "one": share("one lobe", "plain mips", 0.2),
+            "lobes": share("lobes", "plain mips", 0.0), "points": share("lobes", "points", 0.3)}
 
 
 def section(multum, model, credit, images, folder):
@@ -92,7 +99,7 @@ def section(multum, model, credit, images, folder):
                      f"({images.name}/{image})\n\n")
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     text = SECTION.format(stem=model.stem, file=model.name, credit=credit, pictures=pictures, hash=digest(model),
-                          errors=error_table(views), bytes=byte_text(report))
+                          errors=error_table(views), bytes=byte_text(report), forms=form_text(report))
     return text, [[one["error"] for one in view["models"]] for view in views.values()]
 
 
