@@ -13,6 +13,7 @@
 
 #include "host/delivery/export/material_folder.h"
 #include "host/delivery/gltf/plane_resize.h"
+#include "host/formats/asset/baked_file.h"
 #include "host/formats/image/image_reader.h"
 #include "host/formats/image/normals/normal_map.h"
 #include "host/formats/image/surface_points.h"
