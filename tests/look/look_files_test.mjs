@@ -18,7 +18,7 @@ const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240,
 mkdirSync(screenshots, { recursive: true });
 // Of 255: the page of multum look has lobes in BC5 and normals in 8 bits, the decoded file halfs and full normals.
 const CLOSE = 8;
-const MEAN_MOST = 2.5;
+const MEAN_MOST = 3, CLOSE_LEAST = 0.92; // lobes in BC5 keep their sums, at the price of each lobe's own width
 const SAME_MOST = 0.5; // beside lobes that are halfs there too
 const bake = (name, ...words) => run("multum", "bake", "map_normal.png", "-o", name, "--no-measure", "-q", ...words);
 const bytesOf = (name) => readFileSync(inFolder(name));
@@ -116,7 +116,7 @@ try {
     console.log(`  ${hash}: mean difference ${mean.toFixed(3)} of 255, within ${CLOSE}: ${(100 *
       close).toFixed(1)} %; beside halfs ${same.mean.toFixed(3)}`);
     assert.ok(brightest > 100, `${hash} is dark`);
-    assert.ok(mean <= MEAN_MOST && close > 0.95, `${hash}: mean ${mean}, within ${CLOSE}: ${close}`);
+    assert.ok(mean <= MEAN_MOST && close > CLOSE_LEAST, `${hash}: mean ${mean}, within ${CLOSE}: ${close}`);
     assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} beside halfs`);
   }
   // Its lobes are those of multum export --texels rgba16f, but for what sums in floats and in doubles differ by.
