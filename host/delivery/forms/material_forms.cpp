@@ -74,11 +74,8 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
       at.weights[l] = 100.0 / kFormLights / std::max(wholes[at.distance][l], 1e-12);
 }
 
-std::size_t FormMeter::pixel_count() const { return pixels_.size(); }
-
 double FormMeter::LookedLevel::roughness(const LevelForm& form) const {
-  const double plain = pow4(rough);
-  return std::pow(plain + form.fitted_share * std::max(0.0, pow4(fitted_rough) - plain), 0.25);
+  return mixed_roughness(rough, fitted_rough, form.fitted_share);
 }
 
 FormMeter::Looked FormMeter::look(const SurfacePoint& point, const ModelPixel& pixel, double bias) const {
@@ -322,6 +319,11 @@ ChosenNormalForm choose_normal_form(const FormMeter& meter) {
   made.form = improved;
   made.chosen = error;
   return made;
+}
+
+double mixed_roughness(double plain, double fitted, double share) {
+  const double own = pow4(plain);
+  return std::pow(own + share * std::max(0.0, pow4(fitted) - own), 0.25);
 }
 
 bool NormalForm::is_plain() const {

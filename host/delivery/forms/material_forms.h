@@ -26,11 +26,14 @@ struct FormTextures {
 /// One normal and roughness a texel: the normal averaged or fitted, roughness by a share of what normals add.
 struct LevelForm {
   bool has_fitted_normals = false;
-  double fitted_share = 0.0;  // of what the fit adds to alpha^2
+  double fitted_share = 0.0;  // mixed_roughness()
 
   bool is_plain() const { return !has_fitted_normals && fitted_share == 0.0; }
   bool operator==(const LevelForm&) const = default;
 };
+
+/// Perceptual roughness with a share of what a fit adds to the square of alpha.
+double mixed_roughness(double plain, double fitted, double share);
 
 /// By level; level 0 is plain.
 struct NormalForm {
@@ -57,7 +60,6 @@ class FormMeter {
   FormMeter(const FormTextures& textures, const std::vector<ModelPicture>& pictures, int threads);
 
   const std::vector<double>& distances() const { return distances_; }  // ascending; empty: nothing is seen
-  std::size_t pixel_count() const;
 
   int level_count() const { return textures_.averages->frame().level_count; }
 

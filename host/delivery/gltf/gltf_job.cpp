@@ -151,7 +151,7 @@ class GltfConversion {
                       "whose name they are loaded; ",
                       plain_count, count) +
           engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
-    if (job_.format == GltfTextureFormat::kPng)
+    if (job_.format == GltfTextureFormat::kPng && count > 0)
       warn(
           "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
           "them");
@@ -255,6 +255,9 @@ class GltfConversion {
     if (form.normals.is_plain() && !form.has_lobes) {
       source.kept = "its own mips are as near";
       source.is_plain = true;
+      remove_levels(fitted);
+      remove_file(baked);
+      progress_advance(progress_, 2 * source.texel_count());  // of textures that need no encoding
       return made;
     }
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
@@ -263,20 +266,33 @@ class GltfConversion {
     // Lobes need a map that has its scale in it, as they have.
     if (form.normals.has_fitted_normals() || source.source.normal_scale != 1.0)
       made.normal = encode(fitted, fitted.normal, source, "normal");
+    else progress_advance(progress_, source.texel_count());
     if (!form.normals.is_plain()) made.surface = encode(fitted, fitted.surface, source, "metallic_roughness");
+    else progress_advance(progress_, source.texel_count());
     if (source.source.is_anisotropic) made.anisotropy = encode(fitted, fitted.anisotropy, source, "anisotropy");
-    const LobeSurface surface = mean_surface({fitted.normal.get(), fitted.surface.get()});
-    for (const auto* levels : {&fitted.normal, &fitted.surface, &fitted.anisotropy, &fitted.averages}) {
-      std::error_code ignored;  // as large as the texture is in memory
-      if (*levels != nullptr) std::filesystem::remove((*levels)->path(), ignored);
-    }
+    const LobeSurface surface =
+        form.has_lobes ? mean_surface({fitted.normal.get(), fitted.surface.get()}) : LobeSurface{};
+    remove_levels(fitted);
     seconds_.encode += stopwatch_.lap();
-    if (!form.has_lobes) return made;
+    if (!form.has_lobes) {
+      remove_file(baked);
+      return made;
+    }
     progress_stage(progress_, "lobes");
     made.lobes = encode_source_lobes(device_, baked, {lobe_texels(), surface}, fit_settings(), progress_);
     report_.textures.back().storage["lobes"] = *made.lobes;
     seconds_.lobes += stopwatch_.lap();
     return made;
+  }
+
+  // What a source left in the work folder: as large as its textures are in memory.
+  static void remove_levels(const FittedSource& fitted) {
+    for (const auto* levels : {&fitted.normal, &fitted.surface, &fitted.anisotropy, &fitted.averages})
+      if (*levels != nullptr) remove_file((*levels)->path());
+  }
+  static void remove_file(const std::string& path) {
+    std::error_code ignored;  // the work folder is cleared at the end; none where `path` is empty
+    if (!path.empty()) std::filesystem::remove(path, ignored);
   }
 
   // What storing `levels` adds to the light's error is measured with the source's other texture as it is.

@@ -6,18 +6,12 @@
 #include <cmath>
 #include <vector>
 
+#include "host/delivery/forms/texture_lookups.h"
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/size_of.h"
 
 namespace multum {
 namespace {
-
-int wrapped(int i, int count, WrapMode wrap) {
-  if (wrap == WrapMode::kClamp || wrap == WrapMode::kBlack) return std::clamp(i, 0, count - 1);
-  const int period = wrap == WrapMode::kMirror ? 2 * count : count;
-  const int at = (i % period + period) % period;
-  return at < count ? at : period - 1 - at;
-}
 
 // The two texels that a texel lies between, and how far it is on the way to the second.
 struct Between {
@@ -30,8 +24,8 @@ std::vector<Between> places(int before, int after, WrapMode wrap) {
   for (int i = 0; i < after; ++i) {
     // Texels' centres lie at halves.
     const double at = (i + 0.5) * before / after - 0.5, low = std::floor(at);
-    made[size_of(i)] = {wrapped(static_cast<int>(low), before, wrap), wrapped(static_cast<int>(low) + 1, before, wrap),
-                        static_cast<float>(at - low)};
+    made[size_of(i)] = {wrapped_texel(static_cast<int>(low), before, wrap),
+                        wrapped_texel(static_cast<int>(low) + 1, before, wrap), static_cast<float>(at - low)};
   }
   return made;
 }

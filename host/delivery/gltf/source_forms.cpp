@@ -148,7 +148,6 @@ GltfJson SourceForm::to_json() const {
 }
 
 void apply_normal_form(const NormalForm& form, FittedSource& fitted) {
-  const auto pow4 = [](double v) { return v * v * v * v; };
   LevelFile& normal = *fitted.normal;
   for (int level = 1; level < normal.level_count(); ++level) {
     const LevelForm& of_level = form.levels[size_of(level)];
@@ -159,9 +158,8 @@ void apply_normal_form(const NormalForm& form, FittedSource& fitted) {
       if (fitted.surface != nullptr) {
         std::vector<std::uint8_t> surface = fitted.surface->read_rows(level, row, count);
         for (std::size_t i = 0; i < surface.size(); i += 4) {
-          const double plain = pow4(averages[i + 3] / 255.0), whole = pow4(surface[i + 1] / 255.0);
-          surface[i + 1] = static_cast<std::uint8_t>(
-              std::lround(255.0 * std::pow(plain + of_level.fitted_share * std::max(0.0, whole - plain), 0.25)));
+          surface[i + 1] = static_cast<std::uint8_t>(std::lround(
+              255.0 * mixed_roughness(averages[i + 3] / 255.0, surface[i + 1] / 255.0, of_level.fitted_share)));
         }
         fitted.surface->write_rows(level, row, surface);
       }

@@ -21,7 +21,7 @@ namespace {
 // Places of a level, views of a place and lights of a view. Two sets of them differ by a twentieth of the error.
 constexpr int kRows = 96, kPlacesPerRow = 16, kViews = 2, kLights = 8;
 constexpr double kViewAngleMax = 70.0;  // from the map's z, degrees
-constexpr double kAlbedo = 0.5;         // of what is no metal
+constexpr double kAlbedo = 0.5;         // of what is not metal
 // Light from all around, of unit lights: as much of it is scattered as of them. A picture has both.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
 // Relative L1 error that a picture has with exact textures, of edges and sampling: in docs/GLTF_EXAMPLE.md 1 to 2 %
