@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/foundation/base/source_edit.h"
 
-#include "host/foundation/base/error.h"
+#include <stdexcept>
 
 namespace multum {
 
@@ -10,7 +10,8 @@ std::string edited_source(std::string_view source, const std::string& file, cons
   for (const SourceEdit& edit : edits) {
     if (edit.file != file) continue;
     std::size_t at = result.find(edit.text);
-    MULTUM_CHECK(!edit.text.empty() && at != std::string::npos);
+    if (edit.text.empty() || at == std::string::npos)
+      throw std::logic_error("nothing to edit in " + file + ": it does not hold '" + edit.text + "'");
     for (; at != std::string::npos; at = result.find(edit.text, at + edit.replacement.size()))
       result.replace(at, edit.text.size(), edit.replacement);
   }

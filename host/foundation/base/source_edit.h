@@ -15,8 +15,8 @@ struct SourceEdit {
   std::string replacement;  // of every occurrence
 };
 
-/// `source`, the text of `file`, after those edits that are for it. A text that does not occur is a programmer error:
-/// the source moved on without the case.
+/// `source`, the text of `file`, after those edits that are for it. Throws std::logic_error, which names it,
+/// for a text that does not occur: the source moved on without the case.
 std::string edited_source(std::string_view source, const std::string& file, const std::vector<SourceEdit>& edits);
 
 }  // namespace multum

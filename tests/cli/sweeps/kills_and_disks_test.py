@@ -142,6 +142,25 @@ class SweepTest(unittest.TestCase):
                     self.assertEqual(again.returncode, 0, again.stderr)
                     self.assertEqual(contents(self.out), expected)
 
+    def test_what_kills_left_where_all_is_done(self):
+        """A run that finds its filter matrices measured removes the work folder that a kill left beside them."""
+        [arguments] = [words for words in self.commands() if words[0] == "infer"]
+        self.reset()
+        run = self.run_multum(arguments)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        expected = contents(self.out)
+        folders = {os.path.dirname(name) for name in expected if name.endswith(".fmx")}
+        self.assertGreater(len(folders), 1)
+        for folder in folders:
+            left = os.path.join(self.out, folder, ".multum-work-0123456789abcdef")
+            os.mkdir(left, 0o700)
+            for name in (".multum-folder", "request.probe.json"):
+                with open(os.path.join(left, name), "w", encoding="utf-8"):
+                    pass
+        again = self.run_multum(arguments)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(contents(self.out), expected)
+
     def disk(self, kibibytes):
         """Words before a command that give it a disk of that size at out; what is left there is copied to left."""
         script = ('mount -t tmpfs -o size="$1"k,mode=0755 tmpfs out && shift && status=0 && { "$@" || status=$?; } && '

@@ -341,7 +341,7 @@ std::vector<GlslCase> lobe_cases() {
        {"multum_movmf_spread"}},
       {{"glsl-no-direction", file, "r = 0 is normalised: 0 / 0", "any direction: nothing depends on it", 6e-4,
         "of the peak", reason},
-       {glsl_edit("normalize(lobe.xyz + vec3(0.0, 0.0, 1e-12))", "normalize(lobe.xyz)")},
+       {glsl_edit("size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0)", "lobe.xyz / size")},
        no_direction},
       {{"glsl-amplitude-to-0", file, "a lobe of no normals is divided by its amplitude, or lights up",
         "no lobe at or below an amplitude of 1e-6, a thirtieth of the least stored", 6e-4,

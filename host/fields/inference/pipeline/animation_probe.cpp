@@ -79,6 +79,7 @@ std::string AnimationProbe::key(int pose, std::size_t object) const {
 
 void AnimationProbe::run(Progress* progress) {
   make_folder(settings_.folder);
+  WorkFolder::sweep(settings_.folder);  // where all is measured already, nothing else would
   for (std::size_t p = 0; p < field_.poses().size(); ++p) {
     const int pose = static_cast<int>(p);
     progress_stage(progress, fmt::format("probe {} of {}", p + 1, field_.poses().size()));

@@ -32,15 +32,6 @@ Lock work_lock(const OpenFile& folder, const std::string& path) {
   return Lock::kOurs;
 }
 
-// Those of killed runs: nobody has them locked.
-void sweep_left_over(const fs::path& folder) {
-  std::error_code ignored;
-  std::vector<std::string> found;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().filename().string().starts_with(kWorkPrefix)) found.push_back(entry.path().string());
-  for (const std::string& path : found) WorkFolder::drop(path);
-}
-
 }  // namespace
 
 std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
@@ -62,9 +53,18 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
 
 std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
   const fs::path above = folder.empty() ? "." : folder;
-  sweep_left_over(above);
+  sweep(above.string());
   while (true)  // a sweep elsewhere may have been quicker to lock it
     if (auto made = take((above / (kWorkPrefix + random_digits())).string())) return made;
+}
+
+// Those of killed runs: nobody has them locked.
+void WorkFolder::sweep(const std::string& folder) {
+  std::error_code ignored;
+  std::vector<std::string> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename().string().starts_with(kWorkPrefix)) found.push_back(entry.path().string());
+  for (const std::string& path : found) drop(path);
 }
 
 void WorkFolder::drop(const std::string& path) {

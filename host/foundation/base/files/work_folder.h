@@ -21,6 +21,8 @@ class WorkFolder {
   /// Makes a new one in `folder`, of a name that nobody can guess, and removes those that killed runs left there.
   /// Throws Error(kEnvironment).
   static std::unique_ptr<WorkFolder> make(const std::string& folder);
+  /// Removes what killed runs of make() left in `folder`, nothing else.
+  static void sweep(const std::string& folder);
   /// Takes and removes the folder `path`. Leaves alone what take() would refuse or another process has.
   static void drop(const std::string& path);
   /// Removes the folder and all in it, unless leave() was called.
