@@ -2,8 +2,8 @@
 // How a pixel's evaluations of the material are spent. An evaluation is of one lobe at one point. Where the normals
 // under a pixel are alike, evaluations go to points, whose lobes are added up to one. Where they scatter, evaluations
 // go to lobes, at as many points as are left; of more lobes than evaluations, the most alike are added up. What decides
-// is the spread 1 - |r| of the sum of all lobes, two levels finer than that of the pixel's longer side, where one lookup
-// does: lobes from MULTUM_SPREAD_OF_LOBES on.
+// is the spread 1 - |r| of the sum of all lobes, two levels finer than that of the pixel's longer side, where one
+// lookup does: lobes from MULTUM_SPREAD_OF_LOBES on.
 //
 //     float points = multum_movmf_spread(sum) > MULTUM_SPREAD_OF_LOBES ? multum_lobe_points(16.0, 4.0) : 16.0;
 //     vec2 grid = multum_point_grid(points, length(dFdx(uv) * size), length(dFdy(uv) * size));
