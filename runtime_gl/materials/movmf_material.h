@@ -47,7 +47,7 @@ class MovmfMaterial : public Material {
   void set_shade_first(bool shade_first);
 
   /// Where level 0 is magnified, draws the surface that an interpolated normal map shows, instead of the light of the
-  /// texels around. Of files that begin at level 0, without roughness in.
+  /// texels around. Of files that begin at level 0, without roughness in; planar Gaussians do not.
   void set_magnified(bool magnified);
 
   /// One normal a pixel and frame, drawn from the lobes by amplitude: what a renderer that keeps one normal has. Drawn
