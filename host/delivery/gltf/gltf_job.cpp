@@ -63,7 +63,7 @@ nlohmann::ordered_json json_of_textures(const GltfReport::Textures& textures) {
     json["bytes"][name] = texture.byte_count;
     nlohmann::ordered_json& storage = json["storage"][name];
     storage = {{"format", texture.format}, {"points", 100.0 * texture.storage_error}};
-    if (texture.refused_error > 0.0) storage["uastc_points"] = 100.0 * texture.refused_error;
+    if (texture.refused_error > 0.0) storage[texture.refused_format + "_points"] = 100.0 * texture.refused_error;
     if (texture.fallback) storage["fallback_bytes"] = texture.fallback->byte_count;
   }
   return json;
@@ -123,9 +123,9 @@ class GltfConversion {
   void lap(const char* stage) { report_.seconds.emplace_back(stage, stopwatch_.lap()); }
 
   UastcSettings uastc() const { return {"--format", folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
-  LobeTexels lobe_texels() const {
-    const bool is_plain = job_.format == GltfTextureFormat::kRgba8;
-    return job_.lobe_texels.value_or(is_plain ? LobeTexels::kRgba8 : LobeTexels::kBlocks);
+  std::optional<LobeTexels> lobe_texels() const {
+    if (job_.lobe_texels || job_.format != GltfTextureFormat::kRgba8) return job_.lobe_texels;
+    return LobeTexels::kRgba8;
   }
   SourceFitSettings fit_settings() const {
     return {.folder = folder_->path(),
@@ -339,12 +339,15 @@ std::string GltfReport::Textures::storage_text() const {
     const auto found = storage.find(name);
     if (found == storage.end()) continue;
     const EncodedTexture& one = found->second;
-    std::string format = one.format;
-    std::transform(format.begin(), format.end(), format.begin(),
-                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
-    text += fmt::format("{}{}: {} {:.2f} MB, +{:.1f} points", text.empty() ? "" : "; ", names.at(name), format,
-                        1e-6 * static_cast<double>(one.byte_count), 100.0 * one.storage_error);
-    if (one.refused_error > 0.0) text += fmt::format(" (UASTC +{:.1f})", 100.0 * one.refused_error);
+    const auto in_capitals = [](std::string format) {
+      std::transform(format.begin(), format.end(), format.begin(),
+                     [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+      return format;
+    };
+    text += fmt::format("{}{}: {} {:.2f} MB, +{:.1f} points", text.empty() ? "" : "; ", names.at(name),
+                        in_capitals(one.format), 1e-6 * static_cast<double>(one.byte_count), 100.0 * one.storage_error);
+    if (one.refused_error > 0.0)
+      text += fmt::format(" ({} +{:.1f})", in_capitals(one.refused_format), 100.0 * one.refused_error);
   }
   return text;
 }

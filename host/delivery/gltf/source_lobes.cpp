@@ -52,17 +52,27 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
 EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceLobeSettings& how,
                                    const SourceFitSettings& settings, Progress* progress) {
   Progress cancelling = cancel_only(progress);
-  LobeExportJob lobes;
-  lobes.input = baked;
-  lobes.output = baked + ".ktx2";
-  lobes.texels = how.texels;
-  lobes.zstd_level = kLobeZstdLevel;
-  lobes.threads = settings.threads;
-  export_lobes(lobes, device, &cancelling);
-  EncodedTexture made{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output),
-                      choice_name(kLobeTexels, how.texels)};
-  made.storage_error = worst_error(read_movmf_mipmap(baked, settings.threads),
-                                   unpacked_mipmap(read_lobe_texture(lobes.output)), how.surface);
+  const MovmfMipmap exact = read_movmf_mipmap(baked, settings.threads);
+  const auto encoded = [&](LobeTexels texels) {
+    LobeExportJob lobes;
+    lobes.input = baked;
+    lobes.output = baked + ".ktx2";
+    lobes.texels = texels;
+    lobes.zstd_level = kLobeZstdLevel;
+    lobes.threads = settings.threads;
+    export_lobes(lobes, device, &cancelling);
+    EncodedTexture made{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output),
+                        choice_name(kLobeTexels, texels)};
+    made.storage_error = worst_error(exact, unpacked_mipmap(read_lobe_texture(lobes.output)), how.surface);
+    return made;
+  };
+  EncodedTexture made = encoded(how.texels.value_or(LobeTexels::kBlocks));
+  if (!how.texels && made.storage_error >= kStorageErrorMax) {
+    const double refused = made.storage_error;
+    made = encoded(LobeTexels::kRgba8);
+    made.refused_error = refused;
+    made.refused_format = choice_name(kLobeTexels, LobeTexels::kBlocks);
+  }
   std::error_code ignored;
   std::filesystem::remove(baked, ignored);
   return made;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "host/delivery/gltf/source_fit.h"
@@ -14,7 +15,7 @@
 namespace multum {
 
 struct SourceLobeSettings {
-  LobeTexels texels = LobeTexels::kBlocks;
+  std::optional<LobeTexels> texels;  // unset: blocks, or RGBA8 where blocks add kStorageErrorMax or more
   LobeSurface surface;  // under the lobes, for the error that storing them adds
 };
 

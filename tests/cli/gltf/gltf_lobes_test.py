@@ -94,7 +94,7 @@ class GltfLobesTest(FolderCase):
 
     def test_texels_of_lobes_are_those_of_the_format_or_as_asked_for(self):
         points = {}
-        for form, arguments, expected in (("rgba8", (), (RGBA8, 4)), ("png", (), (BC5, 8)),
+        for form, arguments, expected in (("rgba8", (), (RGBA8, 4)), ("png", ("--lobe-texels", "bc"), (BC5, 8)),
                                           ("rgba8", ("--lobe-texels", "bc"), (BC5, 8)),
                                           ("png", ("--lobe-texels", "rgba16f"), (RGBA16F, 4))):
             after, report = self.convert(plain_model(normal=bumps(64, 64)), "--lobes", *arguments, form=form)
@@ -105,6 +105,13 @@ class GltfLobesTest(FolderCase):
         # What storing adds to a picture's error.
         self.assertLess(points["rgba8"], 0.5 * points["bc"])
         self.assertLess(points["rgba16f"], 0.1 * points["bc"])
+        # Nobody asked: blocks, but not where they show.
+        for steepness, expected, texels in ((0.1, "bc", BC5), (0.6, "rgba8", RGBA8)):
+            after, report = self.convert(plain_model(normal=bumps(64, 64, steepness)), "--lobes", form="png")
+            storage = report["textures"][0]["storage"]["lobes"]
+            self.assertEqual((storage["format"], key_of(self.lobes_of(after, 0))[0]), (expected, texels), steepness)
+            self.assertLess(storage["points"], 0.3)
+            self.assertEqual(storage.get("bc_points", 0.0) >= 0.3, expected == "rgba8", storage)
         self.write_model(plain_model())
         run = self.run_gltf("in.glb", "none.glb", "--lobe-texels", "bc")
         self.assertEqual(run.returncode, USAGE)
