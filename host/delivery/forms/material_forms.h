@@ -105,6 +105,7 @@ class FormMeter {
     double mean = 0.5;
     std::vector<double> factors = {};  // of lobes; empty: 1
   };
+  static PixelColours colours_of(const ModelPixel& pixel, const LobeLevels& lobes);
   // `lobes`: has the colours; null: they are all one.
   FormLight reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes) const;
   FormLight shade(const Measured& at, const SurfacePoint& point, const Looked& looked, const NormalForm& form,

@@ -138,8 +138,8 @@ class GltfLobesTest(FolderCase):
         self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map; roughness is not in it
 
     def coloured(self, *colours):
-        """The file after, its first lobes and the report, of steep facets, a material for each of `colours`: facets that
-        look right are bright ("with"), any are ("against"), or the colours have another size ("small")."""
+        """The file after, its first lobes and the report, of steep facets, a material for each of `colours`: facets
+        that look right are bright ("with"), any are ("against"), or the colours have another size ("small")."""
         side, rng = 64, random.Random(5)
         slopes = [[(rng.gauss(0, 0.6), rng.gauss(0, 0.6)) for _ in range(side)] for _ in range(side)]
         chance = [[rng.random() < 0.5 for _ in range(side)] for _ in range(side)]
