@@ -94,7 +94,11 @@ class GltfConversion {
     folder_->clear();
     if (has_uastc() && !plan.sources.empty()) check_uastc_encoder(uastc());
     std::vector<PreparedSource> prepared;
-    for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
+    for (std::size_t s = 0; s < plan.sources.size(); ++s) {
+      prepared.push_back(prepare_source(asset, plan.sources[s], fit_settings()));
+      if (job_.has_lobes && job_.form == GltfForm::kAuto && plan.colour_images[s])
+        add_colours(asset, *plan.colour_images[s], fit_settings(), prepared.back());
+    }
     lap("read");
     const std::vector<SourceTextures> textures = make_textures(asset, plan, prepared);
     report_materials(prepared, plan);
@@ -144,7 +148,7 @@ class GltfConversion {
     int plain_count = 0, count = 0;
     for (const GltfReport::Textures& one : report_.textures)
       for (const auto& [name, texture] : one.storage)
-        if (name != "lobes") ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
+        if (!name.starts_with("lobe")) ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
     if (plain_count > 0)
       warn(
           fmt::format("{} of its {} new textures are KTX2 files of 8 bits a channel: outside of KHR_texture_basisu, by "
@@ -279,6 +283,8 @@ class GltfConversion {
       return made;
     }
     progress_stage(progress_, "lobes");
+    if (form.has_lobe_colours) made.lobe_colours = encode_source_colours(device_, baked, fit_settings(), progress_);
+    if (made.lobe_colours) report_.textures.back().storage["lobe_colours"] = *made.lobe_colours;
     made.lobes = encode_source_lobes(device_, baked, {lobe_texels(), surface}, fit_settings(), progress_);
     report_.textures.back().storage["lobes"] = *made.lobes;
     seconds_.lobes += stopwatch_.lap();
@@ -332,10 +338,13 @@ class GltfConversion {
 }  // namespace
 
 std::string GltfReport::Textures::storage_text() const {
-  static const std::map<std::string, const char*> names = {
-      {"normal", "normals"}, {"metallic_roughness", "roughness"}, {"anisotropy", "anisotropy"}, {"lobes", "lobes"}};
+  static const std::map<std::string, const char*> names = {{"normal", "normals"},
+                                                           {"metallic_roughness", "roughness"},
+                                                           {"anisotropy", "anisotropy"},
+                                                           {"lobes", "lobes"},
+                                                           {"lobe_colours", "colours of lobes"}};
   std::string text;
-  for (const char* name : {"normal", "metallic_roughness", "anisotropy", "lobes"}) {
+  for (const char* name : {"normal", "metallic_roughness", "anisotropy", "lobes", "lobe_colours"}) {
     const auto found = storage.find(name);
     if (found == storage.end()) continue;
     const EncodedTexture& one = found->second;

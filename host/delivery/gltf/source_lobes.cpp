@@ -6,9 +6,11 @@
 #include <filesystem>
 
 #include "host/bakes/bake/bake_file.h"
+#include "host/delivery/export/lobes/lobe_colours.h"
 #include "host/delivery/export/lobes/lobe_export.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/formats/asset/textures/lobe_texture.h"
+#include "host/foundation/base/error.h"
 #include "host/foundation/base/size_of.h"
 
 namespace multum {
@@ -44,9 +46,31 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
     bake.memory_bytes = resident_memory_of(settings.memory_bytes);
     bake.scratch_folder = settings.folder;
     bake.threads = settings.threads;
-    bake_file(bake, nullptr, device, &cancelling);
+    if (prepared.colour_file.empty()) {
+      bake_file(bake, nullptr, device, &cancelling);
+      return bake.output;
+    }
+    try {
+      bake.albedo = prepared.colour_file;
+      bake_file(bake, nullptr, device, &cancelling);
+    } catch (const Error& error) {
+      // A colour that cannot be read is no reason to leave lobes out.
+      if (error.code() != ErrorCode::kInput) throw;
+      bake.albedo.clear();
+      bake_file(bake, nullptr, device, &cancelling);
+    }
     return bake.output;
   });
+}
+
+std::optional<EncodedTexture> encode_source_colours(Device& device, const std::string& baked,
+                                                    const SourceFitSettings& settings, Progress* progress) {
+  if (!read_baked_header(baked).has_colours) return std::nullopt;
+  Progress cancelling = cancel_only(progress);
+  const LobeColourJob job{baked, baked + ".colours.ktx2", kLobeZstdLevel, settings.threads};
+  const std::uint64_t bytes = export_lobe_colours(job, device, &cancelling);
+  if (bytes == 0) return std::nullopt;
+  return EncodedTexture{job.output, "image/ktx2", bytes, "bc"};
 }
 
 EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceLobeSettings& how,
@@ -59,6 +83,7 @@ EncodedTexture encode_source_lobes(Device& device, const std::string& baked, con
     lobes.output = baked + ".ktx2";
     lobes.texels = texels;
     lobes.zstd_level = kLobeZstdLevel;
+    lobes.keeps_colours = true;
     lobes.threads = settings.threads;
     export_lobes(lobes, device, &cancelling);
     EncodedTexture made{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output),
