@@ -14,6 +14,7 @@ class GmmMaterial : public MovmfMaterial {
   using MovmfMaterial::MovmfMaterial;
   const char* name() const override { return "gmm"; }
   ShaderParts shader_parts() const override;
+  int budgeted_lobes() const override { return 0; }
 };
 
 /// Of what the mipmap's lobes are.

@@ -33,6 +33,8 @@ class Material {
   virtual int weight_count() const { return 0; }
   /// What is drawn from now on is of the basis BRDF of this number, times its weight; unset: as if there were none.
   void set_basis(std::optional<int> number) { basis_ = number; }
+  /// Lobes that a pixel's evaluations may be spent on, or on points (shaders/common/evaluations.glsl); 0: none.
+  virtual int budgeted_lobes() const { return 0; }
   /// One normal a sample: an environment is sampled around it, by brute force.
   virtual bool samples_light() const { return false; }
   /// One texel a sample, drawn from those that the texture's filter takes at the pixel's middle: every sample looks

@@ -112,6 +112,7 @@ void MovmfMaterial::set_layers(const GlFunctions& gl, const LobeTexture& texture
                   SamplerSettings{header.map.wrap_s, header.map.wrap_t, true, anisotropy});
   for (int l = 0; l < shape.level_count; ++l) layers_->upload_bytes(l, texture.levels[static_cast<std::size_t>(l)]);
   unpacking_ = header.lobes;
+  has_black_border_ = header.map.wrap_s == WrapMode::kBlack || header.map.wrap_t == WrapMode::kBlack;
   lobes_.clear();
 }
 
@@ -119,6 +120,13 @@ void MovmfMaterial::set_shade_first(bool shade_first) {
   MULTUM_CHECK(!shade_first || !(finest_.is_used() || layers_));
   shade_first_ = shade_first;
 }
+
+void MovmfMaterial::set_magnified(bool magnified) {
+  MULTUM_CHECK(!magnified || !(finest_.is_used() || mean_cosine_));
+  magnified_ = magnified;
+}
+
+int MovmfMaterial::budgeted_lobes() const { return shade_first_ || formula_ == LobeFormula::kPaper ? 0 : lobe_count_; }
 
 void MovmfMaterial::set_drawn(const GlFunctions& gl, DrawnNoise noise) {
   drawn_ = noise;
@@ -143,6 +151,7 @@ ShaderParts MovmfMaterial::fetch_parts() const {
   if (shade_first_) parts.flags.push_back("MULTUM_SHADE_FIRST");
   if (layers_)
     parts.flags.push_back("MULTUM_LOBE_LAYERS " + std::to_string(layers_->shape().layer_count / lobe_count_));
+  if (layers_ && !has_black_border_) parts.flags.push_back("MULTUM_WHOLE");
   MULTUM_CHECK(!drawn_ || !shade_first_);
   if (drawn_) {
     parts.flags.insert(parts.flags.end(), {"MULTUM_DRAWN_LOBE", "MULTUM_REFERENCE"});
@@ -159,6 +168,7 @@ ShaderParts MovmfMaterial::fetch_parts() const {
 ShaderParts MovmfMaterial::shader_parts() const {
   ShaderParts parts = fetch_parts();
   if (formula_ == LobeFormula::kPaper) parts.flags.push_back("MULTUM_PAPER");
+  if (magnified_ && !shade_first_) parts.flags.push_back("MULTUM_MAGNIFIED");
   parts.texts.push_back(shader_surface_movmf_glsl);
   return parts;
 }

@@ -46,6 +46,10 @@ class MovmfMaterial : public Material {
   /// lobes that are not aligned. Of files that begin at level 0.
   void set_shade_first(bool shade_first);
 
+  /// Where level 0 is magnified, draws the surface that an interpolated normal map shows, instead of the light of the
+  /// texels around. Of files that begin at level 0, without roughness in; planar Gaussians do not.
+  void set_magnified(bool magnified);
+
   /// One normal a pixel and frame, drawn from the lobes by amplitude: what a renderer that keeps one normal has. Drawn
   /// by Renderer::draw_reference(), a frame a sample; without environments and shade_first.
   void set_drawn(const GlFunctions& gl, DrawnNoise noise);
@@ -59,6 +63,7 @@ class MovmfMaterial : public Material {
   bool samples_light() const override { return drawn_.has_value(); }
   bool samples_footprint() const override { return drawn_.has_value(); }
   int weight_count() const override { return weight_count_; }
+  int budgeted_lobes() const override;
   int lobe_count() const { return lobe_count_; }
   const Texture& lobe(int index) const { return lobes_[static_cast<std::size_t>(index)]; }
 
@@ -70,6 +75,7 @@ class MovmfMaterial : public Material {
   std::vector<Texture> lobes_;  // none where there are layers
   std::optional<Texture> layers_;
   std::vector<LobeUnpacking> unpacking_;
+  bool has_black_border_ = false;  // of layers: amplitudes fall to 0 there
   int lobe_count_ = 0;
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;
@@ -79,6 +85,7 @@ class MovmfMaterial : public Material {
   std::optional<Texture> mean_colours_;
   LobeFormula formula_ = LobeFormula::kProduct;
   bool shade_first_ = false;
+  bool magnified_ = false;
   std::optional<DrawnNoise> drawn_;
   std::optional<Texture> blue_noise_;
 };

@@ -2,6 +2,7 @@
 #include "runtime_gl/render/renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -24,24 +25,32 @@ void append(const ShaderParts& parts, ShaderSources& sources) {
       sources.fragment.push_back(text);
 }
 
-// `samples_light`: of materials that are drawn many times and averaged.
-void append_filter(const TextureFilter& filter, bool samples_light, ShaderSources& sources) {
+void append_filter(const TextureFilter& filter, const Material& material, ShaderSources& sources) {
+  const int lobes = material.budgeted_lobes();
+  const int evaluations = filter.evaluations != kEvaluationsOfLobes ? filter.evaluations
+                          : lobes > 1                               ? evaluations_of_lobes(lobes)
+                                                                    : 0;
+  const bool samples_light = material.samples_light();  // it is drawn many times and averaged
   MULTUM_CHECK(filter.taps >= 1 && filter.taps <= kTapCountMax);
-  MULTUM_CHECK(filter.evaluations >= 0 && filter.evaluations <= kEvaluationsMax);
+  MULTUM_CHECK(evaluations >= 0 && evaluations <= kEvaluationsMax);
+  if (filter.is_turned && !samples_light) sources.flags.push_back("MULTUM_TURNED");
   if (filter.is_drivers) {
     sources.flags.push_back("MULTUM_DRIVER_FILTER");
     return;
   }
   if (filter.taps > 1) sources.flags.push_back("MULTUM_TAPS " + std::to_string(filter.taps));
-  if (filter.evaluations > 0 && !samples_light) {
-    sources.flags.push_back("MULTUM_EVALUATIONS " + std::to_string(filter.evaluations));
-    if (filter.is_turned) sources.flags.push_back("MULTUM_TURNED");
+  if (evaluations > 0 && !samples_light) {
+    sources.flags.push_back("MULTUM_EVALUATIONS " + std::to_string(evaluations));
   } else if (filter.taps > 1 && filter.shades_taps) {
     sources.flags.push_back("MULTUM_SHADE_TAPS");
   }
 }
 
 }  // namespace
+
+int evaluations_of_lobes(int lobe_count) {
+  return std::min(static_cast<int>(std::bit_ceil(static_cast<unsigned>(lobe_count))), kEvaluationsMax);
+}
 
 Renderer::Renderer(const GlFunctions& gl, int width, int height)
     : gl_(gl),
@@ -57,7 +66,7 @@ ShaderSources scene_shader_sources(const Material& material, const RenderScene& 
                         {shader_scene_vert},
                         {shader_common_movmf_shading_glsl, shader_common_evaluations_glsl,
                          shader_common_texture_filter_glsl, shader_common_reflection_glsl}};
-  append_filter(scene.filter, material.samples_light(), sources);
+  append_filter(scene.filter, material, sources);
   append(brdf_shader_parts(scene.brdf), sources);
   append(environment_shader_parts(scene, material.samples_light()), sources);
   append(material.shader_parts(), sources);

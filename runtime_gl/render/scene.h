@@ -39,11 +39,16 @@ struct TextureFilter {
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
   bool shades_taps = kShadesTapsDefault;  // each tap is shaded by itself; else what they return is averaged first
   bool is_drivers = false;                // the driver's own sampler instead: its anisotropy, no bias
-  int evaluations = 0;     // of the material in a pixel, a power of two, 1..kEvaluationsMax; 0: by taps, as above
-  bool is_turned = false;  // with evaluations: lobes by the frames of several places, as a mesh needs it
+  int evaluations = 0;     // of the material in a pixel, a power of two, 1..kEvaluationsMax; 0: by taps, as above;
+                           // kEvaluationsOfLobes
+  bool is_turned = false;  // normals turn within a pixel, as a mesh's do: shaders/scene.frag
 };
 
 constexpr int kEvaluationsMax = 16;
+constexpr int kEvaluationsOfLobes = -1;  // evaluations_of_lobes(Material::budgeted_lobes()); 0 of less than two lobes
+
+/// So many of lobes that are evaluated once each: the next power of two, kEvaluationsMax at most.
+int evaluations_of_lobes(int lobe_count);
 
 /// Perceptual roughness, 0..1, row 0 on top; over the same coordinates as the map.
 struct RoughnessMap {

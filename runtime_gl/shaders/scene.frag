@@ -6,8 +6,8 @@
 // Outgoing radiance: the sum over lights of that BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE averages it
 // over samples; the others put the average into their model: cosines per lobe, or of the averaged normal.
 // MULTUM_SHADE_TAPS: each tap of the texture's filter is shaded by itself, and what comes of them averaged.
-// MULTUM_EVALUATIONS n: as many evaluations of the material, by common/evaluations.glsl; MULTUM_TURNED: lobes are read
-// at 2 x 2 places of the pixel at least, and turned by the frame of each.
+// MULTUM_EVALUATIONS n: as many evaluations of the material, by common/evaluations.glsl; MULTUM_TURNED: their lobes are
+// read at 2 x 2 places of the pixel at least, and turned by the frame of each.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -16,6 +16,14 @@ in vec2 v_st;
 uniform vec3 u_eye;
 
 layout(location = 0) out vec4 o_colour;
+
+#ifdef MULTUM_TURNED
+// Over one of `count` parts of the pixel. Takes derivatives.
+void multum_take_turn(float count) {
+  vec3 normal = normalize(v_normal);
+  multum_turn_variance = multum_geometry_variance(dFdx(normal), dFdy(normal), count);
+}
+#endif
 
 #ifdef MULTUM_EVALUATIONS
 struct MultumDerivatives {
@@ -61,19 +69,26 @@ vec3 multum_evaluated() {
   float lobe_points = multum_lobe_points(points, float(MULTUM_LOBE_COUNT));
 #if !defined(MULTUM_LOBES_ADD_UP)
   points = lobe_points;
-#elif MULTUM_EVALUATIONS < MULTUM_LOBE_COUNT
+#elif MULTUM_EVALUATIONS == 1
   multum_part_count = 1;
 #else
   MultumFootprint finer = multum_surface_footprint(v_st);
-  finer.level -= 2.0;
+  float level = finer.level;
+  finer = MultumFootprint(vec2(0.0), 1, multum_footprint_longer_lod(finer, multum_surface_size()) - 2.0);
   bool pays = multum_spread_of_all(multum_fetch_surface(v_st, finer)) > MULTUM_SPREAD_OF_LOBES;
 #ifdef MULTUM_NORMAL_MAP
   // An octave nearer there are no lobes to spend on.
-  if (multum_normal_map_share(finer.level + 1.0) > 0.0) pays = false;
+  if (multum_normal_map_share(level - 1.0) > 0.0) pays = false;
+#elif !defined(MULTUM_MAGNIFIED)
+  // Between texels lies the light of those around, which are lobes.
+  if (level < 1.0) pays = true;
 #endif
   if (pays) points = lobe_points;
-  else multum_part_count = 1;
+  multum_part_count = pays ? min(MULTUM_PART_COUNT, MULTUM_EVALUATIONS) : 1;
 #endif
+#endif
+#ifdef MULTUM_TURNED
+  multum_take_turn(points);
 #endif
   vec2 grid = multum_point_grid(points, length(multum_along_x.st * size), length(multum_along_y.st * size));
   vec2 part = 1.0 / grid;
@@ -102,6 +117,7 @@ vec3 multum_evaluated() {
 #endif
 #ifdef MULTUM_LOBES_ADD_UP
     if (multum_part_count == 1) multum_add_up(surface);
+    else if (multum_part_count < MULTUM_LOBE_COUNT) multum_add_up_alike(surface);
 #endif
     sum += multum_lights(surface, to_world, position, normalize(u_eye - position) * to_world);
   }
@@ -113,6 +129,9 @@ void main() {
 #ifdef MULTUM_EVALUATIONS
   o_colour = vec4(multum_evaluated(), 1.0);
 #else
+#ifdef MULTUM_TURNED
+  multum_take_turn(1.0);
+#endif
   mat3 to_world = multum_tangent_frame(v_normal, v_tangent);
   vec3 v = normalize(u_eye - v_position) * to_world;
   MultumFootprint footprint = multum_surface_footprint(v_st);

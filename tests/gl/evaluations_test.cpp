@@ -42,6 +42,19 @@ MeshData turning_quad(float size) {
   return data;
 }
 
+// Of turning_quad(6).
+RenderScene turning_scene() {
+  RenderScene scene;
+  scene.camera.eye = {0.0f, 3.0f, 30.0f};
+  scene.camera.target = {0.0f, 3.0f, 0.0f};
+  scene.camera.up = {0.0f, 1.0f, 0.0f};
+  scene.uv_scale = 1.0f;
+  scene.lights[0].direction = glm::normalize(glm::vec3(0.3f, 0.2f, 1.0f));
+  scene.brdf.exponent = 60.0f;
+  scene.brdf.diffuse = glm::vec3(0.0f);  // no light from the strip's edges
+  return scene;
+}
+
 class EvaluationsTest : public testing::TestWithParam<ContextBackend> {
  protected:
   void SetUp() override {
@@ -117,18 +130,51 @@ TEST_P(EvaluationsTest, NormalsThatScatterAreShadedAsLobes) {
   EXPECT_LT(error_of(drawn(narrow, scene, filter_of(2)), drawn(narrow, scene, filter_of(0))), 0.01);
 }
 
+// Four tilts, two by two 2 degrees apart: two evaluations add up those that are alike, and lose next to nothing.
+TEST_P(EvaluationsTest, LobesThatAreAlikeAreAddedUpFirst) {
+  TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
+  for (MovmfLevel& level : map.mipmap.levels) {
+    const auto turned = [](const std::vector<glm::vec4>& lobes, float by) {
+      std::vector<glm::vec4> to = lobes;
+      for (glm::vec4& lobe : to)
+        lobe = 0.5f * glm::vec4(lobe.x, lobe.y * std::cos(by) - lobe.z * std::sin(by),
+                                lobe.y * std::sin(by) + lobe.z * std::cos(by), lobe.w);
+      return to;
+    };
+    const auto first = level.lobes[0], second = level.lobes[1];
+    level.lobes = {turned(first, 0.02f), turned(second, 0.02f), turned(first, -0.02f), turned(second, -0.02f)};
+  }
+  RenderScene scene = distant_scene();
+  const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
+  const FloatImage usual = drawn(lobes, scene, filter_of(0));
+  EXPECT_LT(error_of(drawn(lobes, scene, filter_of(2)), usual), 0.02);
+  EXPECT_LT(error_of(drawn(lobes, scene, filter_of(kEvaluationsOfLobes)), usual), 1e-6);
+}
+
+// Averaged normals, Toksvig's and LEAN's on a mesh whose normals turn by 120 degrees in a few pixels: with the variance
+// of that they are nearer.
+TEST_P(EvaluationsTest, WhatHasNoLobesWidensWhereTheMeshTurns) {
+  const TestMap map = make_flat_map(16);
+  mesh_ = std::make_unique<Mesh>(context_->functions(), turning_quad(6.0f));
+  const RenderScene scene = turning_scene();
+  NormalMaterial averages(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
+  const FloatImage exact = reference(map.image, scene);
+  for (const Baseline baseline : {Baseline::kMip, Baseline::kToksvig, Baseline::kLean, Baseline::kLeanJacobian}) {
+    averages.set_baseline(baseline);
+    const double without = error_of(drawn(averages, scene, filter_of(0)), exact);
+    EXPECT_LT(error_of(drawn(averages, scene, filter_of(0, true)), exact), 0.8 * without) << static_cast<int>(baseline);
+  }
+  // Of a quarter of the pixel there is a quarter of the variance.
+  averages.set_baseline(Baseline::kMip);
+  const double without = error_of(drawn(averages, scene, filter_of(4)), exact);
+  EXPECT_LT(error_of(drawn(averages, scene, filter_of(4, true)), exact), 0.8 * without);
+}
+
 // Where a mesh's normals turn within a pixel, lobes of several places have that in them, each in the frame of its own.
 TEST_P(EvaluationsTest, LobesTurnWithTheMesh) {
   const TestMap map = make_flat_map(16);
   mesh_ = std::make_unique<Mesh>(context_->functions(), turning_quad(6.0f));
-  RenderScene scene;
-  scene.camera.eye = {0.0f, 3.0f, 30.0f};
-  scene.camera.target = {0.0f, 3.0f, 0.0f};
-  scene.camera.up = {0.0f, 1.0f, 0.0f};
-  scene.uv_scale = 1.0f;
-  scene.lights[0].direction = glm::normalize(glm::vec3(0.3f, 0.2f, 1.0f));
-  scene.brdf.exponent = 60.0f;
-  scene.brdf.diffuse = glm::vec3(0.0f);  // no light from the strip's edges
+  const RenderScene scene = turning_scene();
   const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
   const FloatImage exact = reference(map.image, scene);
   const double once = error_of(drawn(lobes, scene, filter_of(1)), exact);

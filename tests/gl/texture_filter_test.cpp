@@ -6,6 +6,8 @@
 #include <memory>
 #include <random>
 
+#include <glm/trigonometric.hpp>
+
 #include "runtime_gl/materials/mip_texture.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
@@ -207,6 +209,31 @@ TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
     if (upright.rgba[i] > 0.0f)
       nearest = std::min(nearest, std::abs(static_cast<double>(smooth.rgba[i] / upright.rgba[i]) - 1.0));
   EXPECT_LT(nearest, 0.02);
+}
+
+// Four quarters of one normal each, or texels in turns, from very near: lobes are as near to what engines interpolate
+// as averaged normals are.
+TEST_P(TextureFilterTest, AMagnifiedSurfaceIsThatOfAveragedNormals) {
+  NormalImage quarters = make_flat_map(16).image;
+  const double tilt = glm::radians(25.0);
+  for (std::size_t i = 0; i < quarters.normals.size(); ++i) {
+    const double turn = glm::radians(30.0 + 90.0 * static_cast<double>(2 * (i / 128) + (i % 16) / 8));
+    quarters.normals[i] = {std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt)};
+  }
+  RenderScene scene;
+  scene.camera.eye = {0.0f, 28.0f, 6.0f};
+  scene.camera.target = {0.0f, 30.0f, 0.0f};
+  scene.uv_scale = 1.0f;
+  for (const TestMap& map :
+       {make_one_lobe_map(quarters), make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false)}) {
+    MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
+    NormalMaterial averages(context_->functions(), map.image, NormalMaterial::Sampling::kMipmapped, 1.0f);
+    averages.set_baseline(Baseline::kMip);
+    const FloatImage smooth = reference(map.image, NormalMaterial::Sampling::kInterpolated, scene);
+    EXPECT_GT(error_of(drawn(lobes, scene, kPlain), smooth), 0.02);
+    lobes.set_magnified(true);
+    EXPECT_LT(error_of(drawn(lobes, scene, kPlain), smooth), error_of(drawn(averages, scene, kPlain), smooth) + 1e-3);
+  }
 }
 
 // The stated noise is what a picture of sixteen times the samples confirms, within a factor.

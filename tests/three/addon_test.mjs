@@ -28,13 +28,14 @@ const [WIDTH, HEIGHT] = [240, 180];
 /** `act(page, argument)` in the page, where `lab` has what addon_page.js offers. */
 const inPage = (page, act, argument) => page.evaluate(act, argument);
 
+/** Beside each lobe once: the rule's points of multum-view follow the pixel's longer axis, three.js's are 2 x 2. */
 async function besideMultumView(page) {
   const views = await inPage(page, () => globalThis.lab.VIEWS);
   for (const [view, [eye, target]] of Object.entries(views))
     for (const file of view === "far" ? ["map.ktx2", "halves.ktx2"] : ["map.ktx2"]) {
       run("multum-view", file, "--source", "map_normal.png", "--size", `${WIDTH}x${HEIGHT}`, "--brdf", "ggx:0.3",
         "--diffuse", "0.1", "--specular", "1", "--light", "0.3,0.8,0.5", "--camera", [...eye, ...target, 40].join(","),
-        "--no-shade-taps", "-o", "view.png");
+        "--evaluations", "0", "-o", "view.png");
       const found = await inPage(page, async ([view, file, width, height]) => {
         const { lab } = globalThis, fine = await lab.loadNormals(), lobes = await lab.loadLobes(file);
         fine.minFilter = lab.THREE.LinearFilter;

@@ -86,7 +86,8 @@ def document(arguments, rows, machine):
             "cheapest settings whose error, with its 95 % interval, is at most "
             "E on the whole map. Error: relative L1 of pixels that cover 1 texel to the whole map, by footprints "
             "that had no part in the choice (docs/ALGORITHMS.md, \"Measured error\"). Picture: multum-view's plane "
-            "that runs to the horizon, beside its reference. Processor: seconds of both bakes, choosing, drawing and "
+            "that runs to the horizon, beside its reference. Errors and pictures are through the default filter of "
+            "that commit (docs/FILTER.md). Processor: seconds of both bakes, choosing, drawing and "
             "compiling kernels included.\n\nTo ask before a bake: `multum tradeoff MAP -o "
             "costs.html` shows what every setting costs for a map (docs/TRADEOFF.md), `multum plan scene.toml` what a "
             "scene needs of its maps (docs/SCENE.md).\n\n")

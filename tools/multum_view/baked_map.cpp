@@ -67,6 +67,8 @@ struct MaterialMaker {
     if (texture != nullptr) material->set_layers(gl, *texture, options.anisotropy);
     material->set_formula(options.formula);
     material->set_shade_first(options.shade_first);
+    const bool can_be_magnified = lobes.header.first_level == 0 && !lobes.header.has_roughness;
+    material->set_magnified(can_be_magnified && options.surface == MapSurface::kInterpolated);
     if (!options.colour_map.empty())
       material->set_mean_colours(gl::make_pyramid_texture(gl, read_pyramid(options.colour_map, PyramidKind::kColour),
                                                           gl::PyramidLookup::kDriver, options.anisotropy));

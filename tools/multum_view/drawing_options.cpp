@@ -46,6 +46,10 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
   app.add_flag("--shade-first", options.shade_first,
                "shade the lobes of all eight texels of a trilinear footprint, then mix: what lobes of --unaligned "
                "bakes need, slow");
+  add_choice(app, "--surface", options.surface, kMapSurfaces,
+             "where lobes of level 0 are magnified, show the light of the texels around, or the normal map's "
+             "interpolated surface, as engines do: texels or interpolated")
+      ->default_str("as --reference-texels has it, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
              "shade a file of moments by toksvig, lean or lean-jacobian (default: lean-jacobian)");
   app.add_option("--colour-map", options.colour_map,
@@ -66,10 +70,12 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
                    "shade each of --taps by itself, then average; --no-shade-taps: average what they return, then "
                    "shade once (default)");
   CLI::Option* const evaluations =
-      app.add_option("--evaluations", options.filter.evaluations,
-                     "evaluations of the map's light per pixel, 1, 2, 4, 8 or 16: of points where normals are alike, "
-                     "else of lobes (default: each lobe once, or once per tap with --shade-taps)")
-          ->check(CLI::IsMember({1, 2, 4, 8, 16}))
+      app.add_option_function<int>(
+             "--evaluations", [&options](const int& count) { options.evaluations = count; },
+             "evaluations of the map's light per pixel, 1, 2, 4, 8 or 16: of points where normals are alike, else of "
+             "lobes; 0: each lobe once, wherever (default: as many as lobes, or a power of two above; 0 with "
+             "--shade-taps, --shade-first, --formula paper and files without lobes of vMF)")
+          ->check(CLI::IsMember({0, 1, 2, 4, 8, 16}))
           ->excludes(shade);
   app.add_option_function<float>(
          "--anisotropy",

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/foundation/parameters/parameter_choices.h"
 #include "tools/multum_view/option_values.h"
 
 namespace multum {
@@ -42,9 +43,11 @@ struct MaterialOptions {
 struct ShadingOptions {
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
   bool shade_first = false;                  // lobes are shaded before they are filtered
+  std::optional<MapSurface> surface;         // between texels of lobes of level 0; unset: as the reference has it
   std::optional<gl::MomentShading> moments;  // of files of moments; unset: kDefaultMomentShading
   std::string colour_map;                    // a pyramid of multum mip: the colours of all lobes; empty: the file's own
-  gl::TextureFilter filter;                  // of every mip-mapped texture; its bias is `level_bias`
+  gl::TextureFilter filter;                  // of every mip-mapped texture; its bias and evaluations are below
+  std::optional<int> evaluations;            // of a pixel's light, 0 to 16; unset: kEvaluationsOfLobes
   std::optional<float> level_bias;           // unset: kLevelBiasDefault; -16..16
   float anisotropy = 1.0f;                   // of the driver's filter; 1..16
 };

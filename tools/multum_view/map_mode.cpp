@@ -12,6 +12,11 @@ namespace multum {
 int draw_map(MapOptions options) {
   if (!options.plan.empty()) apply_scene_plan(options);
   check_map_options(options);
+  if (!options.picture.shading.surface && options.comparison.reference == gl::NormalMaterial::Sampling::kInterpolated)
+    options.picture.shading.surface = MapSurface::kInterpolated;
+  // Points of a pixel look at other texels than its filter.
+  if (!options.picture.shading.evaluations && options.comparison.is_of_texels())
+    options.picture.shading.evaluations = 0;
   const PictureOptions& picture = options.picture;
   ViewScenes scenes = make_scenes(picture);
   change_last_scene(options.animation, scenes);

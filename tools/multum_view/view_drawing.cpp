@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -35,11 +34,10 @@ ComparedMethod method_of(const std::string& name) {
           has_points};
 }
 
-// The next power of two, so that no method has more than those that it is compared with.
+// No fewer than the map takes.
 int evaluations_of(const gl::TextureFilter& filter, int lobe_count) {
   if (filter.evaluations > 0) return filter.evaluations;
-  const int taken = lobe_count * (filter.shades_taps ? filter.taps : 1);
-  return std::min(static_cast<int>(std::bit_ceil(static_cast<unsigned>(taken))), gl::kEvaluationsMax);
+  return gl::evaluations_of_lobes(lobe_count * (filter.shades_taps ? filter.taps : 1));
 }
 
 int lobe_count_of(const BakedMap& map) {

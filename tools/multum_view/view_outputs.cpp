@@ -83,7 +83,7 @@ nlohmann::json filter_json(const ShadingOptions& shading) {
                            {"taps", shading.filter.taps},
                            {"level_bias", shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault))},
                            {"shades_taps", shading.filter.shades_taps}};
-  if (shading.filter.evaluations > 0) filter["evaluations"] = shading.filter.evaluations;
+  if (shading.evaluations) filter["evaluations"] = *shading.evaluations;
   return filter;
 }
 

@@ -112,6 +112,8 @@ ViewScenes make_scenes(const PictureOptions& options) {
   scenes.basis = make_basis(options.material, !options.light.environment.empty());
   scenes.first.brdf = scenes.basis[0];
   scenes.first.filter = options.shading.filter;
+  scenes.first.filter.evaluations =
+      options.shading.filter.shades_taps ? 0 : options.shading.evaluations.value_or(gl::kEvaluationsOfLobes);
   scenes.first.filter.is_turned = !options.surface.mesh.empty();
   scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));
   if (options.material.fixed_fresnel && !options.light.environment.empty())

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a pixel's evaluations of the material are spent. An evaluation is of one lobe at one point. Where the normals
 // under a pixel are alike, evaluations go to points, whose lobes are added up to one. Where they scatter, evaluations
-// go to lobes, at as many points as are left. What decides is the spread 1 - |r| of the sum of all lobes, two levels
-// finer than the pixel's own: lobes from MULTUM_SPREAD_OF_LOBES on.
+// go to lobes, at as many points as are left; of more lobes than evaluations, the most alike are added up. What decides
+// is the spread 1 - |r| of the sum of all lobes, two levels finer than that of the pixel's longer side, where one
+// lookup does: lobes from MULTUM_SPREAD_OF_LOBES on.
 //
 //     float points = multum_movmf_spread(sum) > MULTUM_SPREAD_OF_LOBES ? multum_lobe_points(16.0, 4.0) : 16.0;
 //     vec2 grid = multum_point_grid(points, length(dFdx(uv) * size), length(dFdy(uv) * size));
@@ -33,10 +34,14 @@ vec2 multum_point_place(float number, vec2 grid) {
   return vec2((number - row * grid.x + 0.5) / grid.x - 0.5, (row + 0.5) / grid.y - 0.5);
 }
 
-// For materials without lobes: alpha with the variance that the geometry's unit normal has over one of `count` parts of
-// a pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the frames of several places
-// have it in them.
+// For materials without lobes: the variance that the geometry's unit normal has over one of `count` parts of a pixel,
+// of both its slopes together (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the
+// frames of several places have it in them.
+float multum_geometry_variance(vec3 normal_along_x, vec3 normal_along_y, float count) {
+  return (dot(normal_along_x, normal_along_x) + dot(normal_along_y, normal_along_y)) / (12.0 * count);
+}
+
+// alpha with that variance.
 float multum_widened_alpha(float alpha, vec3 normal_along_x, vec3 normal_along_y, float count) {
-  float variance = dot(normal_along_x, normal_along_x) + dot(normal_along_y, normal_along_y);
-  return sqrt(min(alpha * alpha + variance / (12.0 * count), 1.0));
+  return sqrt(min(alpha * alpha + multum_geometry_variance(normal_along_x, normal_along_y, count), 1.0));
 }

@@ -20,6 +20,9 @@
 // axis), and with MULTUM_ZONAL_ORDER, which such a representation defines, u_zonal: a_l = integral over the sphere of
 // f(t) P_l(t), a_0 = 1 for what is normalised.
 //
+// MULTUM_TURNED: the geometry's normals turn within a pixel, as a mesh's do. What has no lobes adds the variance of
+// that, multum_turn_variance, to the normals that it fetched.
+//
 // MULTUM_REFERENCE is drawn many times and averaged: u_sample counts them.
 //
 // A file of surface/ is a representation of the normals under a fragment:
@@ -45,6 +48,10 @@ uniform float u_mean_cosine;  // of the roughness that is in the lengths of norm
 
 #ifdef MULTUM_REFERENCE
 uniform int u_sample;
+#endif
+
+#ifdef MULTUM_TURNED
+float multum_turn_variance = 0.0;  // multum_geometry_variance() of the place that is shaded
 #endif
 
 struct MultumReflection {

@@ -7,6 +7,8 @@
 // blue_noise.glsl; with MULTUM_HASHED at those of footprint.glsl, which is white noise over the picture.
 // MULTUM_SHADE_FIRST: the lobes of all eight texels, each by its weight, so that shading comes before filtering: what
 // lobes that are not aligned need; taps are shaded one by one then, too.
+// MULTUM_MAGNIFIED: between texels of level 0 lies the surface that an interpolated normal map shows, not their light.
+// MULTUM_WHOLE: amplitudes of a texel are 1 together, but for how they are stored, and are made so.
 // MULTUM_LOBE_LAYERS n: lobes come as multum export --lobes writes them, 1 or 2 layers of an array a lobe, from whose
 // four channels (a r, a) is made (docs/FORMAT.md, "Lobes for GPUs").
 #ifdef MULTUM_LOBE_LAYERS
@@ -75,6 +77,23 @@ struct MultumSurface {
 #define MULTUM_TINTED(surface, j, light) (light)
 #endif
 
+#if MULTUM_PART_COUNT > 1
+// Those two of the first `count` parts whose sum has lost least of their lengths: the most alike, or the faintest.
+ivec2 multum_alike_parts(vec4 lobes[MULTUM_PART_COUNT], int count) {
+  ivec2 alike = ivec2(0, 1);
+  float least = 1e30;
+  for (int i = 0; i < count - 1; ++i)
+    for (int j = i + 1; j < count; ++j) {
+      float lost = length(lobes[i].xyz) + length(lobes[j].xyz) - length(lobes[i].xyz + lobes[j].xyz);
+      if (lost < least) {
+        least = lost;
+        alike = ivec2(i, j);
+      }
+    }
+  return alike;
+}
+#endif
+
 MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(MULTUM_FIRST_LOBES, st); }
 
 ivec2 multum_lobe_map_size() { return textureSize(MULTUM_FIRST_LOBES, 0).xy; }
@@ -124,6 +143,37 @@ void multum_draw_lobe(inout MultumSurface surface) {
   vec3 normal = multum_movmf_drawn_normal(lobe, numbers.yz);
   {
     MULTUM_EACH_PART(j) surface.lobes[j] = j == drawn ? total * vec4(normal, 1.0) : vec4(0.0);
+  }
+}
+#endif
+
+#ifdef MULTUM_MAGNIFIED
+// Where a pixel is smaller than a texel, all lobes turn to the mean of what is there: they add up to what
+// multum_movmf_magnified() makes of their sum.
+void multum_magnify(inout MultumSurface surface, float lod) {
+  if (lod >= 0.5) return;
+  vec4 sum = vec4(0.0);
+  {
+    MULTUM_EACH_LOBE(j) sum += surface.lobes[j];
+  }
+  float size = length(sum.xyz);
+  if (size <= MULTUM_AMPLITUDE_MIN) return;
+  float seen = exp2(2.0 * lod - 1.0);
+  {
+    MULTUM_EACH_LOBE(j)
+      surface.lobes[j].xyz = mix(surface.lobes[j].w / size * sum.xyz, surface.lobes[j].xyz, seen);
+  }
+}
+#endif
+
+#ifdef MULTUM_WHOLE
+void multum_make_whole(inout MultumSurface surface) {
+  float total = 0.0;
+  {
+    MULTUM_EACH_LOBE(j) total += surface.lobes[j].w;
+  }
+  {
+    MULTUM_EACH_LOBE(j) surface.lobes[j] /= max(total, MULTUM_AMPLITUDE_MIN);
   }
 }
 #endif
@@ -201,12 +251,18 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     mean_weight += weight;
     lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 #endif
-#ifdef MULTUM_NORMAL_MAP
-    lobe *= 1.0 - map_share;
-#endif
     surface.lobes[j] = lobe;
   }
+#ifdef MULTUM_WHOLE
+  multum_make_whole(surface);
+#endif
+#ifdef MULTUM_MAGNIFIED
+  multum_magnify(surface, multum_footprint_longer_lod(footprint, multum_lobe_map_size()));
+#endif
 #ifdef MULTUM_NORMAL_MAP
+  {
+    MULTUM_EACH_LOBE(j) surface.lobes[j] *= 1.0 - map_share;
+  }
 #ifdef MULTUM_BASIS
   finest *= mean_weight;  // of the first stored level
 #endif

@@ -23,6 +23,23 @@ void multum_add_up(inout MultumSurface surface) {
 #endif
 }
 
+// The most alike parts as one, until there are multum_part_count.
+void multum_add_up_alike(inout MultumSurface surface) {
+#if MULTUM_PART_COUNT > 1
+  for (int count = MULTUM_PART_COUNT; count > multum_part_count; --count) {
+    ivec2 alike = multum_alike_parts(surface.lobes, count);
+    vec4 one = surface.lobes[alike.x], other = surface.lobes[alike.y];
+    surface.lobes[alike.x] = one + other;
+    surface.lobes[alike.y] = surface.lobes[count - 1];
+#ifdef MULTUM_COLOURS
+    vec3 colours = one.w * surface.albedos[alike.x] + other.w * surface.albedos[alike.y];
+    surface.albedos[alike.x] = colours / max(one.w + other.w, MULTUM_AMPLITUDE_MIN);
+    surface.albedos[alike.y] = surface.albedos[count - 1];
+#endif
+  }
+#endif
+}
+
 float multum_spread_of_all(MultumSurface surface) {
   multum_add_up(surface);
   return multum_movmf_spread(surface.lobes[0]);

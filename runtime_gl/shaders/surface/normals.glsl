@@ -151,6 +151,22 @@ float multum_slope_exponent(MultumSurface surface) {
 #endif
 }
 
+#ifdef MULTUM_TURNED
+// A mean normal as if its normals turned with the geometry's: a vMF of variance v / 2 along each axis has 1 - |r| of
+// v / 2.
+vec3 multum_turned_mean(vec3 mean) { return mean / (1.0 + 0.5 * multum_turn_variance); }
+
+// Moments of slopes, with the variance along each axis.
+vec4 multum_turned_slopes(vec4 slopes) { return slopes + vec4(0.0, 0.0, vec2(0.5 * multum_turn_variance)); }
+
+// Blinn-Phong's exponent, 1 / s the variance along each axis.
+float multum_turned_exponent(float s) { return s / (1.0 + 0.5 * multum_turn_variance * s); }
+#else
+#define multum_turned_exponent(s) (s)
+#define multum_turned_mean(mean) (mean)
+#define multum_turned_slopes(slopes) (slopes)
+#endif
+
 // max(E[n] . l, 0).
 float multum_mean_cosine(vec3 mean, vec3 l) {
 #ifdef MULTUM_ROUGHNESS
@@ -182,17 +198,22 @@ MultumReflection multum_reflect_texel(MultumSurface surface, vec3 l, vec3 v, vec
   vec3 facets = vec3(0.0);
 #if defined(MULTUM_LAMBERT)
 #elif defined(MULTUM_TOKSVIG)
-  facets = u_facet_total * multum_moments_toksvig(mean, h, multum_exponent(surface));
-#elif defined(MULTUM_JACOBIAN)
-  facets =
-      u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, multum_slope_exponent(surface), true);
+  facets = u_facet_total * multum_moments_toksvig(multum_turned_mean(mean), h, multum_exponent(surface));
 #elif defined(MULTUM_LEAN)
-  facets =
-      u_facet_total * multum_moments_lean(surface.slopes, surface.normal.w, h, multum_slope_exponent(surface), false);
+#ifdef MULTUM_JACOBIAN
+  const bool with_jacobian = true;
+#else
+  const bool with_jacobian = false;
+#endif
+  facets = u_facet_total * multum_moments_lean(multum_turned_slopes(surface.slopes), surface.normal.w, h,
+                                               multum_slope_exponent(surface), with_jacobian);
 #elif defined(MULTUM_ROUGHNESS_MAP)
-  facets = u_facet_total * multum_blinn_phong(multum_exponent(surface), multum_one_minus_cosine(mean / size, h));
+  facets = u_facet_total * multum_blinn_phong(multum_turned_exponent(multum_exponent(surface)),
+                                              multum_one_minus_cosine(mean / size, h));
 #elif defined(MULTUM_ROUGHNESS)
-  facets = multum_lobe_facets(vec4(mean, 1.0), h);
+  facets = multum_lobe_facets(vec4(multum_turned_mean(mean), 1.0), h);
+#elif defined(MULTUM_TURNED)
+  facets = multum_lobe_facets(vec4(multum_turned_mean(mean / size), 1.0), h);
 #else
   facets = multum_facets(mean / size, h);
 #endif
@@ -204,7 +225,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_NORMAL_MAP
   MultumReflection finest = MultumReflection(vec3(0.0), vec3(0.0));
   vec3 mean = surface.finest.xyz;
-  vec3 facets = u_facet_total * multum_moments_toksvig(mean, h, u_exponent);
+  vec3 facets = u_facet_total * multum_moments_toksvig(multum_turned_mean(mean), h, u_exponent);
   if (length(mean) > MULTUM_MEAN_MIN)
     finest = multum_reflect_mean(mean, surface.finest_albedo, facets, multum_mean_cosine(mean, l), l, v, h);
   sum.diffuse = mix(sum.diffuse, finest.diffuse, surface.finest.w);
@@ -223,13 +244,13 @@ MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
 #if defined(MULTUM_REFERENCE)
   MultumReflection sum = multum_environment_normal(normalize(mean), v);
 #elif defined(MULTUM_MIP)
-  MultumReflection sum = multum_environment_lobe(vec4(normalize(mean), 1.0), v);
+  MultumReflection sum = multum_environment_lobe(vec4(multum_turned_mean(normalize(mean)), 1.0), v);
 #else
-  MultumReflection sum = multum_environment_lobe(vec4(mean, 1.0), v);
+  MultumReflection sum = multum_environment_lobe(vec4(multum_turned_mean(mean), 1.0), v);
 #endif
   sum.diffuse *= surface.albedo;
 #ifdef MULTUM_NORMAL_MAP
-  MultumReflection finest = multum_environment_lobe(vec4(surface.finest.xyz, 1.0), v);
+  MultumReflection finest = multum_environment_lobe(vec4(multum_turned_mean(surface.finest.xyz), 1.0), v);
   sum.diffuse = mix(sum.diffuse, surface.finest_albedo * finest.diffuse, surface.finest.w);
   sum.specular = mix(sum.specular, finest.specular, surface.finest.w);
 #endif

@@ -101,6 +101,7 @@ export function addLobes(material, lobes,
     throw new Error(`material '${material.name}': found no lobes, or disposed ones, expected a LobeTexture`);
   const spent = evaluationDefines(evaluations, mapBias), { lobeCount } = lobes;
   const defines = () => ({ ...spent, MULTUM_TAPS: taps, MULTUM_LOBE_COUNT: lobeCount,
+    MULTUM_SPENT_LOBES: Math.min(lobeCount, evaluations),
     MULTUM_LOBE_LAYERS: lobes.layersPerLobe, MULTUM_FIRST_LEVEL: lobes.firstLevel,
     MULTUM_LOBE_POINTS: GRIDS[lobePoints(evaluations, lobeCount)], MULTUM_LOBES_FROM: LOBES_FROM[spend].toFixed(4),
     MULTUM_WRAP_S: wrapCode(material.normalMap?.wrapS), MULTUM_WRAP_T: wrapCode(material.normalMap?.wrapT),

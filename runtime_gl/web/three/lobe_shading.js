@@ -49,7 +49,8 @@ vec3 multum_finest_normal(vec2 st, float level) {
 
 // A pixel's light is the mean of MULTUM_EVALUATIONS evaluations, each of one lobe at one point. Where normals are alike
 // they are spent on points of the material as three.js has it, from 4 evaluations on. Where they are not, evaluations
-// are spent on lobes, or, near the level of the map, on points whose lobes are added up to one.
+// are spent on lobes, or, near the level of the map, on points whose lobes are added up to one. Of more lobes than
+// evaluations the most alike are added up.
 //
 // Lobes are read at points, each over its part of the footprint, and turned by the frame of its own place before they
 // are added up: the map of a model with few polygons cancels the turns of its interpolated normals.
@@ -164,13 +165,21 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 #endif
     if (map_share > 0.0) multum_lobes[0] += map_share * multum_turned(frame, multum_normal_map_part(place, on_map));
   }
+#if MULTUM_SPENT_LOBES < MULTUM_LOBE_COUNT
+  for (int left = MULTUM_LOBE_COUNT; multum_lobes_pay && left > MULTUM_SPENT_LOBES; --left) {
+    ivec2 alike = multum_alike_parts(multum_lobes, left);
+    multum_lobes[alike.x] += multum_lobes[alike.y];
+    multum_lobes[alike.y] = multum_lobes[left - 1];
+    multum_lobes[left - 1] = vec4(0.0);
+  }
+#endif
 }
 
 // What a pixel's evaluations are spent on: by the spread of all normals about it, one level finer than its own. Four
 // neighbours, which take derivatives of one another, ask at one place, between them, and so decide alike: textures are
 // read with derivatives, and those need all four.
 void multum_decide() {
-#if MULTUM_EVALUATIONS >= 4
+#if MULTUM_EVALUATIONS >= 2
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
   vec2 side = 0.5 - mod(floor(gl_FragCoord.xy), 2.0);
   float level = footprint.level + side.x * dFdx(footprint.level) + side.y * dFdy(footprint.level);
@@ -180,8 +189,9 @@ void multum_decide() {
   MultumSurface surface = multum_fetch_surface(place, footprint);
   vec4 sum = vec4(0.0);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += surface.lobes[j];
-  multum_is_plain = multum_movmf_spread(sum) <= MULTUM_LOBES_FROM;
-  multum_lobes_pay = MULTUM_LOBE_COUNT > 1 && MULTUM_LOBE_COUNT <= MULTUM_EVALUATIONS && !multum_is_plain && !is_near;
+  bool is_alike = multum_movmf_spread(sum) <= MULTUM_LOBES_FROM;
+  multum_is_plain = is_alike && MULTUM_EVALUATIONS >= 4;
+  multum_lobes_pay = MULTUM_LOBE_COUNT > 1 && !is_alike && !is_near;
 #endif
 }
 
@@ -204,8 +214,8 @@ vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) 
 // Point of the evaluation, from the pixel's middle, in pixels.
 vec2 multum_shift(int evaluation) {
   ivec2 points = multum_points();
-  int point = multum_lobes_pay ? evaluation / MULTUM_LOBE_COUNT : evaluation;
-  multum_maps_are_read = multum_lobes_pay && evaluation % MULTUM_LOBE_COUNT > 0;
+  int point = multum_lobes_pay ? evaluation / MULTUM_SPENT_LOBES : evaluation;
+  multum_maps_are_read = multum_lobes_pay && evaluation % MULTUM_SPENT_LOBES > 0;
   return multum_point_place(float(point), vec2(points));
 }
 
@@ -217,7 +227,7 @@ float multum_take_lobe(int evaluation, vec3 normal, float side) {
   }
   ivec2 points = multum_points();
   vec2 part = 1.0 / vec2(points);
-  int number = multum_lobes_pay ? evaluation % MULTUM_LOBE_COUNT : 0;
+  int number = multum_lobes_pay ? evaluation % MULTUM_SPENT_LOBES : 0;
   if (number == 0) multum_fetch_lobes(max(4.0 * part.x * part.y, 1.0), part, side);
   vec4 sum = vec4(0.0);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += multum_lobes[j];
@@ -229,7 +239,7 @@ float multum_take_lobe(int evaluation, vec3 normal, float side) {
 #endif
   multum_lobe = vec4(multum_lobe.xyz / max(multum_lobe.w, 1e-6), 1.0);
   // Three lobes need three of four evaluations.
-  return multum_lobes_pay && evaluation >= points.x * points.y * MULTUM_LOBE_COUNT ? 0.0 : weight;
+  return multum_lobes_pay && evaluation >= points.x * points.y * MULTUM_SPENT_LOBES ? 0.0 : weight;
 }
 `;
 

@@ -200,7 +200,8 @@ std::vector<GlslCase> glsl_filter_cases() {
         "absolute, of points, places and alpha", "some roundings"},
        {glsl_edit("max(min(along_x, along_y), 1e-20)", "min(along_x, along_y)")},
        points_of_no_width,
-       {"multum_lobe_points", "multum_point_grid", "multum_point_place", "multum_widened_alpha"}},
+       {"multum_lobe_points", "multum_point_grid", "multum_point_place", "multum_geometry_variance",
+        "multum_widened_alpha"}},
   };
 }
 

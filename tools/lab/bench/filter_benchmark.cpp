@@ -37,6 +37,9 @@ constexpr float kMapRepeats = 40.0f;  // of the map across the plane
 constexpr int kTaps[] = {1, 2, 4, 16};
 constexpr float kBiases[] = {0.0f, -0.25f, -0.5f, -0.79f};
 constexpr int kShadedTaps[] = {2, 4};
+constexpr int kEvaluations[] = {1, 2, 4, 8, 16};
+constexpr float kEvaluatedBiases[] = {-0.5f, -0.79f};
+constexpr int kFlickerEvaluations = 4;  // motions of other budgets are not drawn
 constexpr std::size_t kTimedMaps = 4;
 constexpr std::size_t kFlickerEvery = 4;  // motions are drawn on every fourth map: they take the longest
 constexpr int kTimedRuns = 3;
@@ -56,8 +59,16 @@ struct FilterSetting {
   int taps;
   float bias;
   bool shades_taps;
+  int evaluations = 0;  // of a pixel's light; 0: by taps
 
-  gl::TextureFilter filter() const { return {taps, bias, shades_taps, false}; }
+  gl::TextureFilter filter() const { return {taps, bias, shades_taps, false, evaluations}; }
+  bool flickers() const {
+    return evaluations == 0 || (evaluations == kFlickerEvaluations && bias == kEvaluatedBiases[0]);
+  }
+  Json row(const std::string& method) const {
+    return {
+        {"method", method}, {"taps", taps}, {"bias", bias}, {"shades_taps", shades_taps}, {"evaluations", evaluations}};
+  }
 };
 
 std::vector<FilterSetting> all_settings() {
@@ -66,6 +77,8 @@ std::vector<FilterSetting> all_settings() {
     for (const float bias : kBiases) settings.push_back({taps, bias, false});
   for (const int taps : kShadedTaps)
     for (const float bias : kBiases) settings.push_back({taps, bias, true});
+  for (const int evaluations : kEvaluations)
+    for (const float bias : kEvaluatedBiases) settings.push_back({kTapCountDefault, bias, false, evaluations});
   return settings;
 }
 
@@ -186,13 +199,11 @@ class MapStudy {
         if (method.baseline) averages.set_baseline(*method.baseline);
         const gl::FloatImage picture = large_.draw_once(mesh_, *method.material, scene);
         hash.update(picture.rgba.data(), picture.rgba.size() * sizeof(float));
-        rows.push_back({{"method", method.name},
-                        {"taps", setting.taps},
-                        {"bias", setting.bias},
-                        {"shades_taps", setting.shades_taps},
-                        {"error", gl::picture_error(picture, exact.image).relative_l1},
-                        {"error_blended", gl::picture_error(picture, smooth.image).relative_l1},
-                        {"frame_processor_ms", is_timed ? Json(frame_processor_ms(method, scene)) : Json()}});
+        Json row = setting.row(method.name);
+        row["error"] = gl::picture_error(picture, exact.image).relative_l1;
+        row["error_blended"] = gl::picture_error(picture, smooth.image).relative_l1;
+        row["frame_processor_ms"] = is_timed ? Json(frame_processor_ms(method, scene)) : Json();
+        rows.push_back(row);
         progress_advance(progress_, 0);
       }
     }
@@ -237,7 +248,7 @@ class MapStudy {
         references.push_back(reference(small_, facets, moved_view(motion, frame), 3.0 * options_.noise_max).image);
       for (const FilterSetting& setting : all_settings())
         for (const Method& method : methods) {
-          if (!method.flickers) continue;
+          if (!method.flickers || !setting.flickers()) continue;
           if (method.baseline) averages.set_baseline(*method.baseline);
           std::vector<gl::FloatImage> frames;
           for (int frame = 0; frame < kFrameCount; ++frame) {
@@ -245,12 +256,10 @@ class MapStudy {
             scene.filter = setting.filter();
             frames.push_back(small_.draw_once(mesh_, *method.material, scene));
           }
-          rows.push_back({{"method", method.name},
-                          {"taps", setting.taps},
-                          {"bias", setting.bias},
-                          {"shades_taps", setting.shades_taps},
-                          {"motion", motion},
-                          {"flicker", flicker_of(frames, references)}});
+          Json row = setting.row(method.name);
+          row["motion"] = motion;
+          row["flicker"] = flicker_of(frames, references);
+          rows.push_back(row);
           progress_advance(progress_, 0);
         }
     }

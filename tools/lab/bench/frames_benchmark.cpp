@@ -44,7 +44,24 @@ gl::RenderScene plane_scene() {
 struct Baked {
   std::string name, file;
   std::vector<std::string> options;
+  std::unique_ptr<gl::Material> (*read)(const gl::GlFunctions& functions, const std::string& file, float anisotropy);
 };
+
+std::unique_ptr<gl::Material> read_lobes(const gl::GlFunctions& functions, const std::string& file, float anisotropy) {
+  return std::make_unique<gl::MovmfMaterial>(functions, read_movmf_mipmap(file), anisotropy);
+}
+
+std::unique_ptr<gl::Material> read_moments(const gl::GlFunctions& functions, const std::string& file,
+                                           float anisotropy) {
+  auto material = std::make_unique<gl::MomentMaterial>(functions, read_moment_mipmap(file), anisotropy);
+  material->set_shading(gl::MomentShading::kLeanJacobian);
+  return material;
+}
+
+std::unique_ptr<gl::Material> read_harmonics(const gl::GlFunctions& functions, const std::string& file,
+                                             float anisotropy) {
+  return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(file), anisotropy);
+}
 
 // Something to draw, with how long it took.
 struct Subject {
@@ -60,12 +77,14 @@ std::vector<Baked> all_files(const ScratchFolder& folder) {
   for (int lobes = 1; lobes <= kLobesMax; ++lobes)
     files.push_back({fmt::format("{} lobe{}", lobes, lobes == 1 ? "" : "s"),
                      folder / fmt::format("{}.ndf.exr", lobes),
-                     {"--lobes", std::to_string(lobes)}});
-  files.push_back({"moments (LEAN)", folder / "moments.ndf.exr", {"--ndf", "moments"}});
+                     {"--lobes", std::to_string(lobes)},
+                     read_lobes});
+  files.push_back({"moments (LEAN)", folder / "moments.ndf.exr", {"--ndf", "moments"}, read_moments});
   for (const int order : {4, 8})
     files.push_back({fmt::format("harmonics, order {}", order),
                      folder / fmt::format("sh{}.ndf.exr", order),
-                     {"--ndf", "sh", "--sh-order", std::to_string(order)}});
+                     {"--ndf", "sh", "--sh-order", std::to_string(order)},
+                     read_harmonics});
   return files;
 }
 
@@ -79,19 +98,6 @@ void bake_all(const std::vector<Baked>& files, const std::string& map, const Fra
     bake.lobes = 0;
     bake.appended = more;
     run_to_disk(multum_bake_command(map, baked.file, bake), baked.file, progress);
-  }
-}
-
-std::unique_ptr<gl::Material> material_of(const gl::GlFunctions& functions, const Baked& baked, float anisotropy) {
-  switch (read_baked_header(baked.file).representation) {
-    case Representation::kMoments: {
-      auto material = std::make_unique<gl::MomentMaterial>(functions, read_moment_mipmap(baked.file), anisotropy);
-      material->set_shading(gl::MomentShading::kLeanJacobian);
-      return material;
-    }
-    case Representation::kSh:
-      return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(baked.file), anisotropy);
-    default: return std::make_unique<gl::MovmfMaterial>(functions, read_movmf_mipmap(baked.file), anisotropy);
   }
 }
 
@@ -109,7 +115,7 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
                       {}});
   for (const Baked& baked : files)
     subjects.push_back(
-        {baked.name, anisotropy, baked_gpu_bytes(baked.file), material_of(functions, baked, anisotropy), {}, {}});
+        {baked.name, anisotropy, baked_gpu_bytes(baked.file), baked.read(functions, baked.file, anisotropy), {}, {}});
   return subjects;
 }
 

@@ -12,9 +12,13 @@ from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_
 
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
-BASELINES = (REFERENCE, "mip", "toksvig", "lean-jacobian")
+PLAIN = ("mip", "toksvig", "lean-jacobian")
+# At as many points of each pixel as lobes take evaluations.
+POINTS = ("points", "toksvig-points", "lean-jacobian-points")
+BASELINES = (REFERENCE, *PLAIN, *POINTS)
 LABELS = {REFERENCE: "reference", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",
           "lean-jacobian": "LEAN with the Jacobian"}
+LABELS |= {points: f"{LABELS[plain]}, as many evaluations" for plain, points in zip(PLAIN, POINTS)}
 
 
 def compare(study, view, names, name, exposure=1.0):
@@ -40,8 +44,7 @@ def v_groove(study):
     study.figures([(near[n], LABELS[n]) for n in (REFERENCE, "multum", "mip")], name="groove_near",
                   exposure=0.35)
     study.paragraph("Far:")
-    compare(study, far, (REFERENCE, "multum", "mip", "toksvig", "lean-jacobian"), "groove_far",
-            exposure=0.35)
+    compare(study, far, (REFERENCE, "multum", *PLAIN, *POINTS), "groove_far", exposure=0.35)
     normals = read_normals(source)
     directions, inside = disk(120)
     level = 5
@@ -65,7 +68,7 @@ def methods(study):
     study.figures([(six[REFERENCE], "reference"), (six["multum"], "six lobes"), (one["multum"], "one lobe"),
                    (six["toksvig"], "Toksvig"), (six["mip"], "averaged normals")], name="methods")
     rows = [["six lobes", six["multum"], six.frame_ms["multum"]], ["one lobe", one["multum"], one.frame_ms["multum"]],
-            *[[LABELS[n], six[n], six.frame_ms[n]] for n in ("toksvig", "lean-jacobian", "mip")]]
+            *[[LABELS[n], six[n], six.frame_ms[n]] for n in (*PLAIN, *POINTS)]]
     study.table(["method", "relative L1", "frame, ms"],
                 [[label, percent(relative_l1(shown, six[REFERENCE])), f"{ms:.1f}"] for label, shown, ms in rows])
     return material
@@ -163,7 +166,7 @@ def environment_light(study):
     rows = []
     for exponent in (12, 100):
         views = {mode: study.view(f"environment_{mode}{exponent}", "quarters_white", *scene, "--environment-mode", mode,
-                                  "--brdf", f"blinn-phong:{exponent}", compare=(REFERENCE, "mip"))
+                                  "--brdf", f"blinn-phong:{exponent}", compare=(REFERENCE, "mip", "points"))
                  for mode in ("sh", "prefiltered")}
         reference = views["sh"][REFERENCE]
         study.figures([(reference, f"reference, s = {exponent}"), (views["sh"]["multum"], "harmonics"),
@@ -171,8 +174,8 @@ def environment_light(study):
                        (views["prefiltered"]["mip"], "averaged normals")], name="environment", exposure=0.35)
         rows.append([exponent, *[percent(relative_l1(shown, reference))
                                  for shown in (views["sh"]["multum"], views["prefiltered"]["multum"],
-                                               views["prefiltered"]["mip"])]])
-    study.table(["s", "six lobes, harmonics", "six lobes, filtered maps", "averaged normals"], rows)
+                                               views["prefiltered"]["mip"], views["prefiltered"]["points"])]])
+    study.table(["s", "six lobes, harmonics", "six lobes, filtered maps", LABELS["mip"], LABELS["points"]], rows)
 
 
 def changing_light(study):
@@ -220,12 +223,12 @@ def shininess(study, material):
     rows = []
     for s in (10, 50, 200, 1000):
         view = study.view(f"shininess{s}", "quarters", *without, "--brdf", f"blinn-phong:{s}",
-                          compare=(REFERENCE, "toksvig"))
+                          compare=(REFERENCE, "toksvig", "toksvig-points", "lean-jacobian-points"))
         study.figures([(view[REFERENCE], f"reference, s = {s}"), (view["multum"], "six lobes"),
                        (view["toksvig"], "Toksvig")], name="shininess")
-        rows.append([s, percent(relative_l1(view["multum"], view[REFERENCE])),
-                     percent(relative_l1(view["toksvig"], view[REFERENCE]))])
-    study.table(["s", "six lobes", "Toksvig"], rows)
+        rows.append([s, *[percent(relative_l1(view[n], view[REFERENCE]))
+                          for n in ("multum", "toksvig", "toksvig-points", "lean-jacobian-points")]])
+    study.table(["s", "six lobes", "Toksvig", LABELS["toksvig-points"], LABELS["lean-jacobian-points"]], rows)
 
 
 def starts(study):

@@ -21,7 +21,10 @@ GOLD = ("--brdf", "cook-torrance:0.07,1.0,0.77,0.34", "--diffuse", "0.5", "--spe
 DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0.5,0.1,0.8,1.5", *SILVER)
 OURS = "planar Gaussians, 4 (their method)"
 BASELINES = (("Toksvig", "toksvig"), ("LEAN, slopes as published", "lean"),
-             ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"))
+             ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
+             # At as many points of each pixel as four lobes take evaluations.
+             ("Toksvig, 4 points", "toksvig-points"), ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"),
+             ("averaged normals, 4 points", "points"))
 
 
 def camera(distance, height, field=45):
@@ -143,7 +146,7 @@ def armour(study):
     far_away = ("--camera", "0.6,-6,5,0,0,0,28")
     near = study.view("armour_near", "armour_gmm", *gold, "--camera", "0.5,-2.6,0.9,0.3,-1,0.2,24",
                       compare=(REFERENCE, "mip"))
-    far = study.view("armour_far", "armour_gmm", *gold, *far_away, compare=(REFERENCE, "mip"))
+    far = study.view("armour_far", "armour_gmm", *gold, *far_away, compare=(REFERENCE, "mip", "points"))
     lobes = study.view("armour_vmf", "armour", *gold, *far_away)
     eight = study.view("armour_gmm8", "armour_gmm8", *gold, *far_away)
     texels = study.view("armour_texels", "armour_gmm", *gold, *far_away, "--reference-of", "texels",
@@ -154,7 +157,7 @@ def armour(study):
     study.figures([(near["multum"], "near, planar Gaussians"), (far["multum"], "far, planar Gaussians"),
                    (far[REFERENCE], "far, reference"), (far["mip"], "far, fixed BRDF")], name="armour")
     rows = {OURS: far["multum"], "planar Gaussians, 8": eight["multum"], "vMF lobes, 4": lobes["multum"],
-            "fixed BRDF": far["mip"]}
+            "fixed BRDF": far["mip"], "fixed BRDF, 4 points": far["points"]}
     own = {label: colour_distance(picture, texels[REFERENCE]) for label, picture in rows.items()}
     factors(study, {label: (colour_distance(picture, far[REFERENCE]),
                             [("against the same filter's reference", beside(own, label)),

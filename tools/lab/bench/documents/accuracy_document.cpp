@@ -425,8 +425,12 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   if (options.is_quick) job.length = SweepLength::kQuick;
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
-      "Settings that `multum tradeoff` sweeps. One figure a BRDF: the error of pixels, relative L1 in %, with half of "
-      "its 95 % interval (docs/ALGORITHMS.md, \"Measured error\"). Times: of fitting or averaging, rounding and "
+      std::string(
+          "Settings that `multum tradeoff` sweeps. One figure a BRDF: the error of pixels, relative L1 in %, with half "
+          "of "
+          "its 95 % interval (docs/ALGORITHMS.md, \"Measured error\"), through the default filter: ") +
+      default_filter_text() +
+      ". Times: of fitting or averaging, rounding and "
       "writing, the least of three bakes of each setting, in turns, kernels compiled before: what processors worked, "
       "and what went by.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");

@@ -27,12 +27,14 @@ struct FilterKey {
   int taps;
   double bias;
   bool shades_taps;
+  int evaluations = 0;  // 0: by taps
 
   auto operator<=>(const FilterKey&) const = default;
 };
 
 FilterKey key_of(const Json& row) {
-  return {row.at("taps").get<int>(), row.at("bias").get<double>(), row.at("shades_taps").get<bool>()};
+  return {row.at("taps").get<int>(), row.at("bias").get<double>(), row.at("shades_taps").get<bool>(),
+          row.value("evaluations", 0)};
 }
 
 // Of each filter and method a figure per map.
@@ -48,6 +50,12 @@ Figures figures_of(const Json& result, const char* list, const std::function<dou
 
 Figures figures_of(const Json& result, const char* list, const char* field) {
   return figures_of(result, list, [field](const Json& row) { return row.at(field).get<double>(); });
+}
+
+// Of filters with a budget of evaluations, or without one.
+Figures with_budget(Figures figures, bool has_budget) {
+  std::erase_if(figures, [&](const auto& entry) { return (entry.first.evaluations > 0) != has_budget; });
+  return figures;
 }
 
 // In the order in which they were measured.
@@ -76,18 +84,24 @@ std::vector<FilterKey> keys_of(const Figures& figures) {
   std::vector<FilterKey> keys;
   for (const auto& [key, unused] : figures) keys.push_back(key);
   std::sort(keys.begin(), keys.end(), [](const FilterKey& a, const FilterKey& b) {
-    return std::tuple(a.shades_taps, a.taps, -a.bias) < std::tuple(b.shades_taps, b.taps, -b.bias);
+    return std::tuple(a.evaluations, a.shades_taps, a.taps, -a.bias) <
+           std::tuple(b.evaluations, b.shades_taps, b.taps, -b.bias);
   });
   return keys;
 }
 
+const char* taps_head(const Figures& figures) {
+  return !figures.empty() && figures.begin()->first.evaluations > 0 ? "evaluations" : "taps";
+}
+
 std::string taps_text(const FilterKey& key) {
+  if (key.evaluations > 0) return fmt::format("{}", key.evaluations);
   return fmt::format("{}{}", key.taps, key.shades_taps ? ", each shaded" : "");
 }
 
 std::string table_of(const Figures& figures, const std::vector<std::string>& methods,
                      const std::function<std::string(double)>& text) {
-  MarkdownTable table(head_of({"taps", "bias"}, methods));
+  MarkdownTable table(head_of({taps_head(figures), "bias"}, methods));
   for (const FilterKey& key : keys_of(figures)) {
     std::vector<std::string> row = {taps_text(key), fmt::format("{:g}", key.bias)};
     for (const std::string& method : methods) row.push_back(text(median_of(figures, key, method)));
@@ -98,11 +112,11 @@ std::string table_of(const Figures& figures, const std::vector<std::string>& met
 
 // Each method by the bias that is best for it.
 std::string best_bias_table(const Figures& figures, const std::vector<std::string>& methods) {
-  MarkdownTable table(head_of({"taps"}, methods));
+  MarkdownTable table(head_of({taps_head(figures)}, methods));
   std::vector<FilterKey> keys = keys_of(figures);
   for (auto first = keys.begin(); first != keys.end();) {
     const auto last = std::find_if(first, keys.end(), [&](const FilterKey& key) {
-      return key.taps != first->taps || key.shades_taps != first->shades_taps;
+      return key.taps != first->taps || key.shades_taps != first->shades_taps || key.evaluations != first->evaluations;
     });
     std::vector<std::string> row = {taps_text(*first)};
     for (const std::string& method : methods) {
@@ -123,7 +137,7 @@ std::string motion_table(const Json& result) {
   std::vector<std::string> motions;
   for (const Json& map : result.at("maps"))
     for (const Json& row : map.value("motions", Json::array())) {
-      if (row.at("method").get<std::string>() != "4 lobes") continue;
+      if (row.at("method").get<std::string>() != "4 lobes" || key_of(row).evaluations > 0) continue;
       const auto motion = row.at("motion").get<std::string>();
       if (std::find(motions.begin(), motions.end(), motion) == motions.end()) motions.push_back(motion);
       figures[key_of(row)][motion].push_back(row.at("flicker").get<double>());
@@ -186,26 +200,47 @@ std::string default_text(const Json& result, const Figures& errors) {
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
+// Every method at as many points of each pixel as lobes take evaluations.
+std::string evaluations_text(const Json& result, const std::vector<std::string>& methods,
+                             const std::vector<std::string>& moving) {
+  const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
+  if (errors.empty()) return "";
+  std::string text = fmt::format(
+      "**At equal evaluations** of a pixel's light, {} taps for each (`multum-view --evaluations`): lobes by the rule, "
+      "the others at as many points of the pixel. Error in %, each method with the bias that is best for it:\n\n",
+      kTapCountDefault);
+  text += best_bias_table(errors, methods);
+  text += "\nFlicker in %, as below:\n\n";
+  text += table_of(with_budget(figures_of(result, "motions", "flicker"), true), moving, percent_text);
+  text += "\nProcessor time of a frame over that of the same method with one tap at bias 0, as below:\n\n";
+  text += table_of(with_budget(time_ratios(result), true), methods,
+                   [](double ratio) { return fmt::format("{:.2f}", ratio); });
+  return text + "\n";
+}
+
 }  // namespace
 
 ResultView view_filters(const Json& result) {
   const std::vector<std::string> methods = methods_of(result, "pictures"), moving = methods_of(result, "motions");
-  const Figures errors = figures_of(result, "pictures", "error");
-  std::string tables = default_text(result, errors) + "Error of pictures, relative L1 in %, medians over the maps:\n\n";
+  const Figures errors = with_budget(figures_of(result, "pictures", "error"), false);
+  const Figures flicker = with_budget(figures_of(result, "motions", "flicker"), false);
+  std::string tables = default_text(result, errors) + evaluations_text(result, methods, moving) +
+                       "Error of pictures, relative L1 in %, medians over the maps:\n\n";
   tables += table_of(errors, methods, percent_text);
   tables += "\nEach method with the bias that is best for it, error in % at the bias:\n\n";
   tables += best_bias_table(errors, methods);
   tables += "\nFlicker in %, the mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
-  tables += table_of(figures_of(result, "motions", "flicker"), moving, percent_text);
+  tables += table_of(flicker, moving, percent_text);
   tables += "\nFlicker of 4 lobes in %, each motion by itself:\n\n" + motion_table(result);
   tables +=
       "\nProcessor time of a frame over that of the same method with one tap at bias 0, medians over the maps (GL in "
       "software, bias -0.5):\n\n";
-  tables += table_of(time_ratios(result), methods, [](double ratio) { return fmt::format("{:.2f}", ratio); });
+  tables += table_of(with_budget(time_ratios(result), false), methods,
+                     [](double ratio) { return fmt::format("{:.2f}", ratio); });
   tables +=
       "\nError in % against a reference that blends the light of the four finest texels around a point, so that "
       "magnification is not charged to the bake:\n\n";
-  tables += table_of(figures_of(result, "pictures", "error_blended"), methods, percent_text);
+  tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
       fmt::format(

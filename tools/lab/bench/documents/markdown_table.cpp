@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "host/formats/asset/tap_filter.h"
 #include "host/foundation/base/error.h"
 
 namespace multum::bench {
@@ -27,6 +28,11 @@ std::string MarkdownTable::text() const {
     text += "|\n";
   }
   return text;
+}
+
+std::string default_filter_text() {
+  return fmt::format("{} taps, {}, at a bias of {:g}", kTapCountDefault,
+                     kShadesTapsDefault ? "each shaded" : "averaged and shaded once", kLevelBiasDefault);
 }
 
 }  // namespace multum::bench

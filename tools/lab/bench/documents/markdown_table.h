@@ -19,4 +19,8 @@ class MarkdownTable {
   std::vector<std::vector<std::string>> rows_;  // the head first
 };
 
+/// The default filter, which errors of pixels are measured through: "4 taps, averaged and shaded once, at a bias of
+/// -0.5".
+std::string default_filter_text();
+
 }  // namespace multum::bench
