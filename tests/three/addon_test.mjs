@@ -454,6 +454,11 @@ async function loadsModels(page, complaints) {
   assert.match((await load({}, top)).error, /lobes undefined, expected the index/);
   assert.match((await load({ lobes: 0 }, { lobes: [{ bufferView: 9 }] })).error, /lobes 0, expected the index/);
   assert.match((await load({ lobes: 0 }, { lobes: 7 })).error, /lobes 0, expected the index/);
+  const coloured = async (colours) => (await load({ lobes: 0 }, { lobes: [{ bufferView: 2, colours }] })).error;
+  assert.match(await coloured({ bufferView: 9 }), /colours of lobes 0: found buffer view 9, expected the index/);
+  assert.match(await coloured({}), /colours of lobes 0: found buffer view undefined/);
+  assert.match(await coloured({ bufferView: 1 }), /colours of lobes 0: found a file that cannot be read/);
+  assert.match(await coloured({ bufferView: 2 }), /colours of lobes 0: found no key multumLobeColours/);
   const picture = await load({ lobes: 0 }, { lobes: [{ bufferView: 1 }] });
   assert.match(picture.error, /^MULTUM_lobes, lobes 0: found a file/);
   assert.deepEqual(complaints, []);

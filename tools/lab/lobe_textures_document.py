@@ -44,8 +44,8 @@ error over that of the same lobes as they were baked. *Bytes*: the texture over 
 the normal map's level 0 in BC5, which a renderer has anyhow, would add a half. *Fetches*: a tap, without the normal
 map's. Every row evaluates the material as often per pixel as it says lobes, rounded up to a power of two: lobes by
 `multum-view --evaluations`, which takes points where the normal map alone is seen, averaged normals and LEAN at as many
-points, from floats. LEAN has the lower error in this near view: finer than level 1 these files have one mean normal, and
-LEAN its moments. Files that store level 0 have the lower error (README.md).
+points, from floats. LEAN has the lower error in this near view: finer than level 1 these files have one mean normal,
+and LEAN its moments. Files that store level 0 have the lower error (README.md).
 """
 
 

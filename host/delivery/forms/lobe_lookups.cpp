@@ -8,6 +8,11 @@
 #include "host/formats/asset/lobes/movmf_reader.h"
 
 namespace multum {
+namespace {
+
+const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);
+
+}  // namespace
 
 LobeLevels::LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max) {
   MovmfReader reader(path);
@@ -20,7 +25,8 @@ LobeLevels::LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t
   finest_held_ = frame_.level_count;
   for (int level = frame_.level_count; level-- > 0;) {
     const auto& size = header.levels[size_of(first + level)];
-    const std::uint64_t bytes = sizeof(glm::vec4) * size_of(count_) * size_of(size.width) * size_of(size.height);
+    const std::size_t of_lobe = sizeof(glm::vec4) + (header.header.has_colours ? sizeof(glm::vec3) : 0);
+    const std::uint64_t bytes = of_lobe * size_of(count_) * size_of(size.width) * size_of(size.height);
     if (bytes > bytes_max) break;
     bytes_max -= bytes;
     levels_[size_of(level)] = reader.read_level(first + level, 0, size.height);
@@ -31,6 +37,12 @@ LobeLevels::LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t
 glm::dvec4 LobeLevels::Layer::texel(int level, int x, int y) const {
   const MovmfLevel& at = levels.levels_[size_of(level)];
   return glm::dvec4(at.lobes[lobe][size_of(y) * size_of(at.width) + size_of(x)]);
+}
+
+glm::dvec4 LobeLevels::ColourLayer::texel(int level, int x, int y) const {
+  const MovmfLevel& at = levels.levels_[size_of(level)];
+  const glm::vec3& colour = at.colours[lobe][size_of(y) * size_of(at.width) + size_of(x)];
+  return {glm::dot(glm::dvec3(colour), kLuminance), 0.0, 0.0, 0.0};
 }
 
 double LobeLevels::level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const {
@@ -48,7 +60,7 @@ glm::ivec2 LobeLevels::grid(int count, const glm::dvec2& along_x, const glm::dve
   return length_x > length_y ? glm::ivec2(along, across) : glm::ivec2(across, along);
 }
 
-std::vector<glm::dvec4> LobeLevels::at(const glm::dvec2& place, double level) const {
+PixelTaps LobeLevels::taps_of(const glm::dvec2& place, double level) const {
   PixelTaps taps;
   const int last = frame_.level_count - 1;
   const double lod = std::clamp(level, static_cast<double>(std::min(finest_held_, last)), static_cast<double>(last));
@@ -56,9 +68,39 @@ std::vector<glm::dvec4> LobeLevels::at(const glm::dvec2& place, double level) co
   taps.levels[1] = std::min(taps.levels[0] + 1, last);
   taps.coarser_share = lod - taps.levels[0];
   taps.places.push_back(place);
+  return taps;
+}
+
+std::vector<glm::dvec4> LobeLevels::at(const glm::dvec2& place, double level) const {
+  const PixelTaps taps = taps_of(place, level);
   std::vector<glm::dvec4> lobes;
   for (int lobe = 0; lobe < count_; ++lobe) lobes.push_back(taps.mean(Layer{*this, size_of(lobe)}));
   return lobes;
+}
+
+std::vector<double> LobeLevels::luminances(const glm::dvec2& place, double level) const {
+  const PixelTaps taps = taps_of(place, level);
+  std::vector<double> made;
+  for (int lobe = 0; lobe < count_; ++lobe) made.push_back(taps.mean(ColourLayer{*this, size_of(lobe)}).x);
+  return made;
+}
+
+double LobeLevels::finest_luminance(const glm::dvec2& place, const glm::dvec3& normal) const {
+  const int level = std::min(finest_held_, frame_.level_count - 1);
+  const MovmfLevel& at = levels_[size_of(level)];
+  const int x = wrapped_texel(static_cast<int>(std::floor(place.x * at.width)), at.width, frame_.wrap_s);
+  const int y = wrapped_texel(static_cast<int>(std::floor(place.y * at.height)), at.height, frame_.wrap_t);
+  double nearest = -2.0, luminance = 0.0;
+  for (int lobe = 0; lobe < count_; ++lobe) {
+    const glm::dvec4 one = Layer{*this, size_of(lobe)}.texel(level, x, y);
+    const double length = glm::length(glm::dvec3(one));
+    if (one.w <= 1e-3 || length <= 1e-6) continue;
+    const double cosine = glm::dot(glm::dvec3(one), normal) / length;
+    if (cosine <= nearest) continue;
+    nearest = cosine;
+    luminance = ColourLayer{*this, size_of(lobe)}.texel(level, x, y).x / one.w;
+  }
+  return luminance;
 }
 
 }  // namespace multum

@@ -22,6 +22,7 @@ class LobeLevels {
   LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max);
 
   int count() const { return count_; }
+  bool has_colours() const { return !levels_.empty() && !levels_.back().colours.empty(); }
   const TextureFrame& frame() const { return frame_; }
   int finest_held() const { return finest_held_; }
 
@@ -32,9 +33,22 @@ class LobeLevels {
   glm::ivec2 grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const;
   /// All lobes, (a r, a).
   std::vector<glm::dvec4> at(const glm::dvec2& place, double level) const;
+  /// Of each lobe the luminance of its colour times a. Of files with colours.
+  std::vector<double> luminances(const glm::dvec2& place, double level) const;
+  /// The luminance of the lobe that is nearest to a normal of the map, unit, of the finest texel that is held and lies
+  /// at the place: level 1 has a lobe for each normal that it covers.
+  double finest_luminance(const glm::dvec2& place, const glm::dvec3& normal) const;
 
  private:
+  PixelTaps taps_of(const glm::dvec2& place, double level) const;
+
   struct Layer {
+    const LobeLevels& levels;
+    std::size_t lobe;
+    const TextureFrame& frame() const { return levels.frame_; }
+    glm::dvec4 texel(int level, int x, int y) const;
+  };
+  struct ColourLayer {  // luminance in x
     const LobeLevels& levels;
     std::size_t lobe;
     const TextureFrame& frame() const { return levels.frame_; }

@@ -57,7 +57,7 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
   for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads, [&](int, int begin, int end) {
     for (int i = begin; i < end; ++i) {
       Measured& at = pixels_[size_of(i)];
-      at.reference = reference_of(*at.picture, *at.pixel);
+      at.reference = reference_of(*at.picture, *at.pixel, nullptr);
       at.looked.push_back(look(at.pixel->middle, *at.pixel, 0.0));
       for (int p = 0; p < kPointsPerSide * kPointsPerSide; ++p)
         at.looked.push_back(look(moved(*at.pixel, part_place(p % kPointsPerSide, kPointsPerSide),
@@ -102,12 +102,13 @@ FormMeter::Looked FormMeter::look(const SurfacePoint& point, const ModelPixel& p
   return made;
 }
 
-FormLight FormMeter::reference_of(const ModelPicture& picture, const ModelPixel& pixel) const {
+FormLight FormMeter::reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes) const {
   FormLight sum{};
   for (const SurfacePoint& sample : pixel.samples) {
     const glm::dvec4 texel = linear_lookup(*textures_.averages, 0, sample.place);
-    const glm::dvec3 turned = turned_by(sample, 2.0 * glm::dvec3(texel) - 1.0);
-    FormSurface surface{texel.w, textures_.metallic_factor, textures_.colour};
+    const glm::dvec3 normal = glm::normalize(2.0 * glm::dvec3(texel) - 1.0), turned = turned_by(sample, normal);
+    FormSurface surface{texel.w, textures_.metallic_factor,
+                        lobes == nullptr ? textures_.colour : lobes->finest_luminance(sample.place, normal)};
     if (textures_.surface != nullptr) surface.metalness *= linear_lookup(*textures_.surface, 0, sample.place).z;
     const FormLight light =
         shaded_normal(glm::normalize(turned), surface, glm::normalize(picture.eye - sample.position));
@@ -117,7 +118,7 @@ FormLight FormMeter::reference_of(const ModelPicture& picture, const ModelPixel&
 }
 
 FormLight FormMeter::shade(const Measured& at, const SurfacePoint& point, const Looked& looked, const NormalForm& form,
-                           bool has_variance, double part) const {
+                           bool has_variance, double part, double colour) const {
   const LevelForm &finer = form.levels[size_of(looked.levels[0])], &coarser = form.levels[size_of(looked.levels[1])];
   const auto mixed = [&](const auto& one, const auto& other) {
     return (1.0 - looked.coarser_share) * one + looked.coarser_share * other;
@@ -130,7 +131,7 @@ FormLight FormMeter::shade(const Measured& at, const SurfacePoint& point, const 
                    along_y = part * (at.picture->to_view * at.pixel->along_y.normal);
   const FormSurface surface{
       has_variance ? roughness_of_variance(rough, along_x, along_y) : roughness_of_three(rough, along_x, along_y),
-      looked.metal, textures_.colour};
+      looked.metal, colour};
   return shaded_normal(normal, surface, glm::normalize(at.picture->eye - point.position));
 }
 
@@ -158,30 +159,31 @@ FormError FormMeter::errors_of(const std::vector<double>& contributions) const {
 }
 
 FormLight FormMeter::middle_light(const Measured& at, const NormalForm& form) const {
-  return shade(at, at.pixel->middle, at.looked[0], form, false, 1.0);
+  return shade(at, at.pixel->middle, at.looked[0], form, false, 1.0, textures_.colour);
 }
 
 FormError FormMeter::normals(const NormalForm& form) const {
   return errors_of(contributions([&](const Measured& at) { return middle_light(at, form); }));
 }
 
-FormLight FormMeter::point_light(const Measured& at, const NormalForm& form) const {
+FormLight FormMeter::point_light(const Measured& at, const NormalForm& form, double colour) const {
   constexpr int kPoints = kPointsPerSide * kPointsPerSide;
   FormLight sum{};
   for (int p = 0; p < kPoints; ++p) {
     const SurfacePoint point = moved(*at.pixel, part_place(p % kPointsPerSide, kPointsPerSide),
                                      part_place(p / kPointsPerSide, kPointsPerSide));
-    const FormLight light = shade(at, point, at.looked[size_of(1 + p)], form, true, 1.0 / kPointsPerSide);
+    const FormLight light = shade(at, point, at.looked[size_of(1 + p)], form, true, 1.0 / kPointsPerSide, colour);
     for (std::size_t l = 0; l < kFormLights; ++l) sum[l] += light[l] / kPoints;
   }
   return sum;
 }
 
 FormError FormMeter::points(const NormalForm& form) const {
-  return errors_of(contributions([&](const Measured& at) { return point_light(at, form); }));
+  return errors_of(contributions([&](const Measured& at) { return point_light(at, form, textures_.colour); }));
 }
 
-FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form) const {
+FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form,
+                                 const PixelColours& colours) const {
   const ModelPixel& pixel = *at.pixel;
   const auto count = size_of(lobes.count());
   // Lobes of a part of the pixel, in world space, the map's share in the first.
@@ -205,14 +207,15 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
   glm::dvec4 all_normals(0.0);
   for (const glm::dvec4& lobe : lobes.at(pixel.middle.place, std::max(level - 1.0, 0.0))) all_normals += lobe;
   if (1.0 - glm::length(glm::dvec3(all_normals)) / std::max(all_normals.w, 1e-6) <= kLobesFrom)
-    return point_light(at, form);
+    return point_light(at, form, colours.mean);
   const bool lobes_pay = level >= 1.0 && count <= kPointsPerSide * kPointsPerSide;
   const glm::dvec3 view = glm::normalize(at.picture->eye - pixel.middle.position);
   FormLight made{};
-  const auto add_light = [&](const glm::dvec4& lobe, double weight, const Looked& looked, const glm::dvec3& from) {
+  const auto add_light = [&](const glm::dvec4& lobe, double weight, const Looked& looked, const glm::dvec3& from,
+                             double factor) {
     const double rough =
         looked.values[0].rough + looked.coarser_share * (looked.values[1].rough - looked.values[0].rough);
-    const FormSurface surface{std::max(rough, kLobeRoughnessMin), looked.metal, textures_.colour};
+    const FormSurface surface{std::max(rough, kLobeRoughnessMin), looked.metal, factor * colours.mean};
     const FormLight light = shaded_lobe(lobe / std::max(lobe.w, 1e-6), surface, from);
     for (std::size_t l = 0; l < kFormLights; ++l) made[l] += weight * light[l];
   };
@@ -230,18 +233,70 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
     glm::dvec4 sum(0.0);
     for (const glm::dvec4& lobe : own) sum += lobe;
     const SurfacePoint point = moved(pixel, part_place(p % grid.x, grid.x), part_place(p / grid.x, grid.y));
-    add_light(sum, 0.25, at.looked[size_of(1 + p)], glm::normalize(at.picture->eye - point.position));
+    add_light(sum, 0.25, at.looked[size_of(1 + p)], glm::normalize(at.picture->eye - point.position), 1.0);
   }
   if (!lobes_pay) return made;
   glm::dvec4 sum(0.0);
   for (const glm::dvec4& lobe : all) sum += lobe;
-  for (const glm::dvec4& lobe : all)
-    if (lobe.w > 1e-6) add_light(lobe, lobe.w / sum.w, at.looked[0], view);
+  for (std::size_t j = 0; j < count; ++j)
+    if (all[j].w > 1e-6)
+      add_light(all[j], all[j].w / sum.w, at.looked[0], view, colours.factors.empty() ? 1.0 : colours.factors[j]);
   return made;
 }
 
 FormError FormMeter::lobes(const LobeLevels& lobes, const NormalForm& form) const {
-  return errors_of(contributions([&](const Measured& at) { return shade_lobes(at, lobes, form); }));
+  return errors_of(contributions([&](const Measured& at) {
+    return shade_lobes(at, lobes, form, {textures_.colour, {}});
+  }));
+}
+
+FormMeter::PixelColours FormMeter::colours_of(const ModelPixel& pixel, const LobeLevels& lobes) {
+  constexpr double kTintMax = 4.0;  // MULTUM_TINT_MAX of lobe_shading.js
+  constexpr int kPlaces = kPointsPerSide * kPointsPerSide;
+  const auto count = size_of(lobes.count());
+  const glm::ivec2 grid = lobes.grid(kPlaces, pixel.along_x.place, pixel.along_y.place);
+  const double level = lobes.level_of(pixel.along_x.place / static_cast<double>(grid.x),
+                                      pixel.along_y.place / static_cast<double>(grid.y), kLobeBias);
+  std::vector<double> luminances(count, 0.0), amplitudes(count, 0.0);
+  for (int p = 0; p < kPlaces; ++p) {
+    const glm::dvec2 place = moved(pixel, part_place(p % grid.x, grid.x), part_place(p / grid.x, grid.y)).place;
+    const std::vector<double> read = lobes.luminances(place, level);
+    const std::vector<glm::dvec4> own = lobes.at(place, level);
+    for (std::size_t j = 0; j < count; ++j) luminances[j] += read[j] / kPlaces, amplitudes[j] += own[j].w / kPlaces;
+  }
+  PixelColours made{0.0, {}};
+  for (const double luminance : luminances) made.mean += luminance;
+  for (std::size_t j = 0; j < count; ++j)
+    made.factors.push_back(std::clamp(luminances[j] / std::max(amplitudes[j] * made.mean, 1e-6), 0.0, kTintMax));
+  return made;
+}
+
+FormMeter::Coloured FormMeter::coloured_lobes(const LobeLevels& lobes, const NormalForm& form) const {
+  struct Lights {
+    FormLight reference, mean, own;
+  };
+  std::vector<Lights> lights(pixels_.size());
+  for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
+    for (std::size_t i = size_of(begin); i < size_of(end); ++i) {
+      const Measured& at = pixels_[i];
+      const PixelColours own = colours_of(*at.pixel, lobes);
+      lights[i].reference = reference_of(*at.picture, *at.pixel, &lobes);
+      lights[i].mean = shade_lobes(at, lobes, form, {own.mean, {}});
+      lights[i].own = shade_lobes(at, lobes, form, own);
+    }
+  });
+  std::vector<FormLight> wholes(distances_.size());
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    for (std::size_t l = 0; l < kFormLights; ++l) wholes[pixels_[i].distance][l] += lights[i].reference[l];
+  const auto error = [&](FormLight Lights::*light) {
+    std::vector<double> found(lights.size(), 0.0);
+    for (std::size_t i = 0; i < lights.size(); ++i)
+      for (std::size_t l = 0; l < kFormLights; ++l)
+        found[i] += 100.0 / kFormLights / std::max(wholes[pixels_[i].distance][l], 1e-12) *
+                    std::abs((lights[i].*light)[l] - lights[i].reference[l]);
+    return errors_of(found);
+  };
+  return {error(&Lights::mean), error(&Lights::own)};
 }
 
 void FormMeter::improve(NormalForm& form, const std::vector<double>& limits) const {

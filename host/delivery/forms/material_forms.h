@@ -72,6 +72,11 @@ class FormMeter {
   FormError points(const NormalForm& form) const;
   /// As addLobes() of @multum/three draws them with 4 evaluations, beside textures of this form.
   FormError lobes(const LobeLevels& lobes, const NormalForm& form) const;
+  /// The same in colour, of lobes that have colours: all have their texel's, or each its own.
+  struct Coloured {
+    FormError mean, own;
+  };
+  Coloured coloured_lobes(const LobeLevels& lobes, const NormalForm& form) const;
 
  private:
   struct LookedLevel {  // values of all textures in one level
@@ -95,11 +100,19 @@ class FormMeter {
     std::vector<Looked> looked;  // at the middle, and at 2 x 2 points
   };
   Looked look(const SurfacePoint& point, const ModelPixel& pixel, double bias) const;
-  FormLight reference_of(const ModelPicture& picture, const ModelPixel& pixel) const;
+  // Base colours of a pixel, grey.
+  struct PixelColours {
+    double mean = 0.5;
+    std::vector<double> factors = {};  // of lobes; empty: 1
+  };
+  static PixelColours colours_of(const ModelPixel& pixel, const LobeLevels& lobes);
+  // `lobes`: has the colours; null: they are all one.
+  FormLight reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes) const;
   FormLight shade(const Measured& at, const SurfacePoint& point, const Looked& looked, const NormalForm& form,
-                  bool has_variance, double part) const;
-  FormLight point_light(const Measured& at, const NormalForm& form) const;
-  FormLight shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form) const;
+                  bool has_variance, double part, double colour) const;
+  FormLight point_light(const Measured& at, const NormalForm& form, double colour) const;
+  FormLight shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form,
+                        const PixelColours& colours) const;
   FormLight middle_light(const Measured& at, const NormalForm& form) const;
   static double contribution(const Measured& at, const FormLight& light);
   template <typename Shade>

@@ -63,7 +63,7 @@ nlohmann::ordered_json json_of_textures(const GltfReport::Textures& textures) {
     json["bytes"][name] = texture.byte_count;
     nlohmann::ordered_json& storage = json["storage"][name];
     storage = {{"format", texture.format}, {"points", 100.0 * texture.storage_error}};
-    if (texture.refused_error > 0.0) storage["uastc_points"] = 100.0 * texture.refused_error;
+    if (texture.refused_error > 0.0) storage[texture.refused_format + "_points"] = 100.0 * texture.refused_error;
     if (texture.fallback) storage["fallback_bytes"] = texture.fallback->byte_count;
   }
   return json;
@@ -94,7 +94,11 @@ class GltfConversion {
     folder_->clear();
     if (has_uastc() && !plan.sources.empty()) check_uastc_encoder(uastc());
     std::vector<PreparedSource> prepared;
-    for (const LobeSource& source : plan.sources) prepared.push_back(prepare_source(asset, source, fit_settings()));
+    for (std::size_t s = 0; s < plan.sources.size(); ++s) {
+      prepared.push_back(prepare_source(asset, plan.sources[s], fit_settings()));
+      if (job_.has_lobes && job_.form == GltfForm::kAuto && plan.colour_images[s])
+        add_colours(asset, *plan.colour_images[s], fit_settings(), prepared.back());
+    }
     lap("read");
     const std::vector<SourceTextures> textures = make_textures(asset, plan, prepared);
     report_materials(prepared, plan);
@@ -123,9 +127,9 @@ class GltfConversion {
   void lap(const char* stage) { report_.seconds.emplace_back(stage, stopwatch_.lap()); }
 
   UastcSettings uastc() const { return {"--format", folder_->path(), job_.encoder, job_.uastc_effort, job_.threads}; }
-  LobeTexels lobe_texels() const {
-    const bool is_plain = job_.format == GltfTextureFormat::kRgba8;
-    return job_.lobe_texels.value_or(is_plain ? LobeTexels::kRgba8 : LobeTexels::kBlocks);
+  std::optional<LobeTexels> lobe_texels() const {
+    if (job_.lobe_texels || job_.format != GltfTextureFormat::kRgba8) return job_.lobe_texels;
+    return LobeTexels::kRgba8;
   }
   SourceFitSettings fit_settings() const {
     return {.folder = folder_->path(),
@@ -144,7 +148,7 @@ class GltfConversion {
     int plain_count = 0, count = 0;
     for (const GltfReport::Textures& one : report_.textures)
       for (const auto& [name, texture] : one.storage)
-        if (name != "lobes") ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
+        if (!name.starts_with("lobe")) ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
     if (plain_count > 0)
       warn(
           fmt::format("{} of its {} new textures are KTX2 files of 8 bits a channel: outside of KHR_texture_basisu, by "
@@ -279,6 +283,8 @@ class GltfConversion {
       return made;
     }
     progress_stage(progress_, "lobes");
+    if (form.has_lobe_colours) made.lobe_colours = encode_source_colours(device_, baked, fit_settings(), progress_);
+    if (made.lobe_colours) report_.textures.back().storage["lobe_colours"] = *made.lobe_colours;
     made.lobes = encode_source_lobes(device_, baked, {lobe_texels(), surface}, fit_settings(), progress_);
     report_.textures.back().storage["lobes"] = *made.lobes;
     seconds_.lobes += stopwatch_.lap();
@@ -332,19 +338,25 @@ class GltfConversion {
 }  // namespace
 
 std::string GltfReport::Textures::storage_text() const {
-  static const std::map<std::string, const char*> names = {
-      {"normal", "normals"}, {"metallic_roughness", "roughness"}, {"anisotropy", "anisotropy"}, {"lobes", "lobes"}};
+  static const std::map<std::string, const char*> names = {{"normal", "normals"},
+                                                           {"metallic_roughness", "roughness"},
+                                                           {"anisotropy", "anisotropy"},
+                                                           {"lobes", "lobes"},
+                                                           {"lobe_colours", "colours of lobes"}};
   std::string text;
-  for (const char* name : {"normal", "metallic_roughness", "anisotropy", "lobes"}) {
+  for (const char* name : {"normal", "metallic_roughness", "anisotropy", "lobes", "lobe_colours"}) {
     const auto found = storage.find(name);
     if (found == storage.end()) continue;
     const EncodedTexture& one = found->second;
-    std::string format = one.format;
-    std::transform(format.begin(), format.end(), format.begin(),
-                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
-    text += fmt::format("{}{}: {} {:.2f} MB, +{:.1f} points", text.empty() ? "" : "; ", names.at(name), format,
-                        1e-6 * static_cast<double>(one.byte_count), 100.0 * one.storage_error);
-    if (one.refused_error > 0.0) text += fmt::format(" (UASTC +{:.1f})", 100.0 * one.refused_error);
+    const auto in_capitals = [](std::string format) {
+      std::transform(format.begin(), format.end(), format.begin(),
+                     [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+      return format;
+    };
+    text += fmt::format("{}{}: {} {:.2f} MB, +{:.1f} points", text.empty() ? "" : "; ", names.at(name),
+                        in_capitals(one.format), 1e-6 * static_cast<double>(one.byte_count), 100.0 * one.storage_error);
+    if (one.refused_error > 0.0)
+      text += fmt::format(" ({} +{:.1f})", in_capitals(one.refused_format), 100.0 * one.refused_error);
   }
   return text;
 }

@@ -114,14 +114,20 @@ class GltfRewriter {
   // The index of a source's lobes in the extension's array.
   std::size_t lobes_of(std::size_t source) {
     if (const auto found = lobes_.find(source); found != lobes_.end()) return found->second;
-    const std::size_t view = array("bufferViews").size();
-    array("bufferViews").push_back(GltfJson::object());
-    const EncodedTexture& texture = *sources_[source].lobes;
-    made_.contents.emplace(view, ViewContent{"", texture.file, texture.byte_count});
+    GltfJson lobes = viewed(*sources_[source].lobes);
+    if (sources_[source].lobe_colours) lobes["colours"] = viewed(*sources_[source].lobe_colours);
     GltfJson& all = made_.json["extensions"][kLobesExtension]["lobes"];
     if (!all.is_array()) all = GltfJson::array();
-    all.push_back({{"bufferView", view}, {"mimeType", texture.type}});
+    all.push_back(std::move(lobes));
     return lobes_[source] = all.size() - 1;
+  }
+
+  // A new buffer view that has the texture.
+  GltfJson viewed(const EncodedTexture& texture) {
+    const std::size_t view = array("bufferViews").size();
+    array("bufferViews").push_back(GltfJson::object());
+    made_.contents.emplace(view, ViewContent{"", texture.file, texture.byte_count});
+    return {{"bufferView", view}, {"mimeType", texture.type}};
   }
 
   // Roughness as the material has it, before it is fitted.

@@ -16,7 +16,7 @@ namespace multum {
 /// Of a LobeSource; what there is none of stays as it was.
 struct SourceTextures {
   std::optional<EncodedTexture> normal, surface, anisotropy;
-  std::optional<EncodedTexture> lobes;  // for MULTUM_lobes
+  std::optional<EncodedTexture> lobes, lobe_colours;  // for MULTUM_lobes
 };
 
 struct RewrittenGltf {

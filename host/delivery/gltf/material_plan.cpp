@@ -187,8 +187,27 @@ class Planner {
     note_factors(source, made);
     const auto same = std::find(plan_.sources.begin(), plan_.sources.end(), source);
     made.source = static_cast<std::size_t>(same - plan_.sources.begin());
-    if (same == plan_.sources.end()) plan_.sources.push_back(source);
+    const std::optional<std::size_t> colour = colour_image(surface, number, *normal);
+    if (made.source == plan_.sources.size()) {
+      plan_.sources.push_back(source);
+      plan_.colour_images.push_back(colour);
+    } else if (plan_.colour_images[made.source] != colour) {
+      plan_.colour_images[made.source].reset();
+    }
     return "";
+  }
+
+  // Of the base colour, where it lies over the texels of the normals. What is wrong with it is no reason to stop.
+  std::optional<std::size_t> colour_image(const GltfJson& surface, std::size_t number, const TextureUse& normal) const {
+    try {
+      const std::optional<TextureUse> colour = texture_at(surface, "baseColorTexture");
+      if (colour && colour->coordinates == normal.coordinates && colour->wrap == normal.wrap &&
+          !is_animated(number, "pbrMetallicRoughness/baseColorTexture"))
+        return colour->image;
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kInput) throw;
+    }
+    return std::nullopt;
   }
 
   bool carries_occlusion(const GltfJson& material, std::size_t number, const std::optional<TextureUse>& rough,

@@ -52,6 +52,8 @@ struct MaterialPlan {
 
 struct GltfPlan {
   std::vector<LobeSource> sources;
+  // By source: the base colour over the same texels, where all materials of the source have the same.
+  std::vector<std::optional<std::size_t>> colour_images;
   std::vector<MaterialPlan> materials;  // by index
 };
 

@@ -326,6 +326,19 @@ PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, 
   return made;
 }
 
+void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSettings& settings, PreparedSource& made) {
+  if (!made.kept.empty()) return;
+  try {
+    const std::string file = extracted(asset, image, settings.folder);
+    const RawImageInfo colours = ImageReader(file, reading_of(settings)).info();
+    const RawImageInfo normals = ImageReader(made.normal_file, reading_of(settings)).info();
+    if (colours.width == normals.width && colours.height == normals.height && colours.channel_count >= 3)
+      made.colour_file = file;
+  } catch (const Error& error) {
+    why_kept(asset, error);  // throws what is no fault of the image
+  }
+}
+
 std::string why_kept(const GltfAsset& asset, const Error& error) {
   if (error.code() != ErrorCode::kInput) throw error;
   const std::string message = error.what(), beginning = asset.path + ": ";

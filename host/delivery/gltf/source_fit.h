@@ -38,6 +38,7 @@ struct SourceFitSettings {
 struct PreparedSource {
   LobeSource source;
   std::string normal_file, surface_file;  // in the folder
+  std::string colour_file;                // of the normals' size; empty: none
   int width = 0, height = 0;              // of the textures
   std::string kept;                       // why it is not fitted; empty: it is
   bool is_bad = false;                    // that reason is a fault of an image
@@ -71,6 +72,9 @@ NormalMapSettings gltf_normal_reading(const LobeSource& source, const SourceFitS
 /// Writes the images into the folder and looks at their sizes; an image that cannot be read is a reason to keep the
 /// material. Throws Error(kEnvironment).
 PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings);
+
+/// Gives it the base colour, if that can be read and has the size of the normal map.
+void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSettings& settings, PreparedSource& made);
 
 /// What is wrong with an image as a reason to keep the material that has it: "image 2: found ...". Throws an error that
 /// is not kInput again.

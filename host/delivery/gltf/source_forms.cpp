@@ -38,6 +38,15 @@ double grey_of(const GltfJson& surface) {
   return std::clamp(grey, 0.02, 1.0);
 }
 
+// Which distance two forms differ most at.
+std::size_t most_different(const FormError& one, const FormError& other) {
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < one.by_distance.size(); ++i)
+    if (std::abs(one.by_distance[i] - other.by_distance[i]) > std::abs(one.by_distance[at] - other.by_distance[at]))
+      at = i;
+  return at;
+}
+
 }  // namespace
 
 struct SourceForms::Drawn {
@@ -111,20 +120,20 @@ SourceForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
   made.errors["points_4"] = meter.points(made.normals);
   made.errors["lobes_4"] = meter.lobes(lobes, made.normals);
   made.has_lobes = made.errors["lobes_4"].mean < made.errors["points_4"].mean - kFormGain;
+  if (!made.has_lobes || !lobes.has_colours()) return made;
+  const FormMeter::Coloured coloured = meter.coloured_lobes(lobes, made.normals);
+  made.errors["mean_colour_4"] = coloured.mean;
+  made.errors["lobe_colours_4"] = coloured.own;
+  made.has_lobe_colours = coloured.own.mean < coloured.mean.mean - kFormGain;
   return made;
 }
 
 std::string SourceForm::to_text() const {
   if (distances.empty()) return "nothing of it is seen";
-  // Where the forms differ most.
   const bool has_candidates = errors.contains("lobes_4");
   const FormError &before = errors.at(has_candidates ? "points_4" : "plain"),
                   &after = errors.at(has_candidates ? "lobes_4" : "one_lobe");
-  std::size_t at = 0;
-  for (std::size_t i = 1; i < distances.size(); ++i)
-    if (std::abs(before.by_distance[i] - after.by_distance[i]) >
-        std::abs(before.by_distance[at] - after.by_distance[at]))
-      at = i;
+  const std::size_t at = most_different(before, after);
   const auto percent = [&](const char* name) { return fmt::format("{:.1f} %", errors.at(name).by_distance[at]); };
   std::string text =
       fmt::format("at {:.3g} m plain {}, one lobe {}", distances[at], percent("plain"), percent("one_lobe"));
@@ -136,11 +145,18 @@ std::string SourceForm::to_text() const {
   else
     text += normals.has_fitted_normals() ? "fitted normals and roughness" : "its own normals stay, roughness is fitted";
   if (has_candidates) text += has_lobes ? ", with lobes" : ", without lobes";
+  if (has_lobe_colours && errors.contains("lobe_colours_4")) {
+    const FormError &own = errors.at("lobe_colours_4"), &mean = errors.at("mean_colour_4");
+    const std::size_t there = most_different(own, mean);
+    text += fmt::format(" that have colours (at {:.3g} m {:.1f} %, of one colour {:.1f} %)", distances[there],
+                        own.by_distance[there], mean.by_distance[there]);
+  }
   return text;
 }
 
 GltfJson SourceForm::to_json() const {
-  GltfJson made = {{"distances", distances}, {"on_sphere", is_on_sphere}, {"lobes", has_lobes}};
+  GltfJson made = {
+      {"distances", distances}, {"on_sphere", is_on_sphere}, {"lobes", has_lobes}, {"lobe_colours", has_lobe_colours}};
   for (const auto& [name, error] : errors) made["errors"][name] = error.by_distance;
   for (const LevelForm& level : normals.levels)
     made["levels"].push_back({{"fitted_normals", level.has_fitted_normals}, {"fitted_roughness", level.fitted_share}});

@@ -18,10 +18,11 @@ namespace multum {
 /// What is made of a source.
 struct SourceForm {
   NormalForm normals;
-  bool has_lobes = false;
+  bool has_lobes = false, has_lobe_colours = false;
   // Relative L1 errors in per cent, by distance; empty where none were drawn.
   std::vector<double> distances;
-  std::map<std::string, FormError> errors;  // "plain", "one_lobe", "chosen"; of 4 evaluations "points_4", "lobes_4"
+  std::map<std::string, FormError> errors;  // "plain", "one_lobe", "chosen"; of 4 evaluations "points_4", "lobes_4"; in
+                                            // colour "mean_colour_4", "lobe_colours_4"
   bool is_on_sphere = false;                // for want of a mesh that can be drawn
 
   /// "at 12 m plain 13.1 %, one lobe 12.9 %; with 4 evaluations points 11.0 %, lobes 10.9 %: lobes".

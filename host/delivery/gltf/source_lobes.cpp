@@ -6,9 +6,11 @@
 #include <filesystem>
 
 #include "host/bakes/bake/bake_file.h"
+#include "host/delivery/export/lobes/lobe_colours.h"
 #include "host/delivery/export/lobes/lobe_export.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/formats/asset/textures/lobe_texture.h"
+#include "host/foundation/base/error.h"
 #include "host/foundation/base/size_of.h"
 
 namespace multum {
@@ -44,25 +46,58 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
     bake.memory_bytes = resident_memory_of(settings.memory_bytes);
     bake.scratch_folder = settings.folder;
     bake.threads = settings.threads;
-    bake_file(bake, nullptr, device, &cancelling);
+    if (prepared.colour_file.empty()) {
+      bake_file(bake, nullptr, device, &cancelling);
+      return bake.output;
+    }
+    try {
+      bake.albedo = prepared.colour_file;
+      bake_file(bake, nullptr, device, &cancelling);
+    } catch (const Error& error) {
+      // A colour that cannot be read is no reason to leave lobes out.
+      if (error.code() != ErrorCode::kInput) throw;
+      bake.albedo.clear();
+      bake_file(bake, nullptr, device, &cancelling);
+    }
     return bake.output;
   });
+}
+
+std::optional<EncodedTexture> encode_source_colours(Device& device, const std::string& baked,
+                                                    const SourceFitSettings& settings, Progress* progress) {
+  if (!read_baked_header(baked).has_colours) return std::nullopt;
+  Progress cancelling = cancel_only(progress);
+  const LobeColourJob job{baked, baked + ".colours.ktx2", kLobeZstdLevel, settings.threads};
+  const std::uint64_t bytes = export_lobe_colours(job, device, &cancelling);
+  if (bytes == 0) return std::nullopt;
+  return EncodedTexture{job.output, "image/ktx2", bytes, "bc"};
 }
 
 EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceLobeSettings& how,
                                    const SourceFitSettings& settings, Progress* progress) {
   Progress cancelling = cancel_only(progress);
-  LobeExportJob lobes;
-  lobes.input = baked;
-  lobes.output = baked + ".ktx2";
-  lobes.texels = how.texels;
-  lobes.zstd_level = kLobeZstdLevel;
-  lobes.threads = settings.threads;
-  export_lobes(lobes, device, &cancelling);
-  EncodedTexture made{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output),
-                      choice_name(kLobeTexels, how.texels)};
-  made.storage_error = worst_error(read_movmf_mipmap(baked, settings.threads),
-                                   unpacked_mipmap(read_lobe_texture(lobes.output)), how.surface);
+  const MovmfMipmap exact = read_movmf_mipmap(baked, settings.threads);
+  const auto encoded = [&](LobeTexels texels) {
+    LobeExportJob lobes;
+    lobes.input = baked;
+    lobes.output = baked + ".ktx2";
+    lobes.texels = texels;
+    lobes.zstd_level = kLobeZstdLevel;
+    lobes.keeps_colours = true;
+    lobes.threads = settings.threads;
+    export_lobes(lobes, device, &cancelling);
+    EncodedTexture made{lobes.output, "image/ktx2", std::filesystem::file_size(lobes.output),
+                        choice_name(kLobeTexels, texels)};
+    made.storage_error = worst_error(exact, unpacked_mipmap(read_lobe_texture(lobes.output)), how.surface);
+    return made;
+  };
+  EncodedTexture made = encoded(how.texels.value_or(LobeTexels::kBlocks));
+  if (!how.texels && made.storage_error >= kStorageErrorMax) {
+    const double refused = made.storage_error;
+    made = encoded(LobeTexels::kRgba8);
+    made.refused_error = refused;
+    made.refused_format = choice_name(kLobeTexels, LobeTexels::kBlocks);
+  }
   std::error_code ignored;
   std::filesystem::remove(baked, ignored);
   return made;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "host/delivery/gltf/source_fit.h"
@@ -14,7 +15,7 @@
 namespace multum {
 
 struct SourceLobeSettings {
-  LobeTexels texels = LobeTexels::kBlocks;
+  std::optional<LobeTexels> texels;  // unset: blocks, or RGBA8 where blocks add kStorageErrorMax or more
   LobeSurface surface;  // under the lobes, for the error that storing them adds
 };
 
@@ -22,6 +23,10 @@ struct SourceLobeSettings {
 /// `number`. Cancels by `progress`, and counts nothing. Throws Error(kInput) naming the image, kEnvironment, Cancelled.
 std::string bake_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
                               std::size_t number, const SourceFitSettings& settings, Progress* progress);
+/// Colours of its lobes (host/delivery/export/lobes/lobe_colours.h); none where the file has none. Throws
+/// Error(kEnvironment), Cancelled.
+std::optional<EncodedTexture> encode_source_colours(Device& device, const std::string& baked,
+                                                    const SourceFitSettings& settings, Progress* progress);
 /// Of such a file, which it removes. Throws Error(kEnvironment), Cancelled.
 EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceLobeSettings& how,
                                    const SourceFitSettings& settings, Progress* progress);

@@ -25,11 +25,12 @@ struct EncodedTexture {
   std::uint64_t byte_count = 0;
   std::string format = {};     // "uastc", as choices and reports name it; of lobes "bc"
   double storage_error = 0.0;  // what the format adds to the error of the light, relative L1, of the worst level
-  double refused_error = 0.0;  // what UASTC would have added, where it was tried and is not taken
+  double refused_error = 0.0;  // what blocks would have added, where they were tried and are not taken
+  std::string refused_format = "uastc";
   std::optional<FallbackImage> fallback = {};
 };
 
-/// What UASTC may add before `auto` stores 8 bits a channel.
+/// What blocks may add before 8 bits a channel are stored, where the user did not ask for either.
 constexpr double kStorageErrorMax = 0.003;
 
 struct TextureEncoding {

@@ -56,6 +56,7 @@ constexpr IndexRule kIndexRules[] = {
     {"animations/*/channels/*/target/node", "nodes"},
     {"materials/*/extensions/MULTUM_lobes/lobes", "extensions/MULTUM_lobes/lobes"},
     {"extensions/MULTUM_lobes/lobes/*/bufferView", "bufferViews"},
+    {"extensions/MULTUM_lobes/lobes/*/colours/bufferView", "bufferViews"},
 };
 
 std::string_view next_word(std::string_view& place) {

@@ -53,7 +53,7 @@ std::vector<Parameter> gltf_rows() {
        .kind = Kind::kChoice,
        .help = "texels of lobes: bc, blocks of BC5, a quarter of the bytes of halfs; rgba8, half of them; rgba16f, "
                "half floats; only with --lobes",
-       .default_text = "rgba8 with --format rgba8, else bc",
+       .default_text = "rgba8 with --format rgba8, else bc where it adds less than 0.3 points",
        .choices = choice_names(kLobeTexels),
        .group = kStorageGroup,
        .surfaces = kOnCommandLine},

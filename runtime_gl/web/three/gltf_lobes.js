@@ -59,7 +59,19 @@ export class GltfLobes {
     const view = Array.isArray(all) ? all[index]?.bufferView : undefined;
     if (!Number.isInteger(view) || this.parser.json.bufferViews?.[view] === undefined)
       throw new Error(`${NAME}: found a material of lobes ${index}, expected the index of an object with a bufferView`);
-    return this.loader.parse(await this.parser.getDependency("bufferView", view), `${NAME}, lobes ${index}`);
+    const bytesOf = (number) => this.parser.getDependency("bufferView", number);
+    const lobes = await this.loader.parse(await bytesOf(view), `${NAME}, lobes ${index}`);
+    const { colours } = all[index], name = `${NAME}, colours of lobes ${index}`;
+    if (colours === undefined) return lobes;
+    try {
+      if (this.parser.json.bufferViews[colours?.bufferView] === undefined)
+        throw new Error(`${name}: found buffer view ${colours?.bufferView}, expected the index of one`);
+      await this.loader.parseColours(await bytesOf(colours.bufferView), lobes, name);
+    } catch (error) {
+      lobes.dispose();
+      throw error;
+    }
+    return lobes;
   }
 
   async dress(material, extension, lobes) {

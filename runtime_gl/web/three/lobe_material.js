@@ -104,11 +104,15 @@ export function addLobes(material, lobes,
     MULTUM_SPENT_LOBES: Math.min(lobeCount, evaluations),
     MULTUM_LOBE_LAYERS: lobes.layersPerLobe, MULTUM_FIRST_LEVEL: lobes.firstLevel,
     MULTUM_LOBE_POINTS: GRIDS[lobePoints(evaluations, lobeCount)], MULTUM_LOBES_FROM: LOBES_FROM[spend].toFixed(4),
-    MULTUM_WRAP_S: wrapCode(material.normalMap?.wrapS), MULTUM_WRAP_T: wrapCode(material.normalMap?.wrapT) });
+    MULTUM_WRAP_S: wrapCode(material.normalMap?.wrapS), MULTUM_WRAP_T: wrapCode(material.normalMap?.wrapT),
+    ...(lobes.colours && { MULTUM_COLOUR_LAYERS: lobes.colours.layersPerFour }) });
   change(material, lobes, (shader) => {
     checkMaterial(material);
     Object.assign(shader.uniforms, { u_lobe_layers: { value: lobes.texture }, u_level_bias: { value: levelBias },
       u_lobe_unpacking: { value: lobes.unpacking }, u_ggx_lobe_table: { value: lobes.ggxTable } });
+    if (lobes.colours)
+      Object.assign(shader.uniforms, { u_lobe_colours: { value: lobes.colours.texture },
+        u_lobe_colour_range: { value: lobes.colours.range } });
     shader.fragmentShader = fragmentWithLobes(shader.fragmentShader, defines(), ShaderChunk, REVISION);
   }, () => Object.values(defines()).join(" "));
 }

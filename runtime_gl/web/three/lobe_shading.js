@@ -61,6 +61,29 @@ vec4 multum_lobe;  // the evaluation's own, of amplitude 1
 bool multum_lobes_pay = false, multum_is_plain = false, multum_maps_are_read = false;
 vec4 multum_read_maps[MULTUM_MAP_COUNT];
 
+#ifdef MULTUM_COLOUR_LAYERS
+uniform sampler2DArray u_lobe_colours;  // lobes 4 k to 4 k + 3 in MULTUM_COLOUR_LAYERS layers
+uniform float u_lobe_colour_range;
+const float MULTUM_TINT_MAX = 4.0;  // times the colour of all: what a lobe of hardly any normals has is noise
+float multum_tints[MULTUM_LOBE_COUNT];  // what a lobe's amplitude times its colour's factor is more than its amplitude
+float multum_tint = 1.0;  // the factor of the evaluation's lobe
+
+void multum_add_tints(vec2 place, MultumFootprint on_lobes, float weight) {
+  MultumFootprint footprint =
+      multum_footprint_on(on_lobes, multum_lobe_map_size(), textureSize(u_lobe_colours, 0).xy);
+  for (int k = 0; 4 * k < MULTUM_LOBE_COUNT; ++k) {
+#if MULTUM_COLOUR_LAYERS == 2
+    vec4 shares = vec4(multum_filtered(u_lobe_colours, place, float(2 * k), footprint).xy,
+                       multum_filtered(u_lobe_colours, place, float(2 * k + 1), footprint).xy);
+#else
+    vec4 shares = multum_filtered(u_lobe_colours, place, float(k), footprint);
+#endif
+    for (int j = 4 * k; j < min(4 * k + 4, MULTUM_LOBE_COUNT); ++j)
+      multum_tints[j] += weight * u_lobe_colour_range * (2.0 * shares[j - 4 * k] - 1.0);
+  }
+}
+#endif
+
 vec4 multum_turned(mat3 frame, vec4 lobe) {
   // Tangents that are not at right angles turn a lobe, and leave it its width.
   vec3 turned = frame * lobe.xyz;
@@ -127,6 +150,9 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
   MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), textureSize(normalMap, 0));
   float map_share = multum_normal_map_share(footprint.level);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) multum_lobes[j] = vec4(0.0);
+#ifdef MULTUM_COLOUR_LAYERS
+  for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) multum_tints[j] = 0.0;
+#endif
   for (float i = 0.0; i < count; ++i) {
     vec2 shift = part * multum_point_place(i, grid);
     vec2 place = vNormalMapUv + shift.x * multum_along_x_vNormalMapUv + shift.y * multum_along_y_vNormalMapUv;
@@ -134,6 +160,9 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
     MultumSurface surface = multum_fetch_surface(place, footprint);
     for (int j = 0; j < MULTUM_LOBE_COUNT; ++j)
       multum_lobes[j] += (1.0 - map_share) * multum_turned(frame, surface.lobes[j]);
+#ifdef MULTUM_COLOUR_LAYERS
+    if (multum_lobes_pay) multum_add_tints(place, footprint, 1.0 - map_share);
+#endif
     if (map_share > 0.0) multum_lobes[0] += map_share * multum_turned(frame, multum_normal_map_part(place, on_map));
   }
 #if MULTUM_SPENT_LOBES < MULTUM_LOBE_COUNT
@@ -204,6 +233,10 @@ float multum_take_lobe(int evaluation, vec3 normal, float side) {
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += multum_lobes[j];
   multum_lobe = multum_lobes_pay ? multum_lobes[number] : sum;
   float weight = part.x * part.y * multum_lobe.w / max(sum.w, 1e-6);
+#ifdef MULTUM_COLOUR_LAYERS
+  float tint = 1.0 + multum_tints[number] / max(multum_lobe.w, 1e-6);
+  if (multum_lobes_pay) multum_tint = clamp(tint, 0.0, MULTUM_TINT_MAX);
+#endif
   multum_lobe = vec4(multum_lobe.xyz / max(multum_lobe.w, 1e-6), 1.0);
   // Three lobes need three of four evaluations.
   return multum_lobes_pay && evaluation >= points.x * points.y * MULTUM_SPENT_LOBES ? 0.0 : weight;
@@ -304,6 +337,9 @@ void RE_Direct_RectArea_Multum(const in RectAreaLight rectAreaLight, const in ve
 const NORMAL = `
 multum_weight = multum_take_lobe(multum_evaluation, normal, faceDirection);
 if (dot(multum_lobe.xyz, multum_lobe.xyz) > 1e-12) normal = normalize(multum_lobe.xyz);
+#ifdef MULTUM_COLOUR_LAYERS
+diffuseColor.rgb *= multum_tint;
+#endif
 `;
 
 // The change of the geometry's normals is in lobes.

@@ -55,30 +55,52 @@ export class LobeTexture {
     this.firstLevel = facts.firstLevel;
     this.unpacking = new Float32Array(facts.lobes.flatMap((one) => [...one.columns.flat(), ...one.offset]));
     this.ggxTable = sharedTable.take();
+    this.colours = null; // { texture, range, layersPerFour }: LobeLoader.parseColours()
   }
 
   /** Bytes on the GPU, without the table's 8 KB. */
-  get byteCount() { return this.texture.mipmaps.reduce((sum, { data }) => sum + data.byteLength, 0); }
+  get byteCount() {
+    const all = [...this.texture.mipmaps, ...(this.colours?.texture.mipmaps ?? [])];
+    return all.reduce((sum, { data }) => sum + data.byteLength, 0);
+  }
 
   /** Materials that have it must be disposed of before, or given others. */
   dispose() {
     if (this.ggxTable === null) return;
     this.texture.dispose();
+    this.colours?.texture.dispose();
     sharedTable.giveBack();
     this.ggxTable = null;
   }
 }
 
-function factsOf(container, refuse) {
-  const text = container.keyValue.multumLobes;
-  if (text === undefined) refuse("no key multumLobes", "a KTX2 file of multum export --lobes");
+/** The JSON of a key, of version 1. */
+function jsonOf(container, key, refuse) {
+  const text = container.keyValue[key];
+  if (text === undefined) refuse(`no key ${key}`, "a KTX2 file of multum export --lobes or multum gltf --lobes");
   let facts;
   try {
     facts = JSON.parse(typeof text === "string" ? text : new TextDecoder().decode(text).replace(/\0+$/, ""));
   } catch (error) {
-    refuse(`a key multumLobes that is not JSON (${error.message})`, "that of the export");
+    refuse(`a key ${key} that is not JSON (${error.message})`, "that of the export");
   }
-  if (facts?.version !== 1) refuse(`version ${facts?.version} of multumLobes`, "1: is this package older than multum?");
+  if (facts?.version !== 1) refuse(`version ${facts?.version} of ${key}`, "1: is this package older than multum?");
+  return facts;
+}
+
+function checkSides({ pixelWidth, pixelHeight, layerCount }, facts, refuse) {
+  const sides = [facts.mapWidth, facts.mapHeight];
+  if (!isWhole(facts.firstLevel, 1, 14) || !(facts.wrapS in WRAPPING) || !(facts.wrapT in WRAPPING))
+    refuse(`first level ${facts.firstLevel}, wrap modes ${facts.wrapS} and ${facts.wrapT}`, "those of the export");
+  if (!sides.every((side) => isWhole(side, 1, 2 * SIDE_MAX)) ||
+      pixelWidth !== levelSize(facts.mapWidth, facts.firstLevel) ||
+      pixelHeight !== levelSize(facts.mapHeight, facts.firstLevel))
+    refuse(`${pixelWidth} x ${pixelHeight} texels in ${layerCount} layers`,
+      `level ${facts.firstLevel} of a map of ${sides.join(" x ")}`);
+}
+
+function factsOf(container, refuse) {
+  const facts = jsonOf(container, "multumLobes", refuse);
   if (facts.meanCosine !== undefined)
     refuse("roughness in the lobes (meanCosine)", "lobes of normals alone, of a bake without --roughness");
   const isVector = (one) => Array.isArray(one) && one.length === 4 && one.every(Number.isFinite);
@@ -86,17 +108,26 @@ function factsOf(container, refuse) {
     isVector(one.offset);
   if (!Array.isArray(facts.lobes) || !isWhole(facts.lobes.length, 1, LOBES_MAX) || !facts.lobes.every(isLobe))
     refuse("lobes without their four columns and an offset", `1 to ${LOBES_MAX} with them`);
-  if (!isWhole(facts.firstLevel, 1, 14) || !(facts.wrapS in WRAPPING) || !(facts.wrapT in WRAPPING))
-    refuse(`first level ${facts.firstLevel}, wrap modes ${facts.wrapS} and ${facts.wrapT}`, "those of the export");
+  checkSides(container, facts, refuse);
   const { pixelWidth, pixelHeight, layerCount, vkFormat } = container;
   const found = `${pixelWidth} x ${pixelHeight} texels in ${layerCount} layers`;
-  const sides = [facts.mapWidth, facts.mapHeight];
-  if (!sides.every((side) => isWhole(side, 1, 2 * SIDE_MAX)) ||
-      pixelWidth !== levelSize(facts.mapWidth, facts.firstLevel) ||
-      pixelHeight !== levelSize(facts.mapHeight, facts.firstLevel))
-    refuse(found, `level ${facts.firstLevel} of a map of ${sides.join(" x ")}`);
   const layers = (vkFormat === VK_FORMAT_BC5_UNORM_BLOCK ? 2 : 1) * facts.lobes.length;
   if (layerCount !== layers) refuse(found, `${layers} layers for ${facts.lobes.length} lobes`);
+  return facts;
+}
+
+/** Of colours, which go with `lobes`. */
+function colourFactsOf(container, lobes, refuse) {
+  const facts = jsonOf(container, "multumLobeColours", refuse);
+  checkSides(container, facts, refuse);
+  const own = lobes.facts, count = lobes.lobeCount, { vkFormat, layerCount } = container;
+  if (facts.lobes !== count || facts.mapWidth !== own.mapWidth || facts.mapHeight !== own.mapHeight ||
+      facts.wrapS !== own.wrapS || facts.wrapT !== own.wrapT)
+    refuse(`colours of ${facts.lobes} lobes of a map of ${facts.mapWidth} x ${facts.mapHeight}`,
+      `of ${count} of ${own.mapWidth} x ${own.mapHeight}, as the lobes have`);
+  if (vkFormat !== VK_FORMAT_BC5_UNORM_BLOCK || layerCount !== 2 * Math.ceil(count / 4))
+    refuse(`VkFormat ${vkFormat} in ${layerCount} layers`, `141 (BC5) in ${2 * Math.ceil(count / 4)}`);
+  if (!(facts.range > 0 && Number.isFinite(facts.range))) refuse(`a range of ${facts.range}`, "a number above 0");
   return facts;
 }
 
@@ -183,6 +214,18 @@ export class LobeLoader extends Loader {
 
   /** Of a file's bytes, `name` for what is said of it. Rejects with an Error: what was found, what was expected. */
   async parse(buffer, name = "lobe texture") {
+    const { texture, facts, isBlocks } = await this.textureAndFacts(buffer, name, factsOf);
+    return new LobeTexture(texture, facts, isBlocks ? 2 : 1);
+  }
+
+  /** Gives `lobes` their colours, of a file's bytes; before addLobes(). Rejects as parse() does. */
+  async parseColours(buffer, lobes, name = "colours of lobes") {
+    const { texture, facts, isBlocks } = await this.textureAndFacts(buffer, name, (container, refuse) =>
+      colourFactsOf(container, lobes, refuse));
+    lobes.colours = { texture, range: facts.range, layersPerFour: isBlocks ? 2 : 1 };
+  }
+
+  async textureAndFacts(buffer, name, factsFrom) {
     const refuse = (found, expected) => { throw new Error(`${name}: found ${found}, expected ${expected}`); };
     // Readers of KTX2 trust that an array's buffer ends with it.
     const bytes = ArrayBuffer.isView(buffer) ? new Uint8Array(buffer).slice() : new Uint8Array(buffer);
@@ -193,12 +236,15 @@ export class LobeLoader extends Loader {
       refuse(`a file that cannot be read (${error.message})`, "a whole KTX2 file of multum export --lobes");
     }
     checkShape(container, refuse);
-    const facts = factsOf(container, refuse);
+    const facts = factsFrom(container, refuse);
     const levels = await levelsOf(container, refuse).catch((error) => {
       if (error.message.startsWith(name)) throw error;
       refuse(`levels that cannot be decompressed (${error.message})`, "them as the export wrote them");
     });
-    const isBc5 = container.vkFormat === VK_FORMAT_BC5_UNORM_BLOCK, decodes = isBc5 && !this.hasBlocks;
-    return new LobeTexture(textureOf(levels, container, facts, decodes), facts, isBc5 && !decodes ? 2 : 1);
+    const isBc5 = container.vkFormat === VK_FORMAT_BC5_UNORM_BLOCK;
+    // WebGL has no blocks of textures whose sides are no multiples of theirs.
+    const isWholeBlocks = container.pixelWidth % 4 === 0 && container.pixelHeight % 4 === 0;
+    const decodes = isBc5 && !(this.hasBlocks && isWholeBlocks);
+    return { texture: textureOf(levels, container, facts, decodes), facts, isBlocks: isBc5 && !decodes };
   }
 }

@@ -7,8 +7,10 @@ gltf-validator, three.js and @multum/three make of it.
 """
 import copy
 import json
+import math
 import os
 import pathlib
+import random
 import shutil
 import struct
 import subprocess
@@ -18,7 +20,7 @@ import unittest
 from folder_case import FolderCase
 from gltf_readers_test import MODULES, ridges
 from gltf_test import CLAMP, LINEAR, MIPMAPPED, REPEAT, packed, plain_model
-from model_writing import Glb, Model, bumps, png
+from model_writing import Glb, Model, bumps, code, png
 
 MULTUM = ""
 USAGE = 2
@@ -27,15 +29,15 @@ BC5, RGBA8, RGBA16F, ZSTANDARD = 141, 37, 97, 2
 NAME = "MULTUM_lobes"
 
 
-def key_of(data):
-    """The form of a KTX2 file, its layers, and the JSON of its key multumLobes."""
+def key_of(data, key=b"multumLobes"):
+    """The form of a KTX2 file, its layers, and the JSON of its key."""
     assert data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
     form, _, _, _, _, layers, _, _, scheme = struct.unpack("<9I", data[12:48])
     at, length = struct.unpack("<2I", data[56:64])
     text = data[at:at + length]
-    begin = text.index(b"multumLobes\0") + len(b"multumLobes\0")
-    size, = struct.unpack("<I", text[begin - 16:begin - 12])
-    return form, layers, scheme, json.loads(text[begin:begin + size - 12].rstrip(b"\0"))
+    begin = text.index(key + b"\0") + len(key) + 1
+    size, = struct.unpack("<I", text[begin - len(key) - 5:begin - len(key) - 1])
+    return form, layers, scheme, json.loads(text[begin:begin + size - len(key) - 1].rstrip(b"\0"))
 
 
 class GltfLobesTest(FolderCase):
@@ -94,7 +96,7 @@ class GltfLobesTest(FolderCase):
 
     def test_texels_of_lobes_are_those_of_the_format_or_as_asked_for(self):
         points = {}
-        for form, arguments, expected in (("rgba8", (), (RGBA8, 4)), ("png", (), (BC5, 8)),
+        for form, arguments, expected in (("rgba8", (), (RGBA8, 4)), ("png", ("--lobe-texels", "bc"), (BC5, 8)),
                                           ("rgba8", ("--lobe-texels", "bc"), (BC5, 8)),
                                           ("png", ("--lobe-texels", "rgba16f"), (RGBA16F, 4))):
             after, report = self.convert(plain_model(normal=bumps(64, 64)), "--lobes", *arguments, form=form)
@@ -105,6 +107,13 @@ class GltfLobesTest(FolderCase):
         # What storing adds to a picture's error.
         self.assertLess(points["rgba8"], 0.5 * points["bc"])
         self.assertLess(points["rgba16f"], 0.1 * points["bc"])
+        # Nobody asked: blocks, but not where they show.
+        for steepness, expected, texels in ((0.1, "bc", BC5), (0.6, "rgba8", RGBA8)):
+            after, report = self.convert(plain_model(normal=bumps(64, 64, steepness)), "--lobes", form="png")
+            storage = report["textures"][0]["storage"]["lobes"]
+            self.assertEqual((storage["format"], key_of(self.lobes_of(after, 0))[0]), (expected, texels), steepness)
+            self.assertLess(storage["points"], 0.3)
+            self.assertEqual(storage.get("bc_points", 0.0) >= 0.3, expected == "rgba8", storage)
         self.write_model(plain_model())
         run = self.run_gltf("in.glb", "none.glb", "--lobe-texels", "bc")
         self.assertEqual(run.returncode, USAGE)
@@ -134,6 +143,88 @@ class GltfLobesTest(FolderCase):
         self.assertEqual(len(report["textures"]), 2)
         self.assertEqual(key_of(self.lobes_of(after, 1))[3]["wrapT"], "clamp")
         self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map; roughness is not in it
+
+    def coloured(self, *colours):
+        """The file after, its first lobes and the report, of steep facets, a material for each of `colours`: facets
+        that look right are bright ("with"), any are ("against"), or the colours have another size ("small")."""
+        side, rng = 64, random.Random(5)
+        slopes = [[(rng.gauss(0, 0.6), rng.gauss(0, 0.6)) for _ in range(side)] for _ in range(side)]
+        chance = [[rng.random() < 0.5 for _ in range(side)] for _ in range(side)]
+
+        def normal_of(x, y):
+            a, b = slopes[y][x]
+            length = math.sqrt(a * a + b * b + 1)
+            return code(a / length), code(b / length), code(1 / length)
+
+        def shade(is_bright):
+            return (230, 210, 190) if is_bright else (40, 30, 30)
+
+        images = {"with": png(side, side, lambda x, y: shade(slopes[y][x][0] > 0)),
+                  "against": png(side, side, lambda x, y: shade(chance[y][x])),
+                  "small": png(side // 2, side // 2, lambda x, y: shade(slopes[2 * y][2 * x][0] > 0))}
+        model = Model()
+        model.square(repeats=8.0)
+        sampler = model.sampler(magFilter=LINEAR, minFilter=MIPMAPPED, wrapS=REPEAT, wrapT=REPEAT)
+        normal = model.texture(model.image(png(side, side, normal_of)), sampler=sampler)
+        for name in colours:
+            texture = model.texture(model.image(images[name]), sampler=sampler)
+            model.material(normalTexture={"index": normal},
+                           pbrMetallicRoughness={"baseColorTexture": {"index": texture}, "metallicFactor": 0.0,
+                                                 "roughnessFactor": 0.4})
+        self.write_model(model)
+        run = subprocess.run([MULTUM, "gltf", self.path("in.glb"), "-o", self.path("out.glb"), "--lobes", "--format",
+                              "png", "--report", self.path("report.json")], capture_output=True, text=True,
+                             check=False, timeout=300)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertNotIn("has colours, which", run.stderr)
+        after, report = Glb(self.read("out.glb")), json.loads(self.read("report.json"))
+        return after, after.json["extensions"][NAME]["lobes"][0], report
+
+    def test_lobes_have_colours_where_these_go_with_normals(self):
+        after, lobes, report = self.coloured("with")
+        self.assertEqual(lobes["colours"]["mimeType"], "image/ktx2")
+        data = after.view(lobes["colours"]["bufferView"])
+        form, layers, scheme, key = key_of(data, b"multumLobeColours")
+        self.assertEqual((form, layers, scheme), (BC5, 2, ZSTANDARD))
+        self.assertEqual((key["version"], key["mapWidth"], key["mapHeight"], key["firstLevel"], key["lobes"]),
+                         (1, 64, 64, 2, 4))
+        self.assertEqual((key["wrapS"], key["wrapT"]), ("periodic", "periodic"))
+        self.assertTrue(0.1 < key["range"] <= 1.0, key)
+        self.assertEqual(report["textures"][0]["bytes"]["lobe_colours"], len(data))
+        form, = report["forms"]
+        self.assertTrue(form["lobe_colours"])
+        own, mean = (form["errors"][name][-1] for name in ("lobe_colours_4", "mean_colour_4"))
+        self.assertLess(own, 0.9 * mean)
+        # Again, from the file that has them: nothing is lost.
+        self.assertEqual(self.run_gltf("out.glb", "again.glb", "--lobes").returncode, 0)
+        again = Glb(self.read("again.glb"))
+        self.assertEqual(again.view(again.json["extensions"][NAME]["lobes"][0]["colours"]["bufferView"]), data)
+
+    @unittest.skipUnless(shutil.which("node") and (MODULES / "three").is_dir(),
+                         "no npm packages: tools/install_dependencies test")
+    def test_colours_of_lobes_are_drawn(self):
+        """A reader that does not know them has the higher error."""
+        self.coloured("with")
+        known = self.read("out.glb")
+        self.assertEqual(known.count(b'"colours"'), 1)
+        with open(self.path("unknown.glb"), "wb") as file:
+            file.write(known.replace(b'"colours"', b'"unknown"'))
+        models = [{"file": "in.glb"}, {"file": "out.glb", "lobes": True}, {"file": "unknown.glb", "lobes": True}]
+        view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,
+                "light": [1, 0.6, 1.5], "intensity": 3, "room": 0.3, "crop": [0, 0, 64, 64], "zoom": 4,
+                "name": "colours", "eye": [1.5, 1, 5]}
+        drawn = self.drawn({"models": models, "views": [view]})
+        plain, own, mean = drawn["views"]["colours"]["models"]
+        print(json.dumps([plain, own, mean]))
+        self.assertEqual([plain["lobed"], own["lobed"], mean["lobed"]], [0, 1, 1])
+        self.assertLess(own["error"], 0.7 * mean["error"])
+        self.assertLess(own["error"], plain["error"])
+
+    def test_lobes_have_no_colours_where_these_do_not(self):
+        for colours in (("against",), ("small",), ("with", "against")):
+            _, lobes, report = self.coloured(*colours)
+            self.assertNotIn("colours", lobes, colours)
+            self.assertNotIn("lobe_colours", report["textures"][0]["bytes"], colours)
 
     def test_models_that_have_lobes_stay(self):
         self.convert(plain_model(), "--lobes", output="first.glb")
@@ -184,16 +275,8 @@ class GltfLobesTest(FolderCase):
         self.assertEqual((read["errors"], read["warnings"]), (0, 0), read)
         self.draw()
 
-    def draw(self):
-        """Far away lobes are nearer to many samples a pixel than one lobe is, and both than plain mips."""
-        run = self.run_gltf("in.glb", "mips.glb", "--lobes")
-        self.assertEqual(run.returncode, 0, run.stderr)
-        view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,
-                "light": [1, 0.6, 1.5], "intensity": 3, "room": 0, "crop": [0, 0, 64, 64], "zoom": 4}
-        eye = [0.3, 0.2, 1]
-        plan = {"models": [{"file": "in.glb"}, {"file": "mips.glb"}, {"file": "mips.glb", "lobes": True}],
-                "views": [{**view, "name": name, "eye": [at * far for at in eye]}
-                          for name, far in (("near", 0.14), ("far", 5.2))]}
+    def drawn(self, plan):
+        """What model_pictures.mjs says of a plan's pictures."""
         with open(self.path("plan.json"), "w", encoding="utf-8") as file:
             json.dump(plan, file)
         subprocess.run([MULTUM, "shaders", "-o", self.path("shaders"), "--quiet"], check=True)
@@ -205,9 +288,22 @@ class GltfLobesTest(FolderCase):
         if run.returncode == 77:
             self.skipTest(run.stdout)
         self.assertEqual(run.returncode, 0, run.stderr)
-        drawn = json.loads(run.stdout)
+        found = json.loads(run.stdout)
+        self.assertEqual(found["complaints"], [])
+        return found
+
+    def draw(self):
+        """Far away lobes are nearer to many samples a pixel than one lobe is, and both than plain mips."""
+        run = self.run_gltf("in.glb", "mips.glb", "--lobes")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,
+                "light": [1, 0.6, 1.5], "intensity": 3, "room": 0, "crop": [0, 0, 64, 64], "zoom": 4}
+        eye = [0.3, 0.2, 1]
+        plan = {"models": [{"file": "in.glb"}, {"file": "mips.glb"}, {"file": "mips.glb", "lobes": True}],
+                "views": [{**view, "name": name, "eye": [at * far for at in eye]}
+                          for name, far in (("near", 0.14), ("far", 5.2))]}
+        drawn = self.drawn(plan)
         print(json.dumps(drawn["views"]))
-        self.assertEqual(drawn["complaints"], [])
         near, far = (drawn["views"][name]["models"] for name in ("near", "far"))
         self.assertEqual([one["lobed"] for one in far], [0, 0, 1])
         for one in near[1:]:

@@ -39,7 +39,7 @@ MovmfMipmap read_lobes(const LobeExportJob& job) {
     refuse("no vMF lobes", "a file of multum bake without --ndf: --lobes stores lobes alone");
   if (header.level_count() < 2) refuse("a map of one texel", "one with levels beyond the finest");
   if (header.weight_count > 0) refuse("weights of basis BRDFs", "none: the texture has no place for them");
-  if (header.has_colours)
+  if (header.has_colours && !job.keeps_colours)
     log_warning(job.input, "has colours, which --lobes leaves out: a renderer takes them from the albedo map");
   return read_movmf_mipmap(job.input, job.threads);
 }

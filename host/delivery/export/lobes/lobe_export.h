@@ -18,7 +18,8 @@ struct LobeExportJob {
   std::string output;  // NAME.ktx2
   std::string report;  // JSON; empty: none
   LobeTexels texels = LobeTexels::kBlocks;
-  int zstd_level = 0;  // 1..kZstdLevelMax; 0: not supercompressed
+  int zstd_level = 0;          // 1..kZstdLevelMax; 0: not supercompressed
+  bool keeps_colours = false;  // its user has them elsewhere; else a file with colours is warned of
   int threads = 1;
 };
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Colours of lobes (Han et al. 2007, section 7.3) as GPUs take them. Where bricks are red and mortar is grey, or dents
+// are dark, colour goes with the normal. Of a lobe its tint is stored: the luminance of its colour over that of the
+// texel, times its amplitude a, less a. Tints of a texel add up to 0, and are small and smooth: at half of the lobes'
+// sides, 4 bits per texel and lobe lose next to nothing (docs/GLTF.md, "Colours of lobes").
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/formats/asset/lobes/movmf_mipmap.h"
+#include "host/formats/opencl/device.h"
+#include "host/foundation/base/progress.h"
+
+namespace multum {
+
+constexpr char kLobeColourKey[] = "multumLobeColours";  // in the key/value data
+constexpr int kLobeColourVersion = 1;
+constexpr int kLobeColourFirstLevel = 2;  // of the map: level 0 of the texture
+
+/// Of a level with colours, [lobe][y * width + x].
+std::vector<std::vector<float>> lobe_tints(const MovmfLevel& level);
+
+struct LobeColourJob {
+  std::string input;   // *.ndf.exr of vMF lobes with colours
+  std::string output;  // NAME.ktx2: BC5, lobes 2 k and 2 k + 1 in red and green of layer k, an even number of layers
+  int zstd_level = 0;
+  int threads = 1;
+};
+
+/// Returns the file's bytes; 0, and no file, where the map has no such level. Holds the lobes in memory. Throws Error,
+/// Cancelled; leaves no partial file.
+std::uint64_t export_lobe_colours(const LobeColourJob& job, Device& device, Progress* progress);
+
+}  // namespace multum
