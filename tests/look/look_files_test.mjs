@@ -18,7 +18,7 @@ const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240,
 mkdirSync(screenshots, { recursive: true });
 // Of 255: the page of multum look has lobes in BC5 and normals in 8 bits, the decoded file halfs and full normals.
 const CLOSE = 8;
-const MEAN_MOST = 3, CLOSE_LEAST = 0.92; // lobes in BC5 keep their sums, at the price of each lobe's own width
+const MEAN_MOST = 2.5, CLOSE_LEAST = 0.95;
 const SAME_MOST = 0.5; // beside lobes that are halfs there too
 const bake = (name, ...words) => run("multum", "bake", "map_normal.png", "-o", name, "--no-measure", "-q", ...words);
 const bytesOf = (name) => readFileSync(inFolder(name));

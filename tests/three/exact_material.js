@@ -14,7 +14,9 @@ export function shiftOfGrid(number) {
 const PLACES = `
 uniform vec2 multum_grid_shift;
 void multum_decide() {}
-vec4 multum_map(sampler2D map, vec2 st, vec2 along_x, vec2 along_y) { return texture2D(map, st, MULTUM_MAP_BIAS); }
+vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
+  return texture2D(map, st, MULTUM_MAP_BIAS);
+}
 vec2 multum_shift(int evaluation) {
   vec2 place = vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5 + multum_grid_shift;
   return place / vec2(MULTUM_POINTS) - 0.5;

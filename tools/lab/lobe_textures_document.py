@@ -42,9 +42,10 @@ multum-view's picture of an oblique plane, 320 x 240, Blinn-Phong, against its r
 drawn by llvmpipe, which filters 8 bits and blocks through 8 bits. Medians over the maps; in brackets, the worst map's
 error over that of the same lobes as they were baked. *Bytes*: the texture over all levels of the map in BC5 and BC4;
 the normal map's level 0 in BC5, which a renderer has anyhow, would add a half. *Fetches*: a tap, without the normal
-map's. Every row evaluates the material as often per pixel as it says lobes: averaged normals and LEAN at as many
-points, rounded up to a power of two, from floats. LEAN has the lower error in this near view: finer than level 1
-these files have one mean normal, and LEAN its moments. Files that store level 0 have the lower error (README.md).
+map's. Every row evaluates the material as often per pixel as it says lobes, rounded up to a power of two: lobes by
+`multum-view --evaluations`, which takes points where the normal map alone is seen, averaged normals and LEAN at as many
+points, from floats. LEAN has the lower error in this near view: finer than level 1 these files have one mean normal, and
+LEAN its moments. Files that store level 0 have the lower error (README.md).
 """
 
 
@@ -52,11 +53,17 @@ def run(*arguments):
     subprocess.run([str(one) for one in arguments], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def errors_of(view, file, source, exponent, folder, rivals):
+def evaluations_of(count):
+    """Per pixel, of a file of so many lobes."""
+    return 2 ** (count - 1).bit_length()
+
+
+def errors_of(view, file, source, count, exponent, folder, rivals):
     """Errors of the file's picture, "multum", and of rivals."""
     report = folder / "report.json"
-    run(view, file, "--source", source, *SCENE, "--compare", ",".join(["reference", *rivals]), "--brdf",
-        f"blinn-phong:{exponent}", "-o", folder / "picture.png", "--report", report)
+    run(view, file, "--source", source, *SCENE, "--evaluations", evaluations_of(count), "--compare",
+        ",".join(["reference", *rivals]), "--brdf", f"blinn-phong:{exponent}", "-o", folder / "picture.png", "--report",
+        report)
     return {one["name"]: one["relative_l1"] for one in json.loads(report.read_text())["pictures"]
             if one["name"] != "reference"}
 
@@ -80,7 +87,7 @@ def measure(programs, maps, folder):
             for texels, file in files.items():
                 rivals = [name for name, _ in RIVALS] if texels == "" else []
                 for exponent in EXPONENTS:
-                    found = errors_of(view, file, source, exponent, folder, rivals)
+                    found = errors_of(view, file, source, count, exponent, folder, rivals)
                     for name, error in found.items():
                         key = texels if name == "multum" else name
                         errors.setdefault((count, key, exponent), []).append(error)
@@ -101,7 +108,7 @@ def table(errors, ratios):
             lines.append(f"| {count} | {name} | {ratio:.2f} | {count * layers} | " + " | ".join(cells) + " |")
         for rival, words in RIVALS:
             cells = [f"{100 * statistics.median(errors[count, rival, exponent]):.1f} %" for exponent in EXPONENTS]
-            lines.append(f"| {count} | none: {words} at {2**(count - 1).bit_length()} points | | | " +
+            lines.append(f"| {count} | none: {words} at {evaluations_of(count)} points | | | " +
                          " | ".join(cells) + " |")
     return "\n".join(lines)
 

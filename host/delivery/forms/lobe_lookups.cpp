@@ -8,12 +8,6 @@
 #include "host/formats/asset/lobes/movmf_reader.h"
 
 namespace multum {
-namespace {
-
-constexpr int kLobeTaps = 2;                  // addLobes()'s default
-const double kTapOverlap = std::exp2(-0.75);  // MULTUM_TAP_OVERLAP
-
-}  // namespace
 
 LobeLevels::LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max) {
   MovmfReader reader(path);
@@ -39,29 +33,29 @@ glm::dvec4 LobeLevels::Layer::texel(int level, int x, int y) const {
   return glm::dvec4(at.lobes[lobe][size_of(y) * size_of(at.width) + size_of(x)]);
 }
 
-LobeLevels::Footprint LobeLevels::footprint(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const {
+double LobeLevels::level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const {
   const glm::dvec2 size(frame_.width, frame_.height);
-  const double length_x = glm::length(along_x * size), length_y = glm::length(along_y * size);
-  const double longer = std::max({length_x, length_y, 1e-15}), shorter = std::min(length_x, length_y);
-  Footprint made;
-  made.tap_count = longer / std::max(shorter, 1e-20) > 1.0 + 1e-3 ? kLobeTaps : 1;
-  const double width = made.tap_count == 1 ? longer : std::max(shorter, longer / made.tap_count * kTapOverlap);
-  made.tap_step = (length_x > length_y ? along_x : along_y) / static_cast<double>(made.tap_count);
-  made.level = std::log2(std::max(width, 1e-15)) + bias;
-  made.longer_level = made.tap_count == 1 ? made.level : std::log2(longer) + bias;
-  return made;
+  return std::log2(std::max({glm::length(along_x * size), glm::length(along_y * size), 1e-15})) + bias;
 }
 
-std::vector<glm::dvec4> LobeLevels::at(const glm::dvec2& place, const Footprint& footprint) const {
+glm::ivec2 LobeLevels::grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const {
+  const glm::dvec2 size(frame_.width, frame_.height);
+  const double length_x = glm::length(along_x * size), length_y = glm::length(along_y * size);
+  const double ratio = std::max(length_x, length_y) / std::max(std::min(length_x, length_y), 1e-20);
+  const double most = std::floor(0.5 * std::log2(count) + 1e-3);
+  const double octaves = std::clamp(std::ceil(0.5 * std::log2(count / (2.0 * ratio)) - 1e-3), 0.0, most);
+  const int across = 1 << static_cast<int>(octaves), along = count / across;
+  return length_x > length_y ? glm::ivec2(along, across) : glm::ivec2(across, along);
+}
+
+std::vector<glm::dvec4> LobeLevels::at(const glm::dvec2& place, double level) const {
   PixelTaps taps;
   const int last = frame_.level_count - 1;
-  const double lod =
-      std::clamp(footprint.level, static_cast<double>(std::min(finest_held_, last)), static_cast<double>(last));
+  const double lod = std::clamp(level, static_cast<double>(std::min(finest_held_, last)), static_cast<double>(last));
   taps.levels[0] = static_cast<int>(lod);
   taps.levels[1] = std::min(taps.levels[0] + 1, last);
   taps.coarser_share = lod - taps.levels[0];
-  for (int i = 0; i < footprint.tap_count; ++i)
-    taps.places.push_back(place + (i - 0.5 * (footprint.tap_count - 1)) * footprint.tap_step);
+  taps.places.push_back(place);
   std::vector<glm::dvec4> lobes;
   for (int lobe = 0; lobe < count_; ++lobe) lobes.push_back(taps.mean(Layer{*this, size_of(lobe)}));
   return lobes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobes of a baked file as @multum/three reads them (lobe_shading.js, runtime_gl/shaders/common/texture_filter.glsl):
-// two taps along the longer axis, in double.
+// Lobes of a baked file as @multum/three reads them (lobe_shading.js, runtime_gl/shaders/common/texture_filter.glsl),
+// in double.
 #pragma once
 
 #include <cstdint>
@@ -25,16 +25,13 @@ class LobeLevels {
   const TextureFrame& frame() const { return frame_; }
   int finest_held() const { return finest_held_; }
 
-  /// What one tap or two of one lobe are the mean of.
-  struct Footprint {
-    glm::dvec2 tap_step{0.0};
-    int tap_count = 1;
-    double level = 0.0, longer_level = 0.0;  // before they are clamped
-  };
-  /// `along_x`, `along_y`: of the place, from one end of the footprint to the other.
-  Footprint footprint(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const;
+  /// What addLobes() reads a place of a pixel at, before it is clamped. `along_x`, `along_y`: of the place, from one
+  /// end of its part of the pixel to the other.
+  double level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const;
+  /// Columns and rows of `count` places of a pixel, a power of two, as multum_point_grid() has them.
+  glm::ivec2 grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const;
   /// All lobes, (a r, a).
-  std::vector<glm::dvec4> at(const glm::dvec2& place, const Footprint& footprint) const;
+  std::vector<glm::dvec4> at(const glm::dvec2& place, double level) const;
 
  private:
   struct Layer {

@@ -208,34 +208,28 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
   const ModelPixel& pixel = *at.pixel;
   const auto count = size_of(lobes.count());
   // Lobes of a part of the pixel, in world space, the map's share in the first.
-  const auto add_lobes = [&](double x, double y, double part, std::vector<glm::dvec4>& sums) {
-    const auto footprint = lobes.footprint(part * pixel.along_x.place, part * pixel.along_y.place, kLobeBias);
-    const SurfacePoint point = moved(pixel, x, y);
-    const double map_share = std::clamp(-footprint.level, 0.0, 1.0);
+  const auto add_lobes = [&](int number, const glm::ivec2& grid, std::vector<glm::dvec4>& sums) {
+    const double level = lobes.level_of(pixel.along_x.place / static_cast<double>(grid.x),
+                                        pixel.along_y.place / static_cast<double>(grid.y), kLobeBias);
+    const SurfacePoint point = moved(pixel, part_place(number % grid.x, grid.x), part_place(number / grid.x, grid.y));
+    const double map_share = std::clamp(-level, 0.0, 1.0);
     if (map_share < 1.0) {
-      const std::vector<glm::dvec4> read = lobes.at(point.place, footprint);
+      const std::vector<glm::dvec4> read = lobes.at(point.place, level);
       for (std::size_t j = 0; j < count; ++j) sums[j] += (1.0 - map_share) * turned_lobe(point, read[j]);
     }
     if (map_share == 0.0) return;
-    glm::dvec3 mean(0.0);
-    for (int tap = 0; tap < footprint.tap_count; ++tap) {
-      const glm::dvec2 place = point.place + (tap - 0.5 * (footprint.tap_count - 1)) * footprint.tap_step;
-      mean += 2.0 * glm::dvec3(linear_lookup(*textures_.normals, 0, place)) - 1.0;
-    }
-    mean /= footprint.tap_count;
+    const glm::dvec3 mean = 2.0 * glm::dvec3(linear_lookup(*textures_.normals, 0, point.place)) - 1.0;
     // multum_movmf_magnified(); level 0 of the map is one finer than the lobes' own.
     const double length = std::max(glm::length(mean), 1e-9);
-    const double seen = std::exp2(2.0 * std::min(footprint.longer_level + 1.0, 0.5) - 1.0);
+    const double seen = std::exp2(2.0 * std::min(level + 1.0, 0.5) - 1.0);
     sums[0] += map_share * turned_lobe(point, {mean * ((1.0 - seen + seen * std::min(length, 1.0)) / length), 1.0});
   };
-  const auto whole = lobes.footprint(pixel.along_x.place, pixel.along_y.place, kLobeBias);
-  LobeLevels::Footprint finer = whole;
-  finer.level = std::max(whole.level - 2.0, 0.0);
+  const double level = lobes.level_of(pixel.along_x.place, pixel.along_y.place, kLobeBias);
   glm::dvec4 all_normals(0.0);
-  for (const glm::dvec4& lobe : lobes.at(pixel.middle.place, finer)) all_normals += lobe;
+  for (const glm::dvec4& lobe : lobes.at(pixel.middle.place, std::max(level - 1.0, 0.0))) all_normals += lobe;
   if (1.0 - glm::length(glm::dvec3(all_normals)) / std::max(all_normals.w, 1e-6) <= kLobesFrom)
     return point_light(at, form);
-  const bool lobes_pay = whole.level >= 1.0 && count <= kPointsPerSide * kPointsPerSide;
+  const bool lobes_pay = level >= 1.0 && count <= kPointsPerSide * kPointsPerSide;
   const glm::dvec3 view = glm::normalize(at.picture->eye - pixel.middle.position);
   FormLight made{};
   const auto add_light = [&](const glm::dvec4& lobe, double weight, const Looked& looked, const glm::dvec3& from) {
@@ -246,17 +240,19 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
     for (std::size_t l = 0; l < kFormLights; ++l) made[l] += weight * light[l];
   };
   std::vector<glm::dvec4> all(count, glm::dvec4(0.0));
-  for (int p = 0; p < kPointsPerSide * kPointsPerSide; ++p) {
-    const double x = part_place(p % kPointsPerSide, kPointsPerSide), y = part_place(p / kPointsPerSide, kPointsPerSide);
+  constexpr int kPoints = kPointsPerSide * kPointsPerSide;
+  const glm::ivec2 grid =
+      lobes_pay ? lobes.grid(kPoints, pixel.along_x.place, pixel.along_y.place) : glm::ivec2(kPointsPerSide);
+  for (int p = 0; p < kPoints; ++p) {
     if (lobes_pay) {
-      add_lobes(x, y, 1.0 / kPointsPerSide, all);
+      add_lobes(p, grid, all);
       continue;
     }
     std::vector<glm::dvec4> own(count, glm::dvec4(0.0));
-    add_lobes(x, y, 1.0 / kPointsPerSide, own);
+    add_lobes(p, grid, own);
     glm::dvec4 sum(0.0);
     for (const glm::dvec4& lobe : own) sum += lobe;
-    const SurfacePoint point = moved(pixel, x, y);
+    const SurfacePoint point = moved(pixel, part_place(p % grid.x, grid.x), part_place(p / grid.x, grid.y));
     add_light(sum, 0.25, at.points[size_of(p)], glm::normalize(at.picture->eye - point.position));
   }
   if (!lobes_pay) return made;

@@ -90,7 +90,7 @@ function restore(material) {
  * lobes. Clones of the material have none.
  */
 export function addLobes(material, lobes,
-  { evaluations = 4, spend = "auto", taps = 2, levelBias = -0.5, mapBias = -0.5 } = {}) {
+  { evaluations = 4, spend = "auto", taps = 1, levelBias = -0.5, mapBias = -0.5 } = {}) {
   checkMaterial(material);
   checkNumbers({ levelBias, mapBias });
   if (!Number.isInteger(taps) || taps < 1 || taps > TAPS_MAX)

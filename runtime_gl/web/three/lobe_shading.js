@@ -57,7 +57,8 @@ const FETCH = `
 uniform sampler2D u_ggx_lobe_table;
 vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in the space of the view
 vec4 multum_lobe;  // the evaluation's own, of amplitude 1
-bool multum_lobes_pay = false, multum_is_plain = false;
+bool multum_lobes_pay = false, multum_is_plain = false, multum_maps_are_read = false;
+vec4 multum_read_maps[MULTUM_MAP_COUNT];
 
 vec4 multum_turned(mat3 frame, vec4 lobe) {
   // Tangents that are not at right angles turn a lobe, and leave it its width.
@@ -115,15 +116,18 @@ MultumFootprint multum_part_footprint(vec2 part) {
                              size);
 }
 
-// Lobes of the part of the pixel about the point that is shaded, read at \`points\` x \`points\` places of it.
-void multum_fetch_lobes(ivec2 points, vec2 part, float side) {
-  vec2 share = part / vec2(points);
+// Lobes of the part of the pixel about the point that is shaded, read at \`count\` places of it.
+void multum_fetch_lobes(float count, vec2 part, float side) {
+  vec2 size = vec2(multum_lobe_map_size());
+  vec2 grid = multum_point_grid(count, length(part.x * multum_along_x_vNormalMapUv * size),
+                                length(part.y * multum_along_y_vNormalMapUv * size));
+  vec2 share = part / grid;
   MultumFootprint footprint = multum_part_footprint(share);
   MultumFootprint on_map = multum_footprint_on(footprint, multum_lobe_map_size(), textureSize(normalMap, 0));
   float map_share = multum_normal_map_share(footprint.level);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) multum_lobes[j] = vec4(0.0);
-  for (int i = 0; i < points.x * points.y; ++i) {
-    vec2 shift = part * multum_point_place(float(i), vec2(points));
+  for (float i = 0.0; i < count; ++i) {
+    vec2 shift = part * multum_point_place(i, grid);
     vec2 place = vNormalMapUv + shift.x * multum_along_x_vNormalMapUv + shift.y * multum_along_y_vNormalMapUv;
     mat3 frame = multum_frame(shift, side);
     MultumSurface surface = multum_fetch_surface(place, footprint);
@@ -133,13 +137,18 @@ void multum_fetch_lobes(ivec2 points, vec2 part, float side) {
   }
 }
 
-// What a pixel's evaluations are spent on: by the spread of all its normals, two levels finer than its own.
+// What a pixel's evaluations are spent on: by the spread of all normals about it, one level finer than its own. Four
+// neighbours, which take derivatives of one another, ask at one place, between them, and so decide alike: textures are
+// read with derivatives, and those need all four.
 void multum_decide() {
 #if MULTUM_EVALUATIONS >= 4
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
-  bool is_near = multum_normal_map_share(footprint.level - 1.0) > 0.0;
-  footprint.level = max(footprint.level - 2.0, 0.0);
-  MultumSurface surface = multum_fetch_surface(vNormalMapUv, footprint);
+  vec2 side = 0.5 - mod(floor(gl_FragCoord.xy), 2.0);
+  float level = footprint.level + side.x * dFdx(footprint.level) + side.y * dFdy(footprint.level);
+  bool is_near = multum_normal_map_share(level - 1.0) > 0.0;
+  footprint.level = max(level - 1.0, 0.0);
+  vec2 place = vNormalMapUv + side.x * multum_along_x_vNormalMapUv + side.y * multum_along_y_vNormalMapUv;
+  MultumSurface surface = multum_fetch_surface(place, footprint);
   vec4 sum = vec4(0.0);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += surface.lobes[j];
   multum_is_plain = multum_movmf_spread(sum) <= MULTUM_LOBES_FROM;
@@ -150,21 +159,24 @@ void multum_decide() {
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
 // All other maps over a point's part of the pixel. Evaluations that are spent on lobes leave fewer points, and their
-// maps are the means of as many places as there would be.
-vec4 multum_map(sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
+// maps are the means of as many places as there would be, read with a point's first lobe.
+vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
+  if (multum_maps_are_read) return multum_read_maps[number];
   ivec2 points = multum_points(), places = MULTUM_POINTS / points;
   vec4 sum = vec4(0.0);
   for (int i = 0; i < places.x * places.y; ++i) {
     vec2 shift = ((vec2(i % places.x, i / places.x) + 0.5) / vec2(places) - 0.5) / vec2(points);
     sum += texture2D(map, st + shift.x * along_x + shift.y * along_y, MULTUM_MAP_BIAS);
   }
-  return sum / float(places.x * places.y);
+  multum_read_maps[number] = sum / float(places.x * places.y);
+  return multum_read_maps[number];
 }
 
 // Point of the evaluation, from the pixel's middle, in pixels.
 vec2 multum_shift(int evaluation) {
   ivec2 points = multum_points();
   int point = multum_lobes_pay ? evaluation / MULTUM_LOBE_COUNT : evaluation;
+  multum_maps_are_read = multum_lobes_pay && evaluation % MULTUM_LOBE_COUNT > 0;
   return multum_point_place(float(point), vec2(points));
 }
 
@@ -177,7 +189,7 @@ float multum_take_lobe(int evaluation, vec3 normal, float side) {
   ivec2 points = multum_points();
   vec2 part = 1.0 / vec2(points);
   int number = multum_lobes_pay ? evaluation % MULTUM_LOBE_COUNT : 0;
-  if (number == 0) multum_fetch_lobes(max(2 / points, ivec2(1)), part, side);
+  if (number == 0) multum_fetch_lobes(max(4.0 * part.x * part.y, 1.0), part, side);
   vec4 sum = vec4(0.0);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += multum_lobes[j];
   multum_lobe = multum_lobes_pay ? multum_lobes[number] : sum;
@@ -192,6 +204,11 @@ const DIRECT = `
 void RE_Direct_Multum(const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal,
                       const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                       const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+  if (multum_is_plain) {
+    RE_Direct_Physical(directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal,
+                       material, reflectedLight);
+    return;
+  }
   vec3 l = directLight.direction, v = geometryViewDir;
   if (directLight.color == vec3(0.0)) return;
 #ifdef USE_CLEARCOAT
@@ -218,45 +235,55 @@ void RE_Direct_Multum(const in IncidentLight directLight, const in vec3 geometry
 // Light that three.js knows for one normal and roughness alone: a lobe is its mean direction, and a roughness that is
 // wider by the lobe's slopes, alpha^2 + 2 / kappa. How much the surface reflects is that of its own roughness.
 const INDIRECT = `
-PhysicalMaterial multum_widened(const in PhysicalMaterial material, vec3 v) {
-  PhysicalMaterial part = material;
-  float alpha = pow2(material.roughness);
+float multum_widened_roughness(float roughness) {
+  float alpha = pow2(roughness);
   float kappa = max(multum_vmf_kappa(multum_movmf_spread(multum_lobe)), 1e-6);
-  part.roughness = sqrt(sqrt(min(alpha * alpha + 2.0 / kappa, 1.0)));
-  vec3 mu = multum_movmf_mean_direction(multum_lobe);
-  float n_v = multum_vmf_mean_cosine(multum_movmf_spread(multum_lobe), dot(mu, v));
-  part.dfg = texture2D(dfgLUT, vec2(material.roughness, n_v)).rg;
-  return part;
+  return sqrt(sqrt(min(alpha * alpha + 2.0 / kappa, 1.0)));
+}
+
+vec2 multum_dfg(float roughness, vec3 v) {
+  float n_v = multum_vmf_mean_cosine(multum_movmf_spread(multum_lobe),
+                                     dot(multum_movmf_mean_direction(multum_lobe), v));
+  return texture2D(dfgLUT, vec2(roughness, n_v)).rg;
+}
+
+#if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
+vec3 multum_radiance(vec3 v, vec3 normal, float roughness) {
+  return getIBLRadiance(v, normal, multum_is_plain ? roughness : multum_widened_roughness(roughness));
+}
+
+// The environment's harmonics of order 1 shrink by the length of the lobe's mean vector.
+vec3 multum_irradiance(vec3 normal) {
+  vec3 along = getIBLIrradiance(normal);
+  float spread = multum_is_plain ? 0.0 : multum_movmf_spread(multum_lobe);
+  return spread > 0.0 ? mix(along, getIBLIrradiance(-normal), 0.5 * spread) : along;
 }
 
 void RE_IndirectSpecular_Multum(const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance,
                                 const in vec3 geometryPosition, const in vec3 geometryNormal,
                                 const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                 const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
-#if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
-  PhysicalMaterial part = multum_widened(material, geometryViewDir);
-  // The environment's harmonics of order 1 shrink by the length of the lobe's mean vector.
-  vec3 along = getIBLIrradiance(geometryNormal);
-  float spread = multum_movmf_spread(multum_lobe);
-  if (spread > 0.0) along = mix(along, getIBLIrradiance(-geometryNormal), 0.5 * spread);
-  RE_IndirectSpecular_Physical(getIBLRadiance(geometryViewDir, geometryNormal, part.roughness), along,
-                               clearcoatRadiance, geometryPosition, geometryNormal, geometryViewDir,
-                               geometryClearcoatNormal, part, reflectedLight);
-#else
+  PhysicalMaterial part = material;
+  if (!multum_is_plain) part.dfg = multum_dfg(material.roughness, geometryViewDir);
   RE_IndirectSpecular_Physical(radiance, irradiance, clearcoatRadiance, geometryPosition, geometryNormal,
-                               geometryViewDir, geometryClearcoatNormal, material, reflectedLight);
-#endif
+                               geometryViewDir, geometryClearcoatNormal, part, reflectedLight);
 }
 #undef RE_IndirectSpecular
 #define RE_IndirectSpecular RE_IndirectSpecular_Multum
+#endif
 
 #if NUM_RECT_AREA_LIGHTS > 0
 void RE_Direct_RectArea_Multum(const in RectAreaLight rectAreaLight, const in vec3 geometryPosition,
                                const in vec3 geometryNormal, const in vec3 geometryViewDir,
                                const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material,
                                inout ReflectedLight reflectedLight) {
+  PhysicalMaterial part = material;
+  if (!multum_is_plain) {
+    part.roughness = multum_widened_roughness(material.roughness);
+    part.dfg = multum_dfg(material.roughness, geometryViewDir);
+  }
   RE_Direct_RectArea_Physical(rectAreaLight, geometryPosition, geometryNormal, geometryViewDir,
-                              geometryClearcoatNormal, multum_widened(material, geometryViewDir), reflectedLight);
+                              geometryClearcoatNormal, part, reflectedLight);
 }
 #undef RE_Direct_RectArea
 #define RE_Direct_RectArea RE_Direct_RectArea_Multum
@@ -282,6 +309,10 @@ export function fragmentWithLobes(fragment, defines, chunks, revision) {
     if (name === "lights_fragment_begin")
       return replaced(chunk, "hemisphereLights[ i ], geometryNormal", "hemisphereLights[ i ], multum_lobe.xyz",
         revision);
+    if (name === "lights_fragment_maps")
+      return [["getIBLIrradiance( geometryNormal )", "multum_irradiance( geometryNormal )"],
+        ["getIBLRadiance( geometryViewDir, geometryNormal,", "multum_radiance( geometryViewDir, geometryNormal,"]]
+        .reduce((text, [from, to]) => replaced(text, from, to, revision), chunk);
     return chunk;
   };
   const lobes = [lobesGlsl, lobeTextureGlsl, NORMAL_MAP, FETCH, DIRECT, INDIRECT].join("\n");

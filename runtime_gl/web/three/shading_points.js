@@ -41,7 +41,9 @@ ${each((name) => `multum_move_${name}(by)`)}}
 // Without lobes.
 const PLAIN = `
 void multum_decide() {}
-vec4 multum_map(sampler2D map, vec2 st, vec2 along_x, vec2 along_y) { return texture2D(map, st, MULTUM_MAP_BIAS); }
+vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
+  return texture2D(map, st, MULTUM_MAP_BIAS);
+}
 vec2 multum_shift(int evaluation) {
   return (vec2(evaluation % MULTUM_POINTS.x, evaluation / MULTUM_POINTS.x) + 0.5) / vec2(MULTUM_POINTS) - 0.5;
 }
@@ -92,7 +94,7 @@ export const VARIANCE = `{
 /**
  * The fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, its maps sampled
  * MULTUM_MAP_BIAS octaves coarser than all of it asks for. `defines` by name. `lobes`: GLSL with multum_decide(),
- * multum_shift() and multum_map(), which replaces points alone; `geometry`: what the change of the geometry's normals
+ * multum_shift() and multum_map(), whose first parameter numbers the lookups, which replaces points alone; `geometry`: what the change of the geometry's normals
  * does to roughness.
  * `edit(name, text)`: what stands in place of a chunk's text.
  */
@@ -107,10 +109,12 @@ export function fragmentAtPoints(fragment, chunks, revision,
     fragment.slice(first, behind));
   body = written(body, (name) => chunks[name] !== undefined);
   body = replaced(body, GEOMETRY, geometry, revision);
-  body = body.replace(/texture2D\( (\w+), (v\w+Uv) \)/g, "multum_map( $1, $2, multum_along_x_$2, multum_along_y_$2 )");
+  let mapCount = 0;
+  body = body.replace(/texture2D\( (\w+), (v\w+Uv) \)/g, (lookup, map, uv) =>
+    `multum_map( ${mapCount++}, ${map}, ${uv}, multum_along_x_${uv}, multum_along_y_${uv} )`);
   const opaque = replaced(chunks.opaque_fragment, "material.transmissionAlpha", "multum_transmission", revision);
   const rest = ALPHA_TESTS.map((name) => `#include <${name}>\n`).join("") +
     replaced(fragment.slice(behind), BODY[1], opaque, revision);
-  const head = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}\n`).join("");
+  const head = Object.entries({ ...defines, MULTUM_MAP_COUNT: Math.max(1, mapCount) }).map(([name, value]) => `#define ${name} ${value}\n`).join("");
   return head + declared + MOVE + (lobes ?? PLAIN) + fragment.slice(main, first) + BEGIN + body + END + rest;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lobes of a level that are encoded together keep their sum of amplitudes and their mean normal better than lobes that
-// are encoded one by one, and each of them its spread.
+// are encoded one by one, and each of them its direction and spread.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,9 +66,10 @@ Lobes stored(const MovmfMipmap& mipmap, const std::vector<std::size_t>& which, L
   return lobes;
 }
 
-// Root mean squares: of the sum of amplitudes; of the mean normal's direction, radians; of a lobe's vector.
+// Root mean squares: of the sum of amplitudes; of the mean normal's direction, radians; of a lobe's vector; of a lobe's
+// mean vector as it is beside its amplitude.
 struct JointError {
-  double sum = 0.0, angle = 0.0, lobe = 0.0;
+  double sum = 0.0, angle = 0.0, lobe = 0.0, shape = 0.0;
 };
 
 JointError error_of(const Lobes& exact, const Lobes& found) {
@@ -79,12 +80,16 @@ JointError error_of(const Lobes& exact, const Lobes& found) {
       right += glm::dvec4(exact[j][i]), kept += glm::dvec4(found[j][i]);
       const glm::dvec4 difference(exact[j][i] - found[j][i]);
       error.lobe += glm::dot(difference, difference) / static_cast<double>(exact.size() * kLevelTexels);
+      const double amplitude = exact[j][i].w, stored_amplitude = found[j][i].w;
+      const glm::dvec3 kept_lobe(found[j][i]), lobe(exact[j][i]);
+      const glm::dvec3 shape = (kept_lobe - stored_amplitude / amplitude * lobe) / amplitude;
+      error.shape += glm::dot(shape, shape) / static_cast<double>(exact.size() * kLevelTexels);
     }
     const glm::dvec3 turned = glm::normalize(glm::dvec3(right)) - glm::normalize(glm::dvec3(kept));
     error.sum += (right.w - kept.w) * (right.w - kept.w) / static_cast<double>(kLevelTexels);
     error.angle += glm::dot(turned, turned) / static_cast<double>(kLevelTexels);
   }
-  return {std::sqrt(error.sum), std::sqrt(error.angle), std::sqrt(error.lobe)};
+  return {std::sqrt(error.sum), std::sqrt(error.angle), std::sqrt(error.lobe), std::sqrt(error.shape)};
 }
 
 class LobeEncodingTest : public ::testing::TestWithParam<LobeTexels> {};
@@ -99,6 +104,7 @@ TEST_P(LobeEncodingTest, KeepsWhatLobesHaveInCommon) {
   EXPECT_LT(together.sum, 0.6 * apart.sum) << apart.sum;
   EXPECT_LT(together.angle, 0.75 * apart.angle) << apart.angle;
   EXPECT_LT(together.lobe, 1.4 * apart.lobe) << apart.lobe;
+  EXPECT_LT(together.shape, 1.1 * apart.shape) << apart.shape;  // weak lobes lose no more than others
 }
 
 INSTANTIATE_TEST_SUITE_P(Texels, LobeEncodingTest, ::testing::Values(LobeTexels::kBlocks, LobeTexels::kRgba8));
