@@ -81,6 +81,7 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", job.output.c_str(), report.level_count, report.width,
               report.height, report.files.size(), report.textures.c_str());
   if (!report.engine_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.engine_line.c_str());
+  if (report.form) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.form->to_text(false).c_str());
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
   if (!common.verbose) return;
   if (report.rows_resumed > 0)

@@ -26,7 +26,8 @@ int run_gltf(GltfOptions& o) {
   keep_freed_memory();
   const ParameterValues& values = o.values;
   o.job.format = values.choice("format", kGltfTextureFormats).value_or(o.job.format);
-  o.job.form = values.choice("form", kGltfForms).value_or(o.job.form);
+  o.job.form = values.choice("form", kMaterialForms).value_or(o.job.form);
+  o.job.engine = values.choice("for", kEngines).value_or(o.job.engine);
   o.job.has_fallback = values.flag("png_fallback");
   o.job.uastc_effort = values.integer("uastc_effort").value_or(o.job.uastc_effort);
   o.job.encoder = values.text("encoder").value_or("");

@@ -51,6 +51,10 @@ MaterialFolderSettings output_of(const ExportJob& job) {
 
 void check_export_job(const ExportJob& job) {
   validate(job.lobe);
+  if (job.lobe.is_anisotropic && job.form.value_or(MaterialForm::kOneLobe) != MaterialForm::kOneLobe)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--form: found {}, expected one-lobe with --anisotropy: other forms have no direction",
+                            choice_name(kMaterialForms, *job.form)));
   check_paths_differ(input_files(job), {job.report});
   if (!job.report.empty()) check_writable(job.report);
   std::error_code error;
@@ -93,7 +97,10 @@ void make_files(const ExportJob& job, const ExportSource& source, const Material
       make_material_folder(output, report.width, report.height, device, meter ? &*meter : nullptr);
   OneLobeInputs inputs = source.inputs(job);
   inputs.journal = journal;
-  report.plan = fit_one_lobe(device, inputs, job.lobe, *writer, progress).plan;
+  FormedReport formed =
+      fit_formed_material(device, inputs, job.lobe, form_settings(job, output.folder), *writer, progress);
+  report.plan = std::move(formed.fit.plan);
+  report.form = std::move(formed.form);
   if (journal != nullptr) report.rows_resumed = journal->rows_resumed();
   report.seconds.emplace_back("fit", stopwatch.lap());
   if (output.texels == MaterialTexels::kUastc) {
@@ -117,6 +124,15 @@ std::vector<std::string> texts_of(const std::vector<std::string>& paths) {
 }
 
 }  // namespace
+
+FormSettings form_settings(const ExportJob& job, const std::string& scratch_folder) {
+  const bool has_two_channels = job.texels == MaterialTexels::kRg8 || job.texels == MaterialTexels::kBlocks;
+  return {job.form.value_or(MaterialForm::kOneLobe),
+          job.engine,
+          has_two_channels,
+          {job.scratch_folder.empty() ? scratch_folder : job.scratch_folder,
+           static_cast<std::int64_t>(job.memory_bytes / 16)}};
+}
 
 ExportPlace export_place(const std::string& output) {
   const std::filesystem::path path(output);
@@ -147,6 +163,7 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"anisotropy", job.lobe.is_anisotropic},
                                  {"fast", job.lobe.is_fast},
                                  {"surface", map_surface_name(job.surface)},
+                                 {"form", choice_name(kMaterialForms, job.form.value_or(MaterialForm::kOneLobe))},
                                  {"green", choice_name(kGreenAxes, job.write_green)},
                                  {"rows_resumed", rows_resumed},
                                  {"device", device},
@@ -155,6 +172,10 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"launches", launches}};
   if (job.roughness.empty()) json["base_roughness"] = job.lobe.base_roughness;
   if (roughness) json["roughness"] = roughness->to_text();
+  if (form) {
+    json["for"] = choice_name(kEngines, job.engine);
+    json["forms"] = {form->to_json()};
+  }
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
   if (job.measure) json["accuracy"] = nlohmann::ordered_json::parse(accuracy.to_json());
   return json_text(json, 2) + "\n";

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/delivery/export/accuracy/export_accuracy.h"
+#include "host/delivery/export/formed_material.h"
 #include "host/delivery/export/material_folder.h"
 #include "host/delivery/export/one_lobe_fit.h"
 #include "host/formats/image/material_maps.h"
@@ -33,6 +34,8 @@ struct ExportJob {
   NormalMapSettings reading;
   MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
   OneLobeSettings lobe;
+  std::optional<MaterialForm> form;        // unset: one lobe
+  Engine engine = Engine::kThree;          // whose pictures choose it
   std::optional<MaterialFormat> format;    // unset: by the output's name, else PNG
   std::optional<MaterialTexels> texels;    // unset: half floats in EXR, else RGBA8
   int zstd_level = 0;                      // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
@@ -53,6 +56,10 @@ struct ExportJob {
 /// Maps beside the normals, and a bake of them.
 constexpr std::string ExportJob::*kExportMapsBeside[] = {&ExportJob::roughness, &ExportJob::occlusion,
                                                          &ExportJob::metalness, &ExportJob::lobes};
+
+/// Whether and how levels get another form than the fit. `scratch_folder`: for what does not fit in memory, unless the
+/// job names one.
+FormSettings form_settings(const ExportJob& job, const std::string& scratch_folder);
 
 /// The files that an export reads, the map first; of FILE:CHANNEL the file.
 std::vector<std::string> input_files(const ExportJob& job);
@@ -76,6 +83,7 @@ struct ExportReport {
   std::vector<std::string> engines_failing;  // host/delivery/export/engine_support.h
   std::string engine_line;                   // the same as a text, "" where there are none
   std::vector<std::string> side_warnings;    // of readers that sides do not suit
+  std::optional<ChosenForm> form;            // of MaterialForm::kAuto
   ExportAccuracy accuracy;
   std::map<std::string, std::uint64_t> launches;        // by kernel
   std::vector<std::pair<std::string, double>> seconds;  // by stage

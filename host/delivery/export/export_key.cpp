@@ -53,6 +53,10 @@ Json export_key(const ExportJob& job) {
   key["roughness_alone"] = job.has_roughness_alone;
   key["smoothness"] = job.has_smoothness;
   key["write_green"] = choice_name(kGreenAxes, job.write_green);
+  if (const MaterialForm form = job.form.value_or(MaterialForm::kOneLobe); form != MaterialForm::kOneLobe) {
+    key["form"] = choice_name(kMaterialForms, form);
+    key["for"] = choice_name(kEngines, job.engine);
+  }
   if (job.texels == MaterialTexels::kUastc) key["uastc_effort"] = job.uastc_effort;
   return key;
 }

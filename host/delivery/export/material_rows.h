@@ -11,11 +11,12 @@ namespace multum {
 /// A level, or some of its rows; row-major, row 0 on top.
 struct MaterialRows {
   int width = 0, height = 0;
-  std::vector<glm::vec3> normals;     // unit; x right, y up, z out
+  std::vector<glm::vec3> normals;     // unit, or shorter means; x right, y up, z out
   std::vector<float> roughness;       // perceptual, sqrt(alpha), 0..1; across the axis where there is one
   std::vector<glm::vec3> anisotropy;  // x, y: unit direction of the axis; z: strength, 0..1. Empty: isotropic
   std::vector<float> occlusion;       // 0..1; empty: no such map
   std::vector<float> metalness;       // 0..1; empty: no such map
+  std::vector<glm::vec3> means = {};  // of normals; empty: level 0, or nobody asked (OneLobeInputs::wants_means)
 };
 
 /// Takes rows as they are done: of each level in order from the top, levels in any order.

@@ -283,11 +283,13 @@ class OneLobePlanes : public AveragedPlanes {
     const std::vector<float> fitted = fitter_.fit(rows);
     const std::size_t texels = size_of(rows.width) * size_of(rows.height);
     const auto value = [&](int plane, std::size_t i) { return fitted[size_of(plane) * texels + i]; };
+    if (inputs_.wants_means) made.means.resize(texels);
     for_each_row_band(rows.height, kRowsPerBand, inputs_.threads, [&](int, int begin, int end) {
       for (std::size_t i = size_of(begin) * size_of(rows.width); i < size_of(end) * size_of(rows.width); ++i) {
         made.normals[i] = {value(0, i), value(1, i), value(2, i)};
         const float wide = value(MULTUM_ONE_LOBE_ALPHA_WIDE, i), narrow = value(MULTUM_ONE_LOBE_ALPHA_NARROW, i);
         made.roughness[i] = std::sqrt(narrow);
+        if (inputs_.wants_means) made.means[i] = {rows.plane(0)[i], rows.plane(1)[i], rows.plane(2)[i]};
         if (!settings_.is_anisotropic) continue;
         // KHR_materials_anisotropy: alpha along the axis is mix(alpha, 1, strength^2).
         const float strength = narrow < 1.0f ? std::sqrt((wide - narrow) / (1.0f - narrow)) : 0.0f;

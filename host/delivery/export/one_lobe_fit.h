@@ -35,6 +35,7 @@ struct OneLobeInputs {
   bool has_roughness = false, has_occlusion = false, has_metalness = false;  // which of its planes are of maps
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;                       // for buffers; changes no byte
   int threads = 1;
+  bool wants_means = false;       // MaterialRows::means
   FitJournal* journal = nullptr;  // has rows that need no fit, and takes those that are fitted; null: none
 
   const PlaneStore& fitted_normals() const { return surface != nullptr ? *surface : *normals; }

@@ -12,7 +12,7 @@ namespace multum {
 namespace {
 
 constexpr double kLightIntensity = 3.0, kRoomIntensity = 0.3;  // as docs/GLTF_EXAMPLE.md's scenes have them
-constexpr double kRoughnessLeast = 0.0525;                     // three.js's
+constexpr double kRoughnessLeast = 0.045;                      // three.js's and Filament's
 constexpr double kDielectric = 0.04;                           // reflectance along the normal
 
 const std::array<glm::dvec3, kFormLights>& form_lights() {
@@ -93,7 +93,8 @@ FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, co
   const double roughness = std::max(surface.roughness, kRoughnessLeast), alpha = roughness * roughness;
   const double a2 = alpha * alpha, f0 = reflectance_of(surface), n_v = std::max(glm::dot(normal, view), 1e-4);
   const double view_side = std::sqrt(a2 + (1.0 - a2) * n_v * n_v);
-  const double room = room_light(normal, surface, roughness, n_v, view);
+  const double room_roughness = std::max(surface.room_roughness.value_or(roughness), kRoughnessLeast);
+  const double room = room_light(normal, surface, room_roughness, n_v, view);
   FormLight made;
   for (std::size_t i = 0; i < kFormLights; ++i) {
     const glm::dvec3& light = form_lights()[i];
@@ -129,11 +130,6 @@ FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const 
     made[i] = room + kLightIntensity * (shaded.specular(light, view, half) * fresnel + diffuse);
   }
   return made;
-}
-
-double roughness_of_three(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y) {
-  const glm::dvec3 change = glm::max(glm::abs(along_x), glm::abs(along_y));
-  return std::min(std::max(roughness, kRoughnessLeast) + std::max({change.x, change.y, change.z}), 1.0);
 }
 
 double roughness_of_variance(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -20,6 +21,8 @@ struct FormSurface {
   double roughness = 1.0;  // perceptual
   double metalness = 0.0;
   double colour = 0.5;  // of the base
+  // Of what the room is reflected with, where an engine takes another one.
+  std::optional<double> room_roughness = std::nullopt;
 };
 
 /// One normal, unit. `view`: unit, towards the eye.
@@ -27,10 +30,8 @@ FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, co
 /// The part of a lobe of normals, (a r, a) of amplitude 1, as @multum/three shades it (lobe_shading.js).
 FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const glm::dvec3& view);
 
-/// three.js's roughness where the geometry's normal changes by these from pixel to pixel, in the space of the view.
-double roughness_of_three(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y);
-/// With the variance of slopes that a box of one pixel sees instead (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
-/// 2019).
+/// Roughness where the geometry's normal changes by these from pixel to pixel, with the variance of slopes that a box
+/// of one pixel sees (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019): @multum/three's.
 double roughness_of_variance(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y);
 
 }  // namespace multum

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-constexpr int kAnisotropyMax = 16;  // what three.js's add-on asks for, and GPUs have
+constexpr int kPointsAnisotropy = 16;  // what @multum/three asks for, and GPUs have
 constexpr int kPointsPerSide = 2;
 // As @multum/three has them (runtime_gl/web/three/lobe_material.js).
 constexpr double kPointsBias = -0.25 - 1.0, kLobeBias = -0.5, kLobesFrom = 0.002;
@@ -40,47 +40,63 @@ SurfacePoint moved(const ModelPixel& pixel, double x, double y) {
   return made;
 }
 
+// The pixels whose normals a pixel's is compared with.
+constexpr glm::dvec2 kBeside[] = {{1.0, 0.0}, {0.0, 1.0}};
+
 double part_place(int i, int count) { return (i + 0.5) / count - 0.5; }
 
 }  // namespace
 
-FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPicture>& pictures, int threads)
-    : textures_(textures), threads_(threads) {
-  for (const ModelPicture& picture : pictures) distances_.push_back(picture.distance);
-  std::sort(distances_.begin(), distances_.end());
-  distances_.erase(std::unique(distances_.begin(), distances_.end()), distances_.end());
+FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPicture>& pictures,
+                     const FormMeterSettings& settings)
+    : textures_(textures),
+      filter_(filter_of(settings.engine)),
+      has_points_(settings.has_points),
+      threads_(settings.threads) {
+  for (const ModelPicture& picture : pictures) views_.push_back({picture.distance, picture.shape});
+  std::sort(views_.begin(), views_.end());
+  views_.erase(std::unique(views_.begin(), views_.end()), views_.end());
   for (const ModelPicture& picture : pictures) {
-    const auto at = std::lower_bound(distances_.begin(), distances_.end(), picture.distance);
+    const auto at = std::lower_bound(views_.begin(), views_.end(), FormView{picture.distance, picture.shape});
     for (const ModelPixel& pixel : picture.pixels)
-      pixels_.push_back({&picture, &pixel, static_cast<std::size_t>(at - distances_.begin()), {}, {}, {}});
+      pixels_.push_back({&picture, &pixel, static_cast<std::size_t>(at - views_.begin()), {}, {}, {}, {}, {}, {}});
   }
-  for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads, [&](int, int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      Measured& at = pixels_[size_of(i)];
-      at.reference = reference_of(*at.picture, *at.pixel, nullptr);
-      at.looked.push_back(look(at.pixel->middle, *at.pixel, 0.0));
-      for (int p = 0; p < kPointsPerSide * kPointsPerSide; ++p)
-        at.looked.push_back(look(moved(*at.pixel, part_place(p % kPointsPerSide, kPointsPerSide),
-                                       part_place(p / kPointsPerSide, kPointsPerSide)),
-                                 *at.pixel, kPointsBias));
-    }
+  for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
+    for (int i = begin; i < end; ++i) prepare(pixels_[size_of(i)]);
   });
-  // Relative L1: of all pixels of a distance the differences over the references, the mean of lights.
-  std::vector<FormLight> wholes(distances_.size());
+  // Relative L1: of all pixels of a view the differences over the references, the mean of lights.
+  std::vector<FormLight> wholes(views_.size());
   for (const Measured& at : pixels_)
-    for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.distance][l] += at.reference[l];
+    for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.view][l] += at.reference[l];
   for (Measured& at : pixels_)
     for (std::size_t l = 0; l < kFormLights; ++l)
-      at.weights[l] = 100.0 / kFormLights / std::max(wholes[at.distance][l], 1e-12);
+      at.weights[l] = 100.0 / kFormLights / std::max(wholes[at.view][l], 1e-12);
+}
+
+void FormMeter::prepare(Measured& at) const {
+  const ModelPixel& pixel = *at.pixel;
+  const Reference reference = reference_of(*at.picture, pixel, nullptr);
+  at.reference = reference.light;
+  at.noise = reference.noise;
+  at.middle = look(pixel.middle, pixel, filter_.anisotropy_max, 0.0);
+  if (filter_.is_of_map)
+    for (const glm::dvec2& step : kBeside)
+      at.beside.push_back(look(moved(pixel, step.x, step.y), pixel, filter_.anisotropy_max, 0.0));
+  if (!has_points_) return;
+  for (int p = 0; p < kPointsPerSide * kPointsPerSide; ++p)
+    at.points.push_back(look(
+        moved(pixel, part_place(p % kPointsPerSide, kPointsPerSide), part_place(p / kPointsPerSide, kPointsPerSide)),
+        pixel, kPointsAnisotropy, kPointsBias));
 }
 
 double FormMeter::LookedLevel::roughness(const LevelForm& form) const {
   return mixed_roughness(rough, fitted_rough, form.fitted_share);
 }
 
-FormMeter::Looked FormMeter::look(const SurfacePoint& point, const ModelPixel& pixel, double bias) const {
+FormMeter::Looked FormMeter::look(const SurfacePoint& point, const ModelPixel& pixel, int anisotropy_max,
+                                  double bias) const {
   const PixelTaps taps = PixelTaps::of(point.place, pixel.along_x.place, pixel.along_y.place,
-                                       textures_.averages->frame(), kAnisotropyMax, bias);
+                                       textures_.averages->frame(), anisotropy_max, bias);
   Looked made;
   made.levels = taps.levels;
   made.coarser_share = taps.coarser_share;
@@ -102,9 +118,11 @@ FormMeter::Looked FormMeter::look(const SurfacePoint& point, const ModelPixel& p
   return made;
 }
 
-FormLight FormMeter::reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes) const {
-  FormLight sum{};
-  for (const SurfacePoint& sample : pixel.samples) {
+FormMeter::Reference FormMeter::reference_of(const ModelPicture& picture, const ModelPixel& pixel,
+                                             const LobeLevels* lobes) const {
+  std::array<FormLight, 2> halves{};
+  for (std::size_t i = 0; i < pixel.samples.size(); ++i) {
+    const SurfacePoint& sample = pixel.samples[i];
     const glm::dvec4 texel = linear_lookup(*textures_.averages, 0, sample.place);
     const glm::dvec3 normal = glm::normalize(2.0 * glm::dvec3(texel) - 1.0), turned = turned_by(sample, normal);
     FormSurface surface{texel.w, textures_.metallic_factor,
@@ -112,27 +130,29 @@ FormLight FormMeter::reference_of(const ModelPicture& picture, const ModelPixel&
     if (textures_.surface != nullptr) surface.metalness *= linear_lookup(*textures_.surface, 0, sample.place).z;
     const FormLight light =
         shaded_normal(glm::normalize(turned), surface, glm::normalize(picture.eye - sample.position));
-    for (std::size_t l = 0; l < kFormLights; ++l) sum[l] += light[l] / static_cast<double>(pixel.samples.size());
+    for (std::size_t l = 0; l < kFormLights; ++l) halves[i % 2][l] += light[l];
   }
-  return sum;
+  const double share = 1.0 / static_cast<double>(pixel.samples.size());
+  Reference made{};
+  for (std::size_t l = 0; l < kFormLights; ++l) {
+    made.light[l] = share * (halves[0][l] + halves[1][l]);
+    made.noise[l] = share * std::abs(halves[0][l] - halves[1][l]);
+  }
+  return made;
 }
 
-FormLight FormMeter::shade(const Measured& at, const SurfacePoint& point, const Looked& looked, const NormalForm& form,
-                           bool has_variance, double part, double colour) const {
+FormMeter::Bent FormMeter::bent(const SurfacePoint& point, const Looked& looked, const NormalForm& form,
+                                const EngineFilter& filter) {
   const LevelForm &finer = form.levels[size_of(looked.levels[0])], &coarser = form.levels[size_of(looked.levels[1])];
   const auto mixed = [&](const auto& one, const auto& other) {
     return (1.0 - looked.coarser_share) * one + looked.coarser_share * other;
   };
-  const glm::dvec3 turned = turned_by(point, mixed(looked.values[0].normal(finer), looked.values[1].normal(coarser)));
+  glm::dvec3 read = mixed(looked.values[0].normal(finer), looked.values[1].normal(coarser));
+  if (filter.rebuilds_z) read.z = std::sqrt(std::max(0.0, 1.0 - read.x * read.x - read.y * read.y));
+  const glm::dvec3 turned = turned_by(point, read);
   const double length = glm::length(turned);
-  const glm::dvec3 normal = length > 1e-9 ? turned / length : point.normal;
-  const double rough = mixed(looked.values[0].roughness(finer), looked.values[1].roughness(coarser));
-  const glm::dvec3 along_x = part * (at.picture->to_view * at.pixel->along_x.normal),
-                   along_y = part * (at.picture->to_view * at.pixel->along_y.normal);
-  const FormSurface surface{
-      has_variance ? roughness_of_variance(rough, along_x, along_y) : roughness_of_three(rough, along_x, along_y),
-      looked.metal, colour};
-  return shaded_normal(normal, surface, glm::normalize(at.picture->eye - point.position));
+  return {length > 1e-9 ? turned / length : point.normal,
+          mixed(looked.values[0].roughness(finer), looked.values[1].roughness(coarser))};
 }
 
 double FormMeter::contribution(const Measured& at, const FormLight& light) {
@@ -152,14 +172,29 @@ std::vector<double> FormMeter::contributions(const Shade& shade) const {
 
 FormError FormMeter::errors_of(const std::vector<double>& contributions) const {
   FormError made;
-  made.by_distance.resize(distances_.size());
-  for (std::size_t i = 0; i < pixels_.size(); ++i) made.by_distance[pixels_[i].distance] += contributions[i];
-  for (const double error : made.by_distance) made.mean += error / static_cast<double>(distances_.size());
+  made.by_view.resize(views_.size());
+  for (std::size_t i = 0; i < pixels_.size(); ++i) made.by_view[pixels_[i].view] += contributions[i];
+  for (const double error : made.by_view) made.mean += error / static_cast<double>(views_.size());
   return made;
 }
 
 FormLight FormMeter::middle_light(const Measured& at, const NormalForm& form) const {
-  return shade(at, at.pixel->middle, at.looked[0], form, false, 1.0, textures_.colour);
+  const ModelPixel& pixel = *at.pixel;
+  const Bent here = bent(pixel.middle, at.middle, form, filter_);
+  std::array<glm::dvec3, 2> along = {pixel.along_x.normal, pixel.along_y.normal};
+  for (std::size_t i = 0; i < at.beside.size(); ++i)
+    along[i] = bent(moved(pixel, kBeside[i].x, kBeside[i].y), at.beside[i], form, filter_).normal - here.normal;
+  const glm::dmat3& to_view = at.picture->to_view;
+  const EngineRoughness rough = engine_roughness(filter_, here.roughness, to_view * along[0], to_view * along[1]);
+  return shaded_normal(here.normal, {rough.lights, at.middle.metal, textures_.colour, rough.surroundings},
+                       glm::normalize(at.picture->eye - pixel.middle.position));
+}
+
+FormError FormMeter::noise() const {
+  std::vector<double> found(pixels_.size(), 0.0);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (std::size_t l = 0; l < kFormLights; ++l) found[i] += pixels_[i].weights[l] * pixels_[i].noise[l];
+  return errors_of(found);
 }
 
 FormError FormMeter::normals(const NormalForm& form) const {
@@ -172,7 +207,12 @@ FormLight FormMeter::point_light(const Measured& at, const NormalForm& form, dou
   for (int p = 0; p < kPoints; ++p) {
     const SurfacePoint point = moved(*at.pixel, part_place(p % kPointsPerSide, kPointsPerSide),
                                      part_place(p / kPointsPerSide, kPointsPerSide));
-    const FormLight light = shade(at, point, at.looked[size_of(1 + p)], form, true, 1.0 / kPointsPerSide, colour);
+    const Looked& looked = at.points[size_of(p)];
+    const Bent here = bent(point, looked, form, filter_of(Engine::kThree));
+    const double rough = roughness_of_variance(here.roughness, at.pixel->along_x.normal * (1.0 / kPointsPerSide),
+                                               at.pixel->along_y.normal * (1.0 / kPointsPerSide));
+    const FormLight light =
+        shaded_normal(here.normal, {rough, looked.metal, colour}, glm::normalize(at.picture->eye - point.position));
     for (std::size_t l = 0; l < kFormLights; ++l) sum[l] += light[l] / kPoints;
   }
   return sum;
@@ -233,14 +273,14 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
     glm::dvec4 sum(0.0);
     for (const glm::dvec4& lobe : own) sum += lobe;
     const SurfacePoint point = moved(pixel, part_place(p % grid.x, grid.x), part_place(p / grid.x, grid.y));
-    add_light(sum, 0.25, at.looked[size_of(1 + p)], glm::normalize(at.picture->eye - point.position), 1.0);
+    add_light(sum, 0.25, at.points[size_of(p)], glm::normalize(at.picture->eye - point.position), 1.0);
   }
   if (!lobes_pay) return made;
   glm::dvec4 sum(0.0);
   for (const glm::dvec4& lobe : all) sum += lobe;
   for (std::size_t j = 0; j < count; ++j)
     if (all[j].w > 1e-6)
-      add_light(all[j], all[j].w / sum.w, at.looked[0], view, colours.factors.empty() ? 1.0 : colours.factors[j]);
+      add_light(all[j], all[j].w / sum.w, at.middle, view, colours.factors.empty() ? 1.0 : colours.factors[j]);
   return made;
 }
 
@@ -280,19 +320,19 @@ FormMeter::Coloured FormMeter::coloured_lobes(const LobeLevels& lobes, const Nor
     for (std::size_t i = size_of(begin); i < size_of(end); ++i) {
       const Measured& at = pixels_[i];
       const PixelColours own = colours_of(*at.pixel, lobes);
-      lights[i].reference = reference_of(*at.picture, *at.pixel, &lobes);
+      lights[i].reference = reference_of(*at.picture, *at.pixel, &lobes).light;
       lights[i].mean = shade_lobes(at, lobes, form, {own.mean, {}});
       lights[i].own = shade_lobes(at, lobes, form, own);
     }
   });
-  std::vector<FormLight> wholes(distances_.size());
+  std::vector<FormLight> wholes(views_.size());
   for (std::size_t i = 0; i < lights.size(); ++i)
-    for (std::size_t l = 0; l < kFormLights; ++l) wholes[pixels_[i].distance][l] += lights[i].reference[l];
+    for (std::size_t l = 0; l < kFormLights; ++l) wholes[pixels_[i].view][l] += lights[i].reference[l];
   const auto error = [&](FormLight Lights::*light) {
     std::vector<double> found(lights.size(), 0.0);
     for (std::size_t i = 0; i < lights.size(); ++i)
       for (std::size_t l = 0; l < kFormLights; ++l)
-        found[i] += 100.0 / kFormLights / std::max(wholes[pixels_[i].distance][l], 1e-12) *
+        found[i] += 100.0 / kFormLights / std::max(wholes[pixels_[i].view][l], 1e-12) *
                     std::abs((lights[i].*light)[l] - lights[i].reference[l]);
     return errors_of(found);
   };
@@ -303,10 +343,15 @@ void FormMeter::improve(NormalForm& form, const std::vector<double>& limits) con
   constexpr double kShares[] = {0.0, 0.25, 0.5, 0.75, 1.0};
   constexpr int kSweeps = 2;
   std::vector<double> current = contributions([&](const Measured& at) { return middle_light(at, form); });
-  std::vector<double> errors = errors_of(current).by_distance;
+  std::vector<double> errors = errors_of(current).by_view;
+  const int last = last_seen_level();
+  const auto set = [&](int level, const LevelForm& to) {
+    const auto at = form.levels.begin() + level;
+    std::fill(at, level == last ? form.levels.end() : at + 1, to);
+  };
   for (int sweep = 0; sweep < kSweeps; ++sweep)
-    for (int level = 1; level < level_count(); ++level) {
-      const std::vector<std::size_t> touched = pixels_of_level(level);
+    for (int level = 1; level <= last; ++level) {
+      const std::vector<std::size_t> touched = pixels_of_levels(level, level == last ? level_count() - 1 : level);
       if (touched.empty()) continue;
       const LevelForm before = form.levels[size_of(level)];
       LevelForm best = before;
@@ -314,8 +359,9 @@ void FormMeter::improve(NormalForm& form, const std::vector<double>& limits) con
       std::vector<double> best_values, best_errors;
       for (const bool has_fitted_normals : {false, true})
         for (const double share : kShares) {
-          form.levels[size_of(level)] = {has_fitted_normals, share};
-          if (form.levels[size_of(level)] == before) continue;
+          const LevelForm tried{has_fitted_normals, share};
+          if (tried == before) continue;
+          set(level, tried);
           std::vector<double> values(touched.size());
           for_each_row_band(static_cast<int>(touched.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
             for (std::size_t i = size_of(begin); i < size_of(end); ++i)
@@ -325,48 +371,61 @@ void FormMeter::improve(NormalForm& form, const std::vector<double>& limits) con
           double gain = 0.0;
           for (std::size_t i = 0; i < touched.size(); ++i) {
             const double less = current[touched[i]] - values[i];
-            changed[pixels_[touched[i]].distance] -= less;
-            gain += less / static_cast<double>(distances_.size());
+            changed[pixels_[touched[i]].view] -= less;
+            gain += less / static_cast<double>(views_.size());
           }
           bool is_within = gain > best_gain;
           for (std::size_t d = 0; d < changed.size(); ++d)
             is_within = is_within && changed[d] <= std::max(limits[d], errors[d]);
           if (!is_within) continue;
-          best = form.levels[size_of(level)];
+          best = tried;
           best_gain = gain;
           best_values = std::move(values);
           best_errors = std::move(changed);
         }
-      form.levels[size_of(level)] = best;
+      set(level, best);
       if (best_values.empty()) continue;
       for (std::size_t i = 0; i < touched.size(); ++i) current[touched[i]] = best_values[i];
       errors = std::move(best_errors);
     }
 }
 
-std::vector<std::size_t> FormMeter::pixels_of_level(int level) const {
+int FormMeter::last_seen_level() const {
+  constexpr double kPixelsMin = 16.0;
+  std::vector<double> pixels(size_of(level_count()), 0.0);
+  for (const Measured& at : pixels_) {
+    pixels[size_of(at.middle.levels[0])] += 1.0 - at.middle.coarser_share;
+    pixels[size_of(at.middle.levels[1])] += at.middle.coarser_share;
+  }
+  int last = level_count() - 1;
+  while (last > 0 && pixels[size_of(last)] < kPixelsMin) --last;
+  return last;
+}
+
+std::vector<std::size_t> FormMeter::pixels_of_levels(int first, int last) const {
+  const auto is_within = [&](int level) { return level >= first && level <= last; };
   std::vector<std::size_t> made;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    const Looked& looked = pixels_[i].looked[0];
-    if ((looked.levels[0] == level && looked.coarser_share < 1.0) ||
-        (looked.levels[1] == level && looked.coarser_share > 0.0))
+    const Looked& looked = pixels_[i].middle;
+    if ((is_within(looked.levels[0]) && looked.coarser_share < 1.0) ||
+        (is_within(looked.levels[1]) && looked.coarser_share > 0.0))
       made.push_back(i);
   }
   return made;
 }
 
-ChosenNormalForm choose_normal_form(const FormMeter& meter) {
-  const auto of_all = [&](const LevelForm& form) { return NormalForm::of(meter.level_count(), form); };
+ChosenNormalForm choose_normal_form(const FormMeter& meter, const NormalForm& kept) {
   ChosenNormalForm made;
-  made.form = of_all({});
-  made.plain = made.chosen = meter.normals(made.form);
-  made.fitted = meter.normals(of_all({true, 1.0}));
-  std::vector<double> limits = made.plain.by_distance;
+  made.form = kept;
+  made.plain = meter.normals(NormalForm::of(meter.level_count(), {}));
+  made.fitted = meter.normals(NormalForm::of(meter.level_count(), {true, 1.0}));
+  made.chosen = meter.normals(kept);
+  std::vector<double> limits = made.chosen.by_view;
   for (double& limit : limits) limit += kFormTolerance;
-  NormalForm improved = made.form;
+  NormalForm improved = kept;
   meter.improve(improved, limits);
   const FormError error = meter.normals(improved);
-  if (error.mean > made.plain.mean - std::max(kFormGain, kFormGainShare * made.plain.mean)) return made;
+  if (error.mean > made.chosen.mean - std::max(kFormGain, kFormGainShare * made.chosen.mean)) return made;
   made.form = improved;
   made.chosen = error;
   return made;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <glm/mat3x3.hpp>
@@ -35,7 +36,8 @@ struct ModelPixel {
 };
 
 struct ModelPicture {
-  double distance = 0.0;  // of the eye from the model's middle, in its units
+  double distance = 0.0;   // of the eye from the model's middle, in its units
+  std::string shape = {};  // host/delivery/forms/simple_views.h; empty: a model
   glm::dvec3 eye{0.0};
   glm::dmat3 to_view{1.0};  // turns directions to the space of the view
   std::vector<ModelPixel> pixels;

@@ -6,13 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/delivery/export/uastc/level_file.h"
 #include "host/formats/asset/baked_file.h"
 #include "host/foundation/base/size_of.h"
 #include "host/foundation/base/wrap_mode.h"
@@ -28,19 +26,18 @@ struct TextureFrame {
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
 };
 
-/// Channels of 8 bits as shares, 0 to 1. Levels that are small enough are held in memory, others read texel by texel.
+/// A texture's levels, channels as shares, 0 to 1.
 class SharesTexture {
  public:
-  /// `file` must outlive it. `bytes_max`: of what is held.
-  SharesTexture(const LevelFile& file, const TextureFrame& frame, std::uint64_t bytes_max);
+  explicit SharesTexture(const TextureFrame& frame) : frame_(frame) {}
+  virtual ~SharesTexture() = default;
 
   const TextureFrame& frame() const { return frame_; }
-  glm::dvec4 texel(int level, int x, int y) const;
+  /// Any number of threads may ask at once.
+  virtual glm::dvec4 texel(int level, int x, int y) const = 0;
 
  private:
-  const LevelFile& file_;
   TextureFrame frame_;
-  std::vector<std::vector<std::uint8_t>> held_;  // by level; empty: on disk
 };
 
 /// Bilinear; `place` is 0 to 1 across the image.

@@ -184,8 +184,8 @@ class GltfConversion {
 
   // What pictures said of it; empty: they were not asked.
   std::string form_text(const std::vector<PreparedSource>& prepared, const MaterialPlan& material) const {
-    if (material.source >= prepared.size() || report_.forms[material.source].distances.empty()) return "";
-    return report_.forms[material.source].to_text();
+    if (material.source >= prepared.size() || report_.forms[material.source].views.empty()) return "";
+    return report_.forms[material.source].to_text(true);
   }
 
   // One bad map does not keep the others from being fitted; where there are no others, nothing would be.
@@ -215,7 +215,7 @@ class GltfConversion {
       if (source.kept.empty())
         units += ((source.source.is_anisotropic ? 4u : 3u) + (job_.has_lobes ? 1u : 0u)) * source.texel_count();
     progress_start(progress_, units);
-    SourceForms forms(asset, plan, fit_settings(), progress_);
+    SourceForms forms(asset, plan, fit_settings(), job_.engine, progress_);
     report_.forms.resize(prepared.size());
     std::vector<SourceTextures> made(prepared.size());
     for (std::size_t s = 0; s < prepared.size(); ++s)
@@ -228,12 +228,12 @@ class GltfConversion {
   }
 
   // What pictures say of a source; without them, what was asked for.
-  SourceForm form_of(SourceForms& forms, std::size_t number, const FittedSource& fitted, const std::string& baked) {
-    SourceForm form;
+  ChosenForm form_of(SourceForms& forms, std::size_t number, const FittedSource& fitted, const std::string& baked) {
+    ChosenForm form;
     form.normals = NormalForm::of(fitted.normal->level_count(),
-                                  {job_.form == GltfForm::kOneLobe || fitted.averages == nullptr, 1.0});
+                                  {job_.form == MaterialForm::kOneLobe || fitted.averages == nullptr, 1.0});
     form.has_lobes = job_.has_lobes;
-    if (job_.form != GltfForm::kAuto || fitted.averages == nullptr) return form;
+    if (job_.form != MaterialForm::kAuto || fitted.averages == nullptr) return form;
     progress_stage(progress_, "form");
     form = forms.choose(number, fitted, baked);
     report_.forms[number] = form;
@@ -255,7 +255,7 @@ class GltfConversion {
       seconds_.lobes += stopwatch_.lap();
     }
     FittedSource fitted = std::move(*found);
-    const SourceForm form = form_of(forms, number, fitted, baked);
+    const ChosenForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
       source.kept = "its own mips are as near";
       source.is_plain = true;
@@ -371,7 +371,8 @@ std::string GltfReport::to_json(const GltfJob& job) const {
                                  {"output", text_of_path(job.output)},
                                  {"format", choice_name(kGltfTextureFormats, job.format)},
                                  {"anisotropy", job.is_anisotropic},
-                                 {"form", choice_name(kGltfForms, job.form)},
+                                 {"form", choice_name(kMaterialForms, job.form)},
+                                 {"for", choice_name(kEngines, job.engine)},
                                  {"lobes", job.has_lobes},
                                  {"fast", job.is_fast},
                                  {"surface", map_surface_name(job.surface)},
@@ -390,8 +391,8 @@ std::string GltfReport::to_json(const GltfJob& job) const {
     if (!material.form.empty()) one["form"] = material.form;
     json["materials"].push_back(std::move(one));
   }
-  for (const SourceForm& form : forms)
-    if (!form.distances.empty()) json["forms"].push_back(form.to_json());
+  for (const ChosenForm& form : forms)
+    if (!form.views.empty()) json["forms"].push_back(form.to_json());
   for (const Textures& one : textures) json["textures"].push_back(json_of_textures(one));
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
   return json_text(json, 2) + "\n";

@@ -26,9 +26,10 @@ struct GltfJob {
   GltfTextureFormat format = GltfTextureFormat::kAuto;
   bool has_fallback = false;  // level 0 of each texture as a plain image too
   bool is_anisotropic = false;
-  GltfForm form = GltfForm::kAuto;        // of all materials
-  bool has_lobes = false;                 // in MULTUM_lobes; with GltfForm::kAuto where they are nearer
-  std::optional<LobeTexels> lobe_texels;  // unset: as `format` says; only with lobes
+  MaterialForm form = MaterialForm::kAuto;  // of all materials
+  Engine engine = Engine::kThree;           // whose pictures choose it
+  bool has_lobes = false;                   // in MULTUM_lobes; with MaterialForm::kAuto where they are nearer
+  std::optional<LobeTexels> lobe_texels;    // unset: as `format` says; only with lobes
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;  // of levels from 1 on
   std::optional<ZRange> z_range;             // of all normal maps; unset: from statistics
@@ -56,7 +57,7 @@ struct GltfReport {
     std::string storage_text() const;
   };
   std::vector<Material> materials;
-  std::vector<SourceForm> forms;  // by source, where they were chosen
+  std::vector<ChosenForm> forms;  // by source, where they were chosen
   std::vector<Textures> textures;
   std::vector<std::string> warnings;
   std::uint64_t bytes_before = 0, bytes_after = 0;  // of the file, with what it names beside it

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/delivery/export/uastc/level_texture.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"
 #include "host/foundation/base/size_of.h"
@@ -38,15 +39,6 @@ double grey_of(const GltfJson& surface) {
   return std::clamp(grey, 0.02, 1.0);
 }
 
-// Which distance two forms differ most at.
-std::size_t most_different(const FormError& one, const FormError& other) {
-  std::size_t at = 0;
-  for (std::size_t i = 1; i < one.by_distance.size(); ++i)
-    if (std::abs(one.by_distance[i] - other.by_distance[i]) > std::abs(one.by_distance[at] - other.by_distance[at]))
-      at = i;
-  return at;
-}
-
 }  // namespace
 
 struct SourceForms::Drawn {
@@ -55,9 +47,9 @@ struct SourceForms::Drawn {
   std::optional<ModelPictures> pictures;
 };
 
-SourceForms::SourceForms(const GltfAsset& asset, const GltfPlan& plan, const SourceFitSettings& settings,
+SourceForms::SourceForms(const GltfAsset& asset, const GltfPlan& plan, const SourceFitSettings& settings, Engine engine,
                          Progress* progress)
-    : asset_(asset), plan_(plan), settings_(settings), progress_(progress) {}
+    : asset_(asset), plan_(plan), settings_(settings), engine_(engine), progress_(progress) {}
 SourceForms::~SourceForms() = default;
 
 const SourceForms::Drawn& SourceForms::drawn(std::uint64_t uv_set) {
@@ -76,7 +68,7 @@ const SourceForms::Drawn& SourceForms::drawn(std::uint64_t uv_set) {
   return *made;
 }
 
-SourceForm SourceForms::choose(std::size_t source, const FittedSource& fitted, const std::string& baked) {
+ChosenForm SourceForms::choose(std::size_t source, const FittedSource& fitted, const std::string& baked) {
   const LobeSource& from = plan_.sources[source];
   PicturedSurface surface;
   std::optional<std::size_t> first;
@@ -95,71 +87,37 @@ SourceForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
   const TextureFrame frame{fitted.normal->width(), fitted.normal->height(), fitted.normal->level_count(), from.wrap_s,
                            from.wrap_t};
   const std::uint64_t bytes_each = settings_.memory_bytes / 4;
-  const SharesTexture averages(*fitted.averages, frame, bytes_each), normals(*fitted.normal, frame, bytes_each);
-  std::optional<SharesTexture> material;
+  const LevelFileTexture averages(*fitted.averages, frame, bytes_each), normals(*fitted.normal, frame, bytes_each);
+  std::optional<LevelFileTexture> material;
   if (fitted.surface != nullptr) material.emplace(*fitted.surface, frame, bytes_each);
   static const GltfJson kNone = GltfJson::object();
   const GltfJson& described = asset_.array("materials").at(*first);
   const GltfJson& pbr = described.contains("pbrMetallicRoughness") ? described.at("pbrMetallicRoughness") : kNone;
   FormTextures textures{&averages, &normals, material ? &*material : nullptr, pbr.value("metallicFactor", 1.0),
                         grey_of(pbr)};
-  const FormMeter meter(textures, pictures, settings_.threads);
+  const FormMeter meter(textures, pictures, {engine_, !baked.empty(), settings_.threads});
 
-  SourceForm made;
+  ChosenForm made;
   made.is_on_sphere = on->is_sphere;
-  made.distances = meter.distances();
-  if (made.distances.empty()) {
+  made.views = meter.views();
+  if (made.views.empty()) {
     made.has_lobes = !baked.empty();
     return made;
   }
-  const ChosenNormalForm chosen = choose_normal_form(meter);
+  const ChosenNormalForm chosen = choose_normal_form(meter, NormalForm::of(meter.level_count(), {}));
   made.normals = chosen.form;
   made.errors = {{"plain", chosen.plain}, {"one_lobe", chosen.fitted}, {"chosen", chosen.chosen}};
   if (baked.empty() || described.contains(GltfJson::json_pointer(kClearcoatNormal))) return made;
   const LobeLevels lobes(baked, from.wrap_s, from.wrap_t, bytes_each);
   made.errors["points_4"] = meter.points(made.normals);
   made.errors["lobes_4"] = meter.lobes(lobes, made.normals);
+  made.errors["noise"] = meter.noise();
   made.has_lobes = made.errors["lobes_4"].mean < made.errors["points_4"].mean - kFormGain;
   if (!made.has_lobes || !lobes.has_colours()) return made;
   const FormMeter::Coloured coloured = meter.coloured_lobes(lobes, made.normals);
   made.errors["mean_colour_4"] = coloured.mean;
   made.errors["lobe_colours_4"] = coloured.own;
   made.has_lobe_colours = coloured.own.mean < coloured.mean.mean - kFormGain;
-  return made;
-}
-
-std::string SourceForm::to_text() const {
-  if (distances.empty()) return "nothing of it is seen";
-  const bool has_candidates = errors.contains("lobes_4");
-  const FormError &before = errors.at(has_candidates ? "points_4" : "plain"),
-                  &after = errors.at(has_candidates ? "lobes_4" : "one_lobe");
-  const std::size_t at = most_different(before, after);
-  const auto percent = [&](const char* name) { return fmt::format("{:.1f} %", errors.at(name).by_distance[at]); };
-  std::string text =
-      fmt::format("at {:.3g} m plain {}, one lobe {}", distances[at], percent("plain"), percent("one_lobe"));
-  if (!normals.is_plain()) text += fmt::format(", chosen {}", percent("chosen"));
-  if (has_candidates)
-    text += fmt::format("; with 4 evaluations points {}, lobes {}", percent("points_4"), percent("lobes_4"));
-  text += ": ";
-  if (normals.is_plain()) text += "its own maps stay";
-  else
-    text += normals.has_fitted_normals() ? "fitted normals and roughness" : "its own normals stay, roughness is fitted";
-  if (has_candidates) text += has_lobes ? ", with lobes" : ", without lobes";
-  if (has_lobe_colours && errors.contains("lobe_colours_4")) {
-    const FormError &own = errors.at("lobe_colours_4"), &mean = errors.at("mean_colour_4");
-    const std::size_t there = most_different(own, mean);
-    text += fmt::format(" that have colours (at {:.3g} m {:.1f} %, of one colour {:.1f} %)", distances[there],
-                        own.by_distance[there], mean.by_distance[there]);
-  }
-  return text;
-}
-
-GltfJson SourceForm::to_json() const {
-  GltfJson made = {
-      {"distances", distances}, {"on_sphere", is_on_sphere}, {"lobes", has_lobes}, {"lobe_colours", has_lobe_colours}};
-  for (const auto& [name, error] : errors) made["errors"][name] = error.by_distance;
-  for (const LevelForm& level : normals.levels)
-    made["levels"].push_back({{"fitted_normals", level.has_fitted_normals}, {"fitted_roughness", level.fitted_share}});
   return made;
 }
 

@@ -5,9 +5,8 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "host/delivery/forms/material_forms.h"
+#include "host/delivery/forms/chosen_form.h"
 #include "host/delivery/gltf/material_plan.h"
 #include "host/delivery/gltf/source_fit.h"
 #include "host/foundation/base/progress.h"
@@ -15,32 +14,16 @@
 
 namespace multum {
 
-/// What is made of a source.
-struct SourceForm {
-  NormalForm normals;
-  bool has_lobes = false, has_lobe_colours = false;
-  // Relative L1 errors in per cent, by distance; empty where none were drawn.
-  std::vector<double> distances;
-  std::map<std::string, FormError> errors;  // "plain", "one_lobe", "chosen"; of 4 evaluations "points_4", "lobes_4"; in
-                                            // colour "mean_colour_4", "lobe_colours_4"
-  bool is_on_sphere = false;                // for want of a mesh that can be drawn
-
-  /// "at 12 m plain 13.1 %, one lobe 12.9 %; with 4 evaluations points 11.0 %, lobes 10.9 %: lobes".
-  std::string to_text() const;
-  /// {"distances", "errors": {"plain": [...]}, "levels": [{"fitted_normals", "fitted_roughness"}], "lobes",
-  /// "on_sphere"}
-  GltfJson to_json() const;
-};
-
 /// Draws the model when it is first asked, once for all sources with the same set of texture coordinates.
 class SourceForms {
  public:
-  /// Both must outlive it.
-  SourceForms(const GltfAsset& asset, const GltfPlan& plan, const SourceFitSettings& settings, Progress* progress);
+  /// Both must outlive it. `engine`: whose filter the pictures have.
+  SourceForms(const GltfAsset& asset, const GltfPlan& plan, const SourceFitSettings& settings, Engine engine,
+              Progress* progress);
   ~SourceForms();
 
   /// `baked`: a file of the source's lobes, which are a candidate; empty: they are none.
-  SourceForm choose(std::size_t source, const FittedSource& fitted, const std::string& baked);
+  ChosenForm choose(std::size_t source, const FittedSource& fitted, const std::string& baked);
 
  private:
   struct Drawn;
@@ -49,6 +32,7 @@ class SourceForms {
   const GltfAsset& asset_;
   const GltfPlan& plan_;
   const SourceFitSettings settings_;
+  const Engine engine_;
   Progress* const progress_;
   std::map<std::uint64_t, std::unique_ptr<Drawn>> drawn_;  // by set
 };

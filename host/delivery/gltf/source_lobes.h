@@ -16,7 +16,7 @@ namespace multum {
 
 struct SourceLobeSettings {
   std::optional<LobeTexels> texels;  // unset: blocks, or RGBA8 where blocks add kStorageErrorMax or more
-  LobeSurface surface;  // under the lobes, for the error that storing them adds
+  LobeSurface surface;               // under the lobes, for the error that storing them adds
 };
 
 /// Bakes a file of the map's own size, whatever the fitted textures have, and returns its path. Files are named by

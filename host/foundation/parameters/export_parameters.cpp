@@ -85,6 +85,8 @@ Rows export_rows() {
       lobe_anisotropy_parameter(kExportJob),
       fast_lobe_parameter(kExportJob),
       surface_parameter("; of levels from 1 on", kExportJob),
+      form_parameter("a plane and a sphere, by level the nearest", "one-lobe", kExportJob),
+      engine_parameter(kExportJob),
       {.name = "format",
        .kind = Kind::kChoice,
        .help = "files to write: png, an image a level of 8 bits a channel; exr, the same of half floats; ktx2 and "

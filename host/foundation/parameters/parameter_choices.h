@@ -121,14 +121,21 @@ inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {{"auto", Gltf
                                                                    {"rgba8", GltfTextureFormat::kRgba8},
                                                                    {"png", GltfTextureFormat::kPng}};
 
-/// form of `multum gltf`: what a material's normals become.
-enum class GltfForm {
-  kAuto,      // by pictures of the model
+/// form of `multum gltf` and exports: what a material's normals become.
+enum class MaterialForm {
+  kAuto,      // by pictures of the model, or of simple shapes
   kAverages,  // means of normals, as a renderer's own mips, and fitted roughness
   kOneLobe,   // one fitted lobe: both fitted
 };
-inline constexpr Choices<GltfForm> kGltfForms = {
-    {"auto", GltfForm::kAuto}, {"averages", GltfForm::kAverages}, {"one-lobe", GltfForm::kOneLobe}};
+inline constexpr Choices<MaterialForm> kMaterialForms = {
+    {"auto", MaterialForm::kAuto}, {"averages", MaterialForm::kAverages}, {"one-lobe", MaterialForm::kOneLobe}};
+
+/// for: the engine whose filter those pictures have (host/delivery/forms/engine_filter.h).
+enum class Engine { kThree, kBabylon, kPlayCanvas, kFilament, kGodot, kUnity, kUnreal };
+inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},           {"babylon", Engine::kBabylon},
+                                             {"playcanvas", Engine::kPlayCanvas}, {"filament", Engine::kFilament},
+                                             {"godot", Engine::kGodot},           {"unity", Engine::kUnity},
+                                             {"unreal", Engine::kUnreal}};
 
 /// pyramid of `multum pack`: images of a chunk.
 enum class PyramidChoice {

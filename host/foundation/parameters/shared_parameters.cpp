@@ -89,6 +89,29 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
           .surfaces = surfaces};
 }
 
+Parameter form_parameter(const std::string& shown, const std::string& default_text, unsigned surfaces) {
+  return {.name = "form",
+          .kind = ParameterKind::kChoice,
+          .help = "what normals become: auto, by pictures of " + shown +
+                  "; averages, with fitted roughness; one-lobe, both fitted",
+          .default_text = default_text,
+          .choices = choice_names(kMaterialForms),
+          .group = kStorageGroup,
+          .surfaces = surfaces};
+}
+
+Parameter engine_parameter(unsigned surfaces) {
+  return {.name = "for",
+          .kind = ParameterKind::kChoice,
+          .help =
+              "engine whose filter, and whose roughness where normals change from pixel to pixel, the pictures of "
+              "form auto have",
+          .default_text = "three",
+          .choices = choice_names(kEngines),
+          .group = kStorageGroup,
+          .surfaces = surfaces};
+}
+
 Parameter uastc_effort_parameter(unsigned surfaces) {
   return {.name = "uastc_effort",
           .kind = ParameterKind::kInteger,

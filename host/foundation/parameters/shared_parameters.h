@@ -16,6 +16,9 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces);
 /// `anisotropy` and `fast`, of command lines that fit one lobe a texel.
 Parameter lobe_anisotropy_parameter(unsigned surfaces);
 Parameter fast_lobe_parameter(unsigned surfaces);
+/// `form` and `for`, of commands that choose what a material's normals become; `shown` is what pictures show.
+Parameter form_parameter(const std::string& shown, const std::string& default_text, unsigned surfaces);
+Parameter engine_parameter(unsigned surfaces);
 /// `uastc_effort` and `encoder`, of commands that have textures encoded as UASTC.
 Parameter uastc_effort_parameter(unsigned surfaces);
 Parameter encoder_parameter(unsigned surfaces);

@@ -94,8 +94,8 @@ export const VARIANCE = `{
 /**
  * The fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, its maps sampled
  * MULTUM_MAP_BIAS octaves coarser than all of it asks for. `defines` by name. `lobes`: GLSL with multum_decide(),
- * multum_shift() and multum_map(), whose first parameter numbers the lookups, which replaces points alone; `geometry`: what the change of the geometry's normals
- * does to roughness.
+ * multum_shift() and multum_map(), whose first parameter numbers the lookups, which replaces points alone; `geometry`:
+ * what the change of the geometry's normals does to roughness.
  * `edit(name, text)`: what stands in place of a chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
@@ -115,6 +115,7 @@ export function fragmentAtPoints(fragment, chunks, revision,
   const opaque = replaced(chunks.opaque_fragment, "material.transmissionAlpha", "multum_transmission", revision);
   const rest = ALPHA_TESTS.map((name) => `#include <${name}>\n`).join("") +
     replaced(fragment.slice(behind), BODY[1], opaque, revision);
-  const head = Object.entries({ ...defines, MULTUM_MAP_COUNT: Math.max(1, mapCount) }).map(([name, value]) => `#define ${name} ${value}\n`).join("");
+  const head = Object.entries({ ...defines, MULTUM_MAP_COUNT: Math.max(1, mapCount) })
+    .map(([name, value]) => `#define ${name} ${value}\n`).join("");
   return head + declared + MOVE + (lobes ?? PLAIN) + fragment.slice(main, first) + BEGIN + body + END + rest;
 }

@@ -28,6 +28,8 @@ void apply(const ParameterValues& values, ExportJob& job) {
   job.lobe.base_roughness = values.number("base_roughness").value_or(job.lobe.base_roughness);
   job.lobe.is_anisotropic = job.lobe.is_anisotropic || values.flag("anisotropy");
   job.lobe.is_fast = job.lobe.is_fast || values.flag("fast");
+  if (const auto form = values.choice("form", kMaterialForms)) job.form = form;
+  job.engine = values.choice("for", kEngines).value_or(job.engine);
   job.roughness = values.text("roughness").value_or(job.roughness);
   if (const auto gloss = values.text("gloss")) job.roughness = *gloss, job.roughness_is_gloss = true;
   job.occlusion = values.text("occlusion").value_or(job.occlusion);

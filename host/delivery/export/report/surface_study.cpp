@@ -62,12 +62,14 @@ SurfaceModel rule_model(const EngineRule& rule, const LevelTexture& averages) {
   return model;
 }
 
-SurfaceModel fitted_model(const ExportSource& source, const ExportJob& job, bool is_anisotropic, Device& device,
-                          Progress* progress) {
+SurfaceModel fitted_model(const ExportSource& source, const ExportJob& job, bool is_anisotropic,
+                          const std::string& scratch_folder, Device& device, Progress* progress) {
   OneLobeSettings settings = job.lobe;
   settings.is_anisotropic = is_anisotropic;
   LevelSink sink(source.map.normals.width(), source.map.normals.height(), is_anisotropic);
-  fit_one_lobe(device, source.inputs(job), settings, sink, progress);
+  FormSettings form = form_settings(job, scratch_folder);
+  if (is_anisotropic) form.form = MaterialForm::kOneLobe;
+  fit_formed_material(device, source.inputs(job), settings, form, sink, progress);
   return {is_anisotropic ? "anisotropic" : "isotropic", is_anisotropic ? "export, anisotropic" : "export",
           SurfaceModel::Kind::kOneLobe, std::move(sink.texture)};
 }
@@ -211,7 +213,7 @@ SurfaceStudy study_surface(const ExportJob& job, const std::string& scratch_fold
       averaged_levels(stage.source.fitted_normals(), stage.material, stage.alpha_squared, kStudyFirstLevel);
   for (const EngineRule& rule : engine_rules()) stage.models.push_back(rule_model(rule, stage.averages));
   for (const bool is_anisotropic : {false, true})
-    stage.models.push_back(fitted_model(stage.source, job, is_anisotropic, device, progress));
+    stage.models.push_back(fitted_model(stage.source, job, is_anisotropic, scratch_folder, device, progress));
   if (stage.source.lobes) stage.models.push_back(baked_model(*stage.source.lobes));
 
   SurfaceStudy study;

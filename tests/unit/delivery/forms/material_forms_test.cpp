@@ -10,6 +10,8 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
+#include "host/delivery/export/uastc/level_texture.h"
+#include "host/delivery/forms/simple_views.h"
 #include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
@@ -63,12 +65,12 @@ class MaterialFormsTest : public Test {
   }
   // Calls `body` with a meter of what was set.
   template <typename Body>
-  void measure(const Body& body) const {
+  void measure(const Body& body, Engine engine = Engine::kThree,
+               const std::vector<ModelPicture>& seen = pictures()) const {
     const TextureFrame frame{kSide, kSide, averages_.level_count()};
-    const SharesTexture averages(averages_, frame, 1 << 24), normals(normals_, frame, 1 << 24),
+    const LevelFileTexture averages(averages_, frame, 1 << 24), normals(normals_, frame, 1 << 24),
         surface(surface_, frame, 1 << 24);
-    const std::vector<ModelPicture> seen = pictures();
-    body(FormMeter({&averages, &normals, &surface, 1.0, 0.8}, seen, 2));
+    body(FormMeter({&averages, &normals, &surface, 1.0, 0.8}, seen, {engine, true, 2}));
   }
 
   testing::TemporaryFolder folder_;
@@ -97,19 +99,19 @@ TEST_F(MaterialFormsTest, APixelIsWhereTheRayMeetsTheSphere) {
 TEST_F(MaterialFormsTest, SteepBumpsAskForFittedRoughness) {
   set_bumps(0.6, 0.2, 0.75);
   measure([](const FormMeter& meter) {
-    const ChosenNormalForm chosen = choose_normal_form(meter);
+    const ChosenNormalForm chosen = choose_normal_form(meter, NormalForm::of(meter.level_count(), {}));
     EXPECT_FALSE(chosen.form.is_plain());
     EXPECT_LT(chosen.chosen.mean, 0.95 * chosen.plain.mean);
     EXPECT_TRUE(chosen.form.levels[0].is_plain());
-    for (std::size_t d = 0; d < meter.distances().size(); ++d)
-      EXPECT_LE(chosen.chosen.by_distance[d], chosen.plain.by_distance[d] + kFormTolerance + 1e-9);
+    for (std::size_t d = 0; d < meter.views().size(); ++d)
+      EXPECT_LE(chosen.chosen.by_view[d], chosen.plain.by_view[d] + kFormTolerance + 1e-9);
   });
 }
 
 TEST_F(MaterialFormsTest, ASmoothMapStaysAsItIs) {
   set_bumps(0.0, 0.4, 0.4);
   measure([](const FormMeter& meter) {
-    const ChosenNormalForm chosen = choose_normal_form(meter);
+    const ChosenNormalForm chosen = choose_normal_form(meter, NormalForm::of(meter.level_count(), {}));
     EXPECT_TRUE(chosen.form.is_plain());
     EXPECT_EQ(chosen.plain.mean, chosen.chosen.mean);
   });
@@ -118,10 +120,49 @@ TEST_F(MaterialFormsTest, ASmoothMapStaysAsItIs) {
 TEST_F(MaterialFormsTest, AFitThatIsWrongIsNotTaken) {
   set_bumps(0.0, 0.3, 1.0);
   measure([](const FormMeter& meter) {
-    const ChosenNormalForm chosen = choose_normal_form(meter);
+    const ChosenNormalForm chosen = choose_normal_form(meter, NormalForm::of(meter.level_count(), {}));
     EXPECT_GT(chosen.fitted.mean, chosen.plain.mean + 10.0);
     EXPECT_LE(chosen.chosen.mean, chosen.plain.mean);
   });
+}
+
+TEST_F(MaterialFormsTest, AFitThatIsKeptIsWorseInNoView) {
+  set_bumps(0.25, 0.3, 1.0);  // wider than the bumps ask for
+  measure([](const FormMeter& meter) {
+    const ChosenNormalForm chosen = choose_normal_form(meter, NormalForm::of(meter.level_count(), {true, 1.0}));
+    EXPECT_LT(chosen.chosen.mean, 0.95 * chosen.fitted.mean);
+    for (std::size_t v = 0; v < meter.views().size(); ++v)
+      EXPECT_LE(chosen.chosen.by_view[v], chosen.fitted.by_view[v] + kFormTolerance + 1e-9);
+  });
+}
+
+TEST_F(MaterialFormsTest, LevelsBeyondThePicturesAreAsTheLastThatIsSeen) {
+  set_bumps(0.6, 0.2, 0.75);
+  measure(
+      [](const FormMeter& meter) {
+        NormalForm form = NormalForm::of(meter.level_count(), {});
+        meter.improve(form, std::vector<double>(meter.views().size(), 1e9));
+        ASSERT_EQ(form.levels.size(), 9u);
+        EXPECT_GT(form.levels[5].fitted_share, 0.0);
+        for (std::size_t level = 6; level < 9; ++level) EXPECT_EQ(form.levels[level], form.levels[5]);
+      },
+      Engine::kUnity, simple_views(kSide, kSide, 40));  // up to 16 texels a pixel, and half an octave
+}
+
+TEST_F(MaterialFormsTest, PicturesAreThoseOfTheEngine) {
+  set_bumps(0.0, 0.3, 0.3);
+  const auto error_for = [&](Engine engine) {
+    double error = 0.0;
+    measure([&](const FormMeter& meter) { error = meter.normals(NormalForm::of(meter.level_count(), {})).mean; },
+            engine);
+    return error;
+  };
+  // On a flat map the turn of the sphere is all that is filtered, and three.js widens highlights most.
+  EXPECT_GT(error_for(Engine::kThree), 1.5 * error_for(Engine::kFilament));
+  EXPECT_NE(error_for(Engine::kUnity), error_for(Engine::kFilament));
+  // Godot's normals have the map in them.
+  set_bumps(0.6, 0.3, 0.3);
+  EXPECT_NE(error_for(Engine::kGodot), error_for(Engine::kUnity));
 }
 
 TEST_F(MaterialFormsTest, MorePointsAreNearer) {

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/delivery/forms/simple_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+#include <optional>
+
+#include "host/foundation/base/size_of.h"
+
+namespace multum {
+namespace {
+
+constexpr int kSimpleSamples = 8;           // of a pixel
+constexpr double kSimpleTexelsMost = 32.0;  // a pixel: coarser levels are as the last one
+constexpr double kSpherePixelsMin = 4.0;    // of its radius
+constexpr double kSphereRim = 0.9;          // of its area, the rest is edges
+// Of a plane that is seen from above, and of one that is not: degrees.
+constexpr double kTilts[] = {0.0, 35.0, 75.0};
+constexpr double kPoleMost = 1.4;  // of a sphere's height, radians: frames turn fast beyond
+constexpr double kFar = 1e7;       // of the eye, in texels: all rays are parallel
+constexpr const char *kPlane = "plane", *kTiltedPlane = "tilted plane", *kSphere = "sphere";
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+// Numbers from 0 to 1 that are evenly spread over as many axes as are asked for (Kronecker's sequence).
+class EvenNumbers {
+ public:
+  explicit EvenNumbers(std::size_t index) : index_(static_cast<double>(index)) {}
+  double next() {
+    // Powers of the inverse of the root of x^9 = x + 1: Roberts's generalised golden ratio, of eight axes.
+    power_ /= 1.085070245491451;
+    const double value = 0.5 + index_ * power_;
+    return value - std::floor(value);
+  }
+
+ private:
+  double index_, power_ = 1.0;
+};
+
+// From where a pixel is seen: as models are, from all round and a little above.
+struct Side {
+  glm::dvec3 towards_eye{0.0, 0.0, 1.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
+  double pixel = 1.0;  // texels
+
+  Side(double turn, double height, double pixel_texels) : pixel(pixel_texels) {
+    towards_eye = glm::normalize(glm::dvec3(std::sin(kTurn * turn), 0.05 + 0.6 * height, std::cos(kTurn * turn)));
+    right = glm::normalize(glm::cross(glm::dvec3(0.0, 1.0, 0.0), towards_eye));
+    up = glm::cross(towards_eye, right);
+  }
+  // A point of the plane that is looked through, `x` and `y` pixels from the middle, y downwards.
+  glm::dvec3 screen(double x, double y) const { return pixel * (x * right - y * up); }
+};
+
+// What a ray of a pixel meets; nullopt: nothing.
+using Seen = std::function<std::optional<SurfacePoint>(double x, double y)>;
+
+// Texels and parts of the map.
+struct MapSize {
+  double width, height;
+  glm::dvec2 place(const glm::dvec2& first, double along, double up) const {
+    return first + glm::dvec2(along / width, -up / height);
+  }
+};
+
+Seen plane_of(const Side& side, const MapSize& map, bool is_tilted, EvenNumbers& numbers) {
+  const double from = std::cos(kTilts[is_tilted ? 1 : 0] / 360.0 * kTurn),
+               to = std::cos(kTilts[is_tilted ? 2 : 1] / 360.0 * kTurn);
+  const double tilt = std::acos(from + numbers.next() * (to - from));
+  const double leaning = kTurn * numbers.next();
+  const glm::dvec3 across = std::cos(leaning) * side.right + std::sin(leaning) * side.up;
+  const glm::dvec3 normal = std::cos(tilt) * side.towards_eye + std::sin(tilt) * across;
+  const glm::dvec3 level = glm::normalize(glm::cross(normal, glm::dvec3(0.31, 0.83, -0.46)));
+  const double turn = kTurn * numbers.next();
+  const glm::dvec3 tangent = std::cos(turn) * level + std::sin(turn) * glm::cross(normal, level);
+  const glm::dvec2 first(numbers.next(), numbers.next());
+  return [=](double x, double y) -> std::optional<SurfacePoint> {
+    const glm::dvec3 through = side.screen(x, y), bitangent = glm::cross(normal, tangent);
+    const glm::dvec3 position =
+        through - side.towards_eye * (glm::dot(through, normal) / glm::dot(side.towards_eye, normal));
+    return SurfacePoint{position, normal, tangent, bitangent,
+                        map.place(first, glm::dot(position, tangent), glm::dot(position, bitangent))};
+  };
+}
+
+Seen sphere_of(const Side& side, const MapSize& map, EvenNumbers& numbers) {
+  const double radius = map.width / std::numbers::pi;
+  const double out = radius / side.pixel * std::sqrt(kSphereRim * numbers.next()), turn = kTurn * numbers.next();
+  const glm::dvec2 middle(out * std::cos(turn), out * std::sin(turn)), first(numbers.next(), numbers.next());
+  // The pixel's own place goes before: a map has no seam.
+  const auto position_at = [=](double x, double y) -> std::optional<glm::dvec3> {
+    const glm::dvec3 through = side.screen(middle.x + x, middle.y + y);
+    const double depth = radius * radius - glm::dot(through, through);
+    if (depth <= 0.0) return std::nullopt;
+    return through + side.towards_eye * std::sqrt(depth);
+  };
+  const glm::dvec3 at = position_at(0.0, 0.0).value_or(radius * side.towards_eye);
+  const double turn_at = std::atan2(at.x, at.z);
+  return [=](double x, double y) -> std::optional<SurfacePoint> {
+    const std::optional<glm::dvec3> position = position_at(x, y);
+    if (!position) return std::nullopt;
+    const glm::dvec3 normal = *position / radius;
+    const double rise = std::asin(std::clamp(normal.y, -1.0, 1.0)), round = std::atan2(normal.x, normal.z);
+    if (std::abs(rise) > kPoleMost) return std::nullopt;
+    const glm::dvec3 tangent(std::cos(round), 0.0, -std::sin(round));
+    return SurfacePoint{*position, normal, tangent, glm::cross(normal, tangent),
+                        map.place(first, radius * std::remainder(round - turn_at, kTurn), radius * rise)};
+  };
+}
+
+// Nothing where the pixel is on an edge.
+std::optional<ModelPixel> pixel_of(const Seen& seen) {
+  const auto middle = seen(0.0, 0.0), right = seen(0.5, 0.0), left = seen(-0.5, 0.0), below = seen(0.0, 0.5),
+             above = seen(0.0, -0.5);
+  if (!middle || !right || !left || !below || !above) return std::nullopt;
+  ModelPixel made{*middle, *right - *left, *below - *above, {}};
+  made.samples.reserve(size_of(kSimpleSamples * kSimpleSamples));
+  for (int s = 0; s < kSimpleSamples * kSimpleSamples; ++s) {
+    const auto sample =
+        seen((s % kSimpleSamples + 0.5) / kSimpleSamples - 0.5, (s / kSimpleSamples + 0.5) / kSimpleSamples - 0.5);
+    if (!sample) return std::nullopt;
+    made.samples.push_back(*sample);
+  }
+  return made;
+}
+
+}  // namespace
+
+std::vector<ModelPicture> simple_views(int width, int height, std::size_t pixels_per_view) {
+  const MapSize map{static_cast<double>(width), static_cast<double>(height)};
+  std::vector<ModelPicture> made;
+  for (double texels = 1.0; texels <= kSimpleTexelsMost && map.width >= kSpherePixelsMin * std::numbers::pi * texels;
+       texels *= 2.0)
+    for (const char* shape : {kPlane, kTiltedPlane, kSphere})
+      for (std::size_t i = 0; i < pixels_per_view; ++i) {
+        EvenNumbers numbers(i);
+        const double turn = numbers.next(), rise = numbers.next();
+        const Side side(turn, rise, texels * std::exp2(numbers.next() - 0.5));
+        std::optional<ModelPixel> pixel = pixel_of(
+            shape == kSphere ? sphere_of(side, map, numbers) : plane_of(side, map, shape == kTiltedPlane, numbers));
+        if (!pixel) continue;
+        ModelPicture& picture = made.emplace_back();
+        picture.distance = texels;
+        picture.shape = shape;
+        picture.eye = pixel->middle.position + kFar * side.towards_eye;
+        picture.to_view = glm::transpose(glm::dmat3(side.right, side.up, side.towards_eye));
+        picture.pixels.push_back(std::move(*pixel));
+      }
+  return made;
+}
+
+}  // namespace multum

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pixels of planes and spheres: as many texels as they say, with differences that samples agree with.
+#include "host/delivery/forms/simple_views.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <set>
+
+namespace multum {
+namespace {
+
+constexpr int kWidth = 256, kHeight = 128;
+
+TEST(SimpleViewsTest, PixelsAreAsLargeAsTheySay) {
+  std::map<std::string, std::set<double>> distances;
+  for (const ModelPicture& picture : simple_views(kWidth, kHeight, 50)) {
+    distances[picture.shape].insert(picture.distance);
+    ASSERT_EQ(picture.pixels.size(), 1u);
+    const ModelPixel& pixel = picture.pixels[0];
+    const glm::dvec3 towards_eye = glm::normalize(picture.eye - pixel.middle.position);
+    const double facing = glm::dot(pixel.middle.normal, towards_eye);
+    ASSERT_GT(facing, 0.2);
+    // A pixel's area on the surface, seen from the eye, in texels.
+    const double area = glm::length(glm::cross(pixel.along_x.position, pixel.along_y.position)) * facing;
+    EXPECT_GE(std::sqrt(area), 0.7 * picture.distance);
+    EXPECT_LE(std::sqrt(area), 1.5 * picture.distance);
+    // And on the map, whose columns are closer towards the poles of a sphere.
+    const glm::dvec2 size(kWidth, kHeight), x = pixel.along_x.place * size, y = pixel.along_y.place * size;
+    const double latitude = picture.shape == "sphere" ? std::asin(pixel.middle.normal.y) : 0.0;
+    EXPECT_NEAR(std::abs(x.x * y.y - x.y * y.x) * facing * std::cos(latitude), area,
+                (picture.shape == "sphere" ? 0.3 : 1e-6) * area);
+    EXPECT_EQ(pixel.samples.size(), 64u);
+    glm::dvec2 mean(0.0);
+    for (const SurfacePoint& sample : pixel.samples) mean += sample.place / 64.0;
+    EXPECT_LT(glm::length((mean - pixel.middle.place) * size), 0.2 * (glm::length(x) + glm::length(y)));
+    EXPECT_NEAR(glm::length(pixel.middle.tangent), 1.0, 1e-9);
+    EXPECT_NEAR(glm::dot(pixel.middle.normal, glm::cross(pixel.middle.tangent, pixel.middle.bitangent)), 1.0, 1e-9);
+  }
+  const std::set<double> expected = {1.0, 2.0, 4.0, 8.0, 16.0};
+  EXPECT_EQ(distances, (std::map<std::string, std::set<double>>{
+                           {"plane", expected}, {"tilted plane", expected}, {"sphere", expected}}));
+}
+
+TEST(SimpleViewsTest, NormalsTurnOnSpheresAlone) {
+  for (const ModelPicture& picture : simple_views(kWidth, kHeight, 20)) {
+    const double turned = glm::length(picture.pixels[0].along_x.normal);
+    EXPECT_EQ(turned > 0.3 * picture.distance * 3.14159 / kWidth, picture.shape == "sphere") << turned;
+  }
+}
+
+TEST(SimpleViewsTest, ATinyMapHasNone) { EXPECT_TRUE(simple_views(8, 8, 20).empty()); }
+
+}  // namespace
+}  // namespace multum
