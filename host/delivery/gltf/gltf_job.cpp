@@ -96,7 +96,7 @@ class GltfConversion {
     std::vector<PreparedSource> prepared;
     for (std::size_t s = 0; s < plan.sources.size(); ++s) {
       prepared.push_back(prepare_source(asset, plan.sources[s], fit_settings()));
-      if (job_.has_lobes && job_.form == GltfForm::kAuto && plan.colour_images[s])
+      if (job_.has_lobes && job_.form == MaterialForm::kAuto && plan.colour_images[s])
         add_colours(asset, *plan.colour_images[s], fit_settings(), prepared.back());
     }
     lap("read");
