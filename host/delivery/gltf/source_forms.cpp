@@ -27,6 +27,9 @@ glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& 
   return {coordinates.offset[0] + c * u + s * v, coordinates.offset[1] - s * u + c * v};
 }
 
+// Share of noise in an error from which on two forms cannot be told apart.
+constexpr double kNoiseMost = 0.5;
+
 // The base's colour, grey; of a texture nothing is known.
 double grey_of(const GltfJson& surface) {
   constexpr double kOfTextures = 0.5;
@@ -112,7 +115,10 @@ ChosenForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
   made.errors["points_4"] = meter.points(made.normals);
   made.errors["lobes_4"] = meter.lobes(lobes, made.normals);
   made.errors["noise"] = meter.noise();
-  made.has_lobes = made.errors["lobes_4"].mean < made.errors["points_4"].mean - kFormGain;
+  // Pictures whose references are too noisy to tell do not leave out what was asked for.
+  const double lobes_error = made.errors["lobes_4"].mean;
+  made.has_lobes =
+      lobes_error < made.errors["points_4"].mean - kFormGain || made.errors["noise"].mean > kNoiseMost * lobes_error;
   if (!made.has_lobes || !lobes.has_colours()) return made;
   const FormMeter::Coloured coloured = meter.coloured_lobes(lobes, made.normals);
   made.errors["mean_colour_4"] = coloured.mean;
