@@ -57,8 +57,7 @@ void rewrite(const GltfAsset& asset, bool has_lobes) {
   for (const LobeSource& source : plan.sources) {
     const EncodedTexture one{texture, "image/ktx2", 18};
     textures.push_back({one, one, source.is_anisotropic ? std::optional(one) : std::nullopt,
-                        has_lobes ? std::optional(one) : std::nullopt,
-                        has_lobes ? std::optional(one) : std::nullopt});
+                        has_lobes ? std::optional(one) : std::nullopt, has_lobes ? std::optional(one) : std::nullopt});
   }
   RewrittenGltf rewritten = rewrite_gltf(asset, plan, textures);
   const std::string output = fuzz::scratch_folder() + "/output.glb";
