@@ -5,26 +5,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tests/cli/exports/exported_levels.h"
-#include "tests/cli/program.h"
-#include "tests/unit/formats/image/image_test_files.h"
+#include "tests/cli/exports/export_test.h"
 
 namespace multum::testing {
 namespace {
 
-class ExportFormsTest : public CliTest {
+class ExportFormsTest : public ExportTest {
  protected:
-  ProgramResult run(std::vector<std::string> more) const {
-    more.insert(more.begin(),
-                {"export", path("map.png"), "-o", path("out"), "--bumpformat", "normal", "--green", "up"});
-    return multum(more);
-  }
-  void expect_refused(const std::vector<std::string>& more, int code, const std::vector<std::string>& parts) const {
-    expect_refusal(run(more), code, parts);
-    EXPECT_FALSE(std::filesystem::exists(path("out"))) << parts[0];
-  }
-  Picture level(const std::string& name) const { return read_picture(path("out/" + name)); }
-  void write(const std::string& name, const TestImage& image) const { write_test_image(path(name), image); }
   static TestImage rough_image(int width, int height) {
     TestImage image{width, height, 1};
     for (int i = 0; i < width * height; ++i) image.values.push_back(i % 3 == 0 ? 0.2f : 0.35f);
