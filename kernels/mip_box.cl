@@ -2,8 +2,8 @@
 // Box-filtered mip pyramids (Williams 1983, section 3) of planes of numbers - colours, moments, heights, radiance - of
 // every level at once while the map streams by in bands of rows.
 //
-// A texel of a level averages exactly what it covers of the finest texels (docs/ALGORITHMS.md, "Notation"), for any
-// size; Williams has powers of two alone, each level from the one before:
+// A texel of a level averages exactly what it covers of the finest texels (docs/contributing/ALGORITHMS.md,
+// "Notation"), for any size; Williams has powers of two alone, each level from the one before:
 //
 //     along a row      its column covers blocks of 2^k texels and fractions at the ends (row_blocks.h): a few nodes
 //     down the rows    whole rows weigh 1, a row between two texels is shared out; a compensated sum

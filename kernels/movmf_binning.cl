@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The normals of a coarse texel, binned: sorted into the cells of a grid over directions, each cell a sample of EM
 // with the number of its normals as weight and their mean vector as normal. Cells are so much smaller than lobes that
-// EM does the same with some thousand of them as with all normals, and first moments stay exact. docs/ALGORITHMS.md,
-// "Binned normals".
+// EM does the same with some thousand of them as with all normals, and first moments stay exact.
+// docs/contributing/ALGORITHMS.md, "Binned normals".
 //
 // Directions lie at p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to cells, by
 // three quarters from how many normals lie where and by a quarter from their extent: a few steep edges do not coarsen

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level 1 of maps of even sides, instead of EM: a texel covers four normals, and each is given whole to one of its
 // lobes. Of all J^4 ways that one is taken whose lobes are narrowest, by themselves and mixed with what lies around, as
-// texture filters mix them (docs/ALGORITHMS.md, "Level 1").
+// texture filters mix them (docs/contributing/ALGORITHMS.md, "Level 1").
 //
 // With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times how far they
 // lie from their mean, in root mean square. A way costs, over its lobes j of normals S_j and with T_j what lies around,

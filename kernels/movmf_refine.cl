@@ -9,9 +9,9 @@
 // writes: texels are independent of one another.
 //
 // gamma_js is lobe j convolved with f_s. Inner products need no directions h: lobe times sample is the lobe convolved
-// with f_s twice, at the sample, and since mean cosines multiply under convolution (docs/ALGORITHMS.md, "Shading a
-// filtered lobe") it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. Ours; neither paper
-// fits to what is seen.
+// with f_s twice, at the sample, and since mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md,
+// "Shading a filtered lobe") it is the vMF with A = |r_j| c_s^2; lobe times lobe has A = |r_j| |r_k| c_s^2. Ours;
+// neither paper fits to what is seen.
 //
 // A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe; one that does not lower the
 // energy is taken back and a quarter of it tried. For the matrix alone 1/kappa stands in for the sum of the spreads,

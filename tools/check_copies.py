@@ -20,7 +20,7 @@ NUMBER = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.]*\d)")
 TRIPLE = re.compile(r"\d+\.\d+(?: / \d+\.\d+){2,}")
 LEAST = 3  # numbers in one order by chance: figures of one decimal below 100 are 1000, lines with such some thousands
 # Says what was, not what is.
-HISTORY = ("docs/CHANGELOG.md",)
+HISTORY = ("docs/reference/changelog.md",)
 
 
 def runs_of(line):
@@ -47,7 +47,7 @@ class Figures:
 
 def pages(root):
     generated, written = {}, {}
-    for path in [root / "README.md", *sorted((root / "docs").glob("*.md"))]:
+    for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
         name = str(path.relative_to(root))
         text = path.read_text()
         if GENERATED.search(text[:2000]):

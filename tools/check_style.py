@@ -96,10 +96,10 @@ def built_patterns(root, files):
 
 
 def folder_rows(root):
-    text = (root / "docs/ARCHITECTURE.md").read_text()
+    text = (root / "docs/contributing/ARCHITECTURE.md").read_text()
     block = re.search(r"^```folders\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     if block is None:
-        sys.exit("docs/ARCHITECTURE.md: found no table ```folders")
+        sys.exit("docs/contributing/ARCHITECTURE.md: found no table ```folders")
     return {line.split()[0] for line in block.group(1).splitlines() if line.strip()}
 
 
@@ -130,7 +130,7 @@ def violations(root):
         if folder.split("/")[0] in SOURCE_FOLDERS and file.name != "CMakeLists.txt" and not is_listed(wanted, listed):
             missing_folders.add(folder)
     for folder in sorted(missing_folders):
-        yield f"{folder}: has no row in the folder table of docs/ARCHITECTURE.md"
+        yield f"{folder}: has no row in the folder table of docs/contributing/ARCHITECTURE.md"
 
 
 def main():

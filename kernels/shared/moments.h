@@ -22,7 +22,7 @@ typedef struct MultumFilteredMoments {
   float map_x, map_y, map_z, map_share;
 } MultumFilteredMoments;
 
-// How moments are shaded (docs/ALGORITHMS.md, "Moments").
+// How moments are shaded (docs/contributing/ALGORITHMS.md, "Moments").
 #define MULTUM_SHADE_TOKSVIG 0
 #define MULTUM_SHADE_LEAN 1
 #define MULTUM_SHADE_LEAN_JACOBIAN 2

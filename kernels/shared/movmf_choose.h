@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights that movmf_choose.cl and its reference share, found on seven maps (docs/ALGORITHMS.md, "Level 1"). Valid
-// OpenCL C and C++.
+// Weights that movmf_choose.cl and its reference share, found on seven maps (docs/contributing/ALGORITHMS.md, "Level
+// 1"). Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_CHOOSE_H
 #define MULTUM_KERNELS_SHARED_MOVMF_CHOOSE_H
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The levels that a baked file leaves to the normal map (docs/FORMAT.md, "The finest levels"), as textures of that map:
-// levels 0 to the first that is stored less one.
+// The levels that a baked file leaves to the normal map (docs/reference/file_format.md, "The finest levels"), as
+// textures of that map: levels 0 to the first that is stored less one.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of moments on the GPU (docs/FORMAT.md, "Moments"): a texture of the mean normal with the moment
-// E[b_s b_t], one of the other slope moments, and one of colours if the file has them. Level for level as they are in
-// the file. Levels that the file leaves to the normal map are textures of that map.
+// A baked file of moments on the GPU (docs/reference/file_format.md, "Moments"): a texture of the mean normal with the
+// moment E[b_s b_t], one of the other slope moments, and one of colours if the file has them. Level for level as they
+// are in the file. Levels that the file leaves to the normal map are textures of that map.
 #pragma once
 
 #include <optional>

@@ -22,7 +22,7 @@ struct NormalImage;
 TexelFormat texel_format(StorageEncoding encoding);
 
 enum class LobeFormula {
-  kProduct,  // mean cosines multiplied (docs/ALGORITHMS.md)
+  kProduct,  // mean cosines multiplied (docs/contributing/ALGORITHMS.md)
   kPaper,    // Han et al. 2007, equation 20 and Algorithm 2; of Blinn-Phong
 };
 

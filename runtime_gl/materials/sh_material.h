@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of spherical harmonics on the GPU (docs/FORMAT.md, "Spherical harmonics"): one array of textures, four
-// coefficients a layer, and textures of colours and of weights of basis BRDFs if the file has them. An array, since a
-// shader has 16 samplers for sure and order 8 takes 20. Level for level as they are in the file. Levels that the file
-// leaves to the normal map are textures of that map.
+// A baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): one array of
+// textures, four coefficients a layer, and textures of colours and of weights of basis BRDFs if the file has them. An
+// array, since a shader has 16 samplers for sure and order 8 takes 20. Level for level as they are in the file. Levels
+// that the file leaves to the normal map are textures of that map.
 #pragma once
 
 #include <optional>

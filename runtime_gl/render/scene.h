@@ -33,7 +33,8 @@ enum class EnvironmentMode {
   kPrefiltered,  // mips convolved with vMFs, by the spread of what is reflected
 };
 
-/// How mip-mapped textures are looked up over a pixel (shaders/common/texture_filter.glsl). Defaults: docs/FILTER.md.
+/// How mip-mapped textures are looked up over a pixel (shaders/common/texture_filter.glsl). Defaults:
+/// docs/evidence/FILTER.md.
 struct TextureFilter {
   int taps = kTapCountDefault;  // trilinear lookups along the longer axis at most, 1..kTapCountMax
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checksum of a packed field's sections: the lower 32 bits of CRC-64/XZ (docs/FORMAT.md, "Packed fields"), in two
+// The checksum of a packed field's sections: the lower 32 bits of CRC-64/XZ (docs/reference/file_format.md, "Packed
+// fields"), in two
 // halves of 32 bits, since JavaScript computes no more at once.
 
 const HIGH_POLYNOMIAL = 0xc96c5795;

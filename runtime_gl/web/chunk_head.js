@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the first bytes of a chunk say of its textures (docs/FORMAT.md, "Chunks"), before it is decoded.
+// What the first bytes of a chunk say of its textures (docs/reference/file_format.md, "Chunks"), before it is decoded.
 
 /** `{ width, height, textures }`; zeros where the bytes are too few. */
 export function chunkHead(bytes) {

@@ -148,8 +148,8 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
   EXPECT_GT(tight, 0.95 * seen) << "bounds so wide that they say nothing";
 }
 
-// Light that the plane's edge cuts off: the integral of one normal's facets over the hemisphere, as docs/ALGORITHMS.md
-// has it. 1 would be all.
+// Light that the plane's edge cuts off: the integral of one normal's facets over the hemisphere, as
+// docs/contributing/ALGORITHMS.md has it. 1 would be all.
 TEST(GmmEnergy, IsLostTowardsTheRim) {
   constexpr int kRings = 400, kSpokes = 360;
   const double exponents[] = {5.0, 20.0, 100.0, 500.0};

@@ -185,7 +185,8 @@ TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   }
 }
 
-// The bound of docs/ALGORITHMS.md for exponents from `s` on, of the kernel and so of GLSL, which equals it.
+// The bound of docs/contributing/ALGORITHMS.md for exponents from `s` on, of the kernel and so of GLSL, which equals
+// it.
 double stated_bound(double s) {
   return s < 2.0 ? 0.07 : s < 3.0 ? 0.04 : s < 5.0 ? 0.028 : s < 20.0 ? 0.018 : s < 100.0 ? 0.0085 : 0.0027;
 }
@@ -277,8 +278,8 @@ TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   for (std::size_t i = 0; i < opencl.size(); ++i) ASSERT_NEAR(opencl[i], glsl[i].x, 2e-4f) << i;
 }
 
-// The highlight with its cosine, relative L1 over light, eye and lobe: the bounds that docs/ALGORITHMS.md states. The
-// convolution itself is taken exactly here: its own bounds are held above.
+// The highlight with its cosine, relative L1 over light, eye and lobe: the bounds that docs/contributing/ALGORITHMS.md
+// states. The convolution itself is taken exactly here: its own bounds are held above.
 double highlight_error(const std::function<double(double)>& f, double facet_kappa, double kappa) {
   std::mt19937 random(53);
   Highlights set;

@@ -567,8 +567,8 @@ TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   EXPECT_FALSE(once == bake("f.ndf.exr", {"--iterations", "29"})) << "a setting is without effect";
 }
 
-// The highlight of Blinn-Phong s = 2 / alpha^2 - 2 on stored lobes, as docs/FORMAT.md shades them, at its peak: all
-// lobes of a flat place point one way but for rounding, so the peak is at the mean normal.
+// The highlight of Blinn-Phong s = 2 / alpha^2 - 2 on stored lobes, as docs/reference/file_format.md shades them, at
+// its peak: all lobes of a flat place point one way but for rounding, so the peak is at the mean normal.
 double highlight_peak(const std::vector<glm::dvec4>& lobes, double exponent) {
   const double cosine = (exponent + 1.0) / (exponent + 2.0);
   glm::dvec3 at(0.0);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads OpenEXR files and baked ones by docs/FORMAT.md and the OpenEXR file layout alone: no library but Python's own.
+"""Reads OpenEXR files and baked ones by docs/reference/file_format.md and the OpenEXR file layout alone: no library
+but Python's own.
 Scan lines and tiles, several parts, levels; not compressed, RLE, ZIPS and ZIP. Not read: deep data, subsampling."""
 import hashlib
 import math
@@ -145,7 +146,7 @@ ORDER = "RGBAXYZ"
 
 
 def in_order(part):
-    """The part's channels in the order of docs/FORMAT.md's table: of a layer R, G, B, A or X, Y, Z."""
+    """The part's channels in the order of docs/reference/file_format.md's table: of a layer R, G, B, A or X, Y, Z."""
     def place(name):
         if part.text("name") == "finest":
             passes = ("albedo", "lobe", "normalX", "normalY", "normalZ", "square", "weights")
@@ -166,7 +167,7 @@ def content_hash(parts):
 
 
 def finest_z(x, y, encoding):
-    """docs/FORMAT.md, "The finest level"."""
+    """docs/reference/file_format.md, "The finest level"."""
     if encoding == "snorm16":
         i, j = round(x * 32767), round(y * 32767)
         square = max(0, 32767**2 - i * i - j * j)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The odd inputs: some 570 small maps, from a seed, each with what docs/READING.md says of it."""
+"""The odd inputs: some 570 small maps, from a seed, each with what docs/reference/input_maps.md says of it."""
 import math
 import struct
 import zlib

@@ -6,7 +6,8 @@ warned of is, and the message says why.
   odd_inputs_test.py MULTUM [--seed N] [--only WORD] [--keep FOLDER]
 
 Nothing of multum is used to read. Pictures are decoded by odd_images, odd_tiff and exr_reading (the formats' rules)
-and turned into normals by odd_maps (the rules of docs/READING.md); exr_reading reads baked files (docs/FORMAT.md).
+and turned into normals by odd_maps (the rules of docs/reference/input_maps.md); exr_reading reads baked files
+(docs/reference/file_format.md).
 Most are baked as moments of floats, which hold level 0 as it was read; some as lobes.
 """
 import argparse
@@ -24,7 +25,7 @@ from odd_maps import mean_cosine, normals_of
 
 WORKERS = 2
 BATCH = 16  # maps of a command: most of the time of one map would be the start of a process and of OpenCL
-INPUT_REFUSED = 3  # exit code, docs/OPTIONS.md
+INPUT_REFUSED = 3  # exit code, docs/reference/commands.md
 COMPRESSIONS = ("none", "rle", "zips", "zip:1")
 
 

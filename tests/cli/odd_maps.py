@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the odd maps hold, and what docs/READING.md says that it stands for: normals of surfaces and heights as numbers
+"""What the odd maps hold, and what docs/reference/input_maps.md says that it stands for: normals of surfaces and
+heights as numbers
 of any type, and back again to unit normals. Not one formula comes from the program."""
 import math
 import struct
@@ -63,7 +64,7 @@ def scalar_picture(values, width, height, kind, bits):
 
 @dataclass
 class Meaning:
-    """What numbers stand for, as docs/READING.md has it."""
+    """What numbers stand for, as docs/reference/input_maps.md has it."""
     height_scale: float = 0.0  # above 0: heights
     is_signed: bool = False
     is_two_channel: bool = False
@@ -181,5 +182,6 @@ def colours_of(picture, transfer):
 
 
 def mean_cosine(roughness):
-    """docs/FORMAT.md, "Roughness and weights": how much shorter a normal is with its texel's roughness."""
+    """docs/reference/file_format.md, "Roughness and weights": how much shorter a normal is with its texel's
+    roughness."""
     return 1.0 - roughness**4 / 2

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files as strangers read them: OpenImageIO's oiiotool, and the Python of docs/FORMAT.md as it stands there.
+// The files as strangers read them: OpenImageIO's oiiotool, and the Python of docs/reference/file_format.md as it
+// stands there.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -96,9 +97,9 @@ TEST_F(OtherReadersTest, OiiotoolFindsPartsThatBeginAtTheFirstLevel) {
     EXPECT_NE(info.out.find(line), std::string::npos) << line << " is not in\n" << info.out;
 }
 
-// The ```python blocks of docs/FORMAT.md, one after another.
+// The ```python blocks of docs/reference/file_format.md, one after another.
 std::string python_of_format_page() {
-  std::istringstream page(read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/FORMAT.md"));
+  std::istringstream page(read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/file_format.md"));
   std::string code, line;
   bool inside = false;
   while (std::getline(page, line)) {
@@ -376,7 +377,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageMultipliesMatrixAndTexture) {
     for (const float value : picture) EXPECT_EQ(values.next(), value) << "these numbers are exact";
     EXPECT_EQ(values.left(), 0u);
     // The page's table names every key of the header.
-    const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/FORMAT.md");
+    const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/file_format.md");
     std::istringstream keys(read.out);
     for (std::string key; std::getline(keys, key, '"') && std::getline(keys, key, '"');)
       EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << key;

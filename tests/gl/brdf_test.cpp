@@ -98,7 +98,7 @@ TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
   EXPECT_LT(worst[3], worst[2]);
 }
 
-// Rougher than that, of any lobe: what docs/ALGORITHMS.md states for alpha up to 1.
+// Rougher than that, of any lobe: what docs/contributing/ALGORITHMS.md states for alpha up to 1.
 TEST_F(BrdfTest, RoughGgxOfFourTermsIsWithinItsBound) {
   const std::map<double, double> bounds = {{0.05, 2.0}, {0.2, 2.5},  {0.4, 4.5},   {0.5, 6.5},
                                            {0.6, 9.0},  {0.7, 11.0}, {0.85, 15.0}, {1.0, 22.0}};

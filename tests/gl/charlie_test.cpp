@@ -112,7 +112,7 @@ Errors errors_over(double roughness, double kappa,
   return {off / total, off_cosine / total_cosine};
 }
 
-// What docs/ALGORITHMS.md states of the density, and of the highlight by the lobe's width.
+// What docs/contributing/ALGORITHMS.md states of the density, and of the highlight by the lobe's width.
 TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
   double worst = 0.0, worst_of_sharp = 0.0;
   std::map<double, double> highlight;
@@ -169,7 +169,7 @@ TEST_F(CharlieTest, HardCasesAreFinite) {
 }
 
 // The sum of four vMFs that measured errors take, over a lobe: relative L1 over the hemisphere of h,
-// as docs/ALGORITHMS.md states it by roughness, at most of any lobe and under sharp ones.
+// as docs/contributing/ALGORITHMS.md states it by roughness, at most of any lobe and under sharp ones.
 TEST(CharlieTerms, AreAsFarOffAsStated) {
   struct Bounds {
     double any, sharp;

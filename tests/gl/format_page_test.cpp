@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shader of docs/FORMAT.md, "In GLSL", as it stands there: what is to be pasted is pasted as the page says,
-// compiled by a driver under the page's version of GLSL, and a pixel compared with the integral over normals.
+// The shader of docs/reference/file_format.md, "In GLSL", as it stands there: what is to be pasted is pasted as the
+// page says, compiled by a driver under the page's version of GLSL, and a pixel compared with the integral over
+// normals.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -28,7 +29,7 @@ std::string source_file(const std::string& name) {
 
 /// The text behind the heading, up to the next one.
 std::string section(const std::string& heading) {
-  const std::string page = source_file("docs/FORMAT.md");
+  const std::string page = source_file("docs/reference/file_format.md");
   const std::size_t begin = page.find("\n### " + heading + "\n");
   if (begin == std::string::npos) return "";
   return page.substr(begin + 1, page.find("\n### ", begin + 1) - begin);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every numerical case of the kernels holds its bound, and breaks it without its guard: a case that could not fail
-// would say nothing. docs/STABILITY.md has these cases and no others.
+// would say nothing. docs/contributing/STABILITY.md has these cases and no others.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -148,18 +148,18 @@ TEST(SelftestRegistry, EveryKernelHasACase) {
 
 TEST(SelftestRegistry, IsWhatThePageHas) {
   if (!g_has_field_cases) GTEST_SKIP() << "built without fields";
-  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/STABILITY.md");
+  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/contributing/STABILITY.md");
   std::vector<std::string> names;
   for (const NumericalCase& c : numerical_cases()) names.push_back(c.text.name);
   // The page has them by kernel.
   std::vector<std::string> of_page = cases_of_page(page.substr(0, page.find("\n## movmf_shading.glsl")));
   std::sort(names.begin(), names.end());
   std::sort(of_page.begin(), of_page.end());
-  EXPECT_EQ(of_page, names) << "docs/STABILITY.md says how it is made again";
+  EXPECT_EQ(of_page, names) << "docs/contributing/STABILITY.md says how it is made again";
 }
 
 TEST(SelftestRegistry, TopicsNameWhatThereIs) {
-  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/STABILITY.md"),
+  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/contributing/STABILITY.md"),
                     bakes = text_of_file(MULTUM_SOURCE_DIR "/tests/hard_cases/bake_hard_cases_test.cpp");
   const std::vector<std::string> of_page = cases_of_page(page);
   const std::set<std::string> names(of_page.begin(), of_page.end());

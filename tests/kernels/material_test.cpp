@@ -384,9 +384,10 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   }
 }
 
-// Errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes: docs/ALGORITHMS.md, "Roughness
-// and material features", has the table, whose figures are rounded and of another seed of noise. A roughness that
-// varies costs up to four times the error: a sample that stood for one facet would cost 12.4 % where 6.8 % are stated.
+// Errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes:
+// docs/contributing/ALGORITHMS.md, "Roughness and material features", has the table, whose figures are rounded and of
+// another seed of noise. A roughness that varies costs up to four times the error: a sample that stood for one facet
+// would cost 12.4 % where 6.8 % are stated.
 TEST(Roughness, ErrorsAreThoseOfTheTable) {
   const NormalMap quarters = make_four_quarter_map(256, 7).normals;
   const auto error_with = [&](const std::function<double(int, int)>& roughness) {

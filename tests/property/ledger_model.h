@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger once more, in memory and by brute force: every rule as docs/SERVICE.md has it, looked up in all jobs anew
-// each time. What it is told and what it answers is as in JobQueue.
+// The ledger once more, in memory and by brute force: every rule as docs/reference/service.md has it, looked up in all
+// jobs anew each time. What it is told and what it answers is as in JobQueue.
 #pragma once
 
 #include <map>

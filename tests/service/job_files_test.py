@@ -361,7 +361,7 @@ class JobFilesTest(ClientCase):
     def test_the_commands_of_the_page_run_as_they_stand(self):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("rock")], check=True, capture_output=True)
-        page = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/SERVICE.md")
+        page = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/reference/service.md")
         with open(page, encoding="utf-8") as file:
             commands = re.search(r"\n### With curl\n.*?```bash\n(.*?)```", file.read(), re.DOTALL)[1]
         here = os.path.join(self.folder, "client")

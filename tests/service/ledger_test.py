@@ -34,7 +34,7 @@ class LedgerTest(ClientCase):
         service.start(wait=False)
         self.assertEqual(service.process.wait(30), 3)
         self.assertIn("jobs.sqlite", service.log_text().splitlines()[-1])
-        self.assertIn("docs/SERVICE.md", service.log_text().splitlines()[-1], "and a way out")
+        self.assertIn("docs/reference/service.md", service.log_text().splitlines()[-1], "and a way out")
 
     def damage(self):
         """The list of tables."""

@@ -170,7 +170,7 @@ class ServiceCase(unittest.TestCase):
 class ClientCase(ServiceCase):
     """What tests of a client's view do with their daemon."""
 
-    checks_answers = False  # each against docs/openapi.json
+    checks_answers = False  # each against docs/reference/openapi.json
 
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
@@ -209,7 +209,8 @@ class ClientCase(ServiceCase):
 
 
 def with_drill(document, types):
-    """docs/openapi.json, which describes multum, with the type of job that multum-drill has besides; `types`: the
+    """docs/reference/openapi.json, which describes multum, with the type of job that multum-drill has besides;
+    `types`: the
     answer of /v1/types."""
     schemas = document["components"]["schemas"]
     schemas["DrillParameters"] = next(one["parameters"] for one in types["types"] if one["name"] == "drill")

@@ -19,7 +19,7 @@ import tempfile
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
-PAGE = HERE.parents[1] / "docs" / "INTEGRATION.md"
+PAGE = HERE.parents[1] / "docs/how-to/draw_lobes.md"
 SIDE = 32
 MULTUM, MODULES, METAL_PROGRAM = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(3))
 

@@ -4,7 +4,7 @@ import { toByte } from "./linear_pictures.js";
 
 const plus = (a, b, factor) => a.map((value, i) => value + factor * b[i]);
 
-/** `view` with eye and target after `step` frames of a "zoom", a "pan" or a "turn", as docs/FILTER.md has them. */
+/** `view` after `step` frames of a "zoom", a "pan" or a "turn", which docs/evidence/FILTER.md defines. */
 export function moved(view, { motion, step }) {
   const { eye, target } = view, ahead = plus(target, eye, -1), distance = Math.hypot(...ahead);
   const side = [-ahead[2] / distance, 0, ahead[0] / distance];

@@ -16,7 +16,7 @@ class CheckToolsTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.root = pathlib.Path(self.folder.name)
-        self.write("docs/ARCHITECTURE.md", (ROOT / "docs/ARCHITECTURE.md").read_text())
+        self.write("docs/contributing/ARCHITECTURE.md", (ROOT / "docs/contributing/ARCHITECTURE.md").read_text())
         self.write("host/foundation/base/error.h", LICENCE + "// Errors.\n#pragma once\n#include <string>\n")
         self.write("host/formats/asset/lobes/movmf_mipmap.h",
                    LICENCE + "// Lobes.\n#include <string>\n#include <glm/vec3.hpp>\n")
@@ -87,7 +87,7 @@ class CheckToolsTest(unittest.TestCase):
         self.expect_violation("check_layering", "host/formats/image/CMakeLists.txt:2", "links multum_opencl")
 
     def write_tables(self, layers, districts="", headers="glm/ host"):
-        self.write("docs/ARCHITECTURE.md", f"```districts\n{districts}\n```\n```layers\n{layers}\n```\n"
+        self.write("docs/contributing/ARCHITECTURE.md", f"```districts\n{districts}\n```\n```layers\n{layers}\n```\n"
                                            f"```headers\n{headers}\n```\n```programs\n```\n")
 
     def test_row_that_nothing_needs(self):
@@ -189,7 +189,8 @@ class CheckToolsTest(unittest.TestCase):
         self.expect_violation("check_style.py", "tests/unit/surprise: has no row")
 
     def test_dead_paths(self):
-        self.write("docs/ARCHITECTURE.md", "`host/bakes/bake`, `host/foundation/base/error.h`, `host/bakes/bake/bake`: "
+        self.write("docs/contributing/ARCHITECTURE.md", "`host/bakes/bake`, `host/foundation/base/error.h`, "
+                                                        "`host/bakes/bake/bake`: "
                                            "`movmf_mipmap.h`.\n")
         self.write("host/foundation/base/good.h", LICENCE + "// As asset/lobes/movmf_mipmap.h and kernels/FILE.cl.\n"
                    'const char* text = "host/gone";\n')

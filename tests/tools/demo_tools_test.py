@@ -83,7 +83,7 @@ class DependenciesTest(unittest.TestCase):
                     self.assertIn(PACKAGE_OF[name], listed)
 
     def test_document_names_the_same_packages(self):
-        rows = re.findall(r"^\| `([^`]+)` \|", (ROOT / "docs/DEPENDENCIES.md").read_text(), re.MULTILINE)
+        rows = re.findall(r"^\| `([^`]+)` \|", (ROOT / "docs/contributing/DEPENDENCIES.md").read_text(), re.MULTILINE)
         self.assertEqual(sorted(rows), sorted(packages()))
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pages that have the table of docs/LOBE_TEXTURES.md have it as it is there, and a change of either is found."""
+"""Pages that have the table of docs/evidence/LOBE_TEXTURES.md have it as it is there, and a change of either is
+found."""
 import pathlib
 import shutil
 import subprocess
@@ -10,8 +11,8 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOL = ROOT / "tools/lab/lobe_textures_document.py"
-DOCUMENT = "docs/LOBE_TEXTURES.md"
-PAGES = ("docs/TRADEOFF.md", "host/bakes/settings_search/templates/tradeoff.html")
+DOCUMENT = "docs/evidence/LOBE_TEXTURES.md"
+PAGES = ("docs/how-to/tradeoff.md", "host/bakes/settings_search/templates/tradeoff.html")
 
 
 class LobeTexturesTest(unittest.TestCase):

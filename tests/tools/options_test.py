@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""docs/OPTIONS.md has every option that the help of `multum bake`, `export`, `gltf`, `look`, `pack`, of `multum-view`
+"""docs/reference/commands.md has every option that the help of `multum bake`, `export`, `gltf`, `look`, `pack`, of
+`multum-view`
 and of its subcommands prints, with its default, and no other. A program that was not built is passed over.
 
   tests/tools/options_test.py --programs FOLDER
@@ -12,7 +13,7 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs/OPTIONS.md"
+PAGE = ROOT / "docs/reference/commands.md"
 VIEW_COMMANDS = ("scene", "animate", "sample", "play", "pyramid", "lod", "model", "probe", "thumbnails")
 COMMANDS = {"multum bake": ("multum", "bake"), "multum export": ("multum", "export"),
             "multum gltf": ("multum", "gltf"), "multum look": ("multum", "look"), "multum pack": ("multum", "pack"),
@@ -78,7 +79,7 @@ class OptionsTest(unittest.TestCase):
                     self.assertIn(f"`{default}`" if default else "", documented[name], name)
 
     def test_help_ends_with_the_exit_codes(self):
-        section = (ROOT / "docs/FARMS.md").read_text().split("\n## Exit codes\n", maxsplit=1)[1]
+        section = (ROOT / "docs/how-to/farms.md").read_text().split("\n## Exit codes\n", maxsplit=1)[1]
         codes = re.findall(r"^\| (\d+) \|", section, re.MULTILINE)
         self.assertIn("130", codes)
         for words in (("multum",), ("multum", "openjd"), ("multum", "infer"), ("multum", "serve"), ("multum-view",),

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""README.md says what docs/readme_figures.json says, links to what there is, and tools/lab/readme_figures --check sees
+"""README.md says what docs/evidence/readme_figures.json says, links to what there is, and tools/lab/readme_figures
+--check sees
 every figure that is changed by hand. Nothing is drawn."""
 import pathlib
 import re
@@ -15,7 +16,8 @@ sys.path.insert(0, str(ROOT / "tools/lab"))
 sys.dont_write_bytecode = True
 import readme_text  # noqa: E402
 
-PAGES = ("README.md", readme_text.FIGURES, "docs/GPU.md", "docs/BENCHMARKS.md", "docs/ACCURACY.md")
+PAGES = ("README.md", readme_text.FIGURES, "docs/evidence/GPU.md", "docs/evidence/BENCHMARKS.md",
+         "docs/evidence/ACCURACY.md")
 NUMBER = re.compile(r"(?<![\w.#/])\d+(?:\.\d+)?(?![\w/])")
 
 
@@ -77,7 +79,7 @@ class ReadmeTest(unittest.TestCase):
         self.expect_refusal(self.image)
 
     def test_another_measurement_of_a_gpu_is_seen(self):
-        page = self.root / "docs/GPU.md"
+        page = self.root / "docs/evidence/GPU.md"
         four_lobes = re.compile(r"^(\| 4 lobes +\| 1 +\| [\d.]+ +\| )[\d.]+", re.MULTILINE)
         page.write_text(four_lobes.sub(r"\g<1>9.99", page.read_text()))
         self.expect_refusal("9.99")

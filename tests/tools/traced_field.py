@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes a small field of traced frames: a patterned ground and a board that stands on it, seen from some views under
-some lights, as tests/cli/traced_scene.cpp has it for tests of the programs; docs/ANIMATION.md has the files' format."""
+some lights, as tests/cli/traced_scene.cpp has it for tests of the programs; docs/reference/animation_jobs.md has the
+files' format."""
 import json
 import pathlib
 

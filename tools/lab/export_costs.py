@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures what an export of a large map takes beside Filament's roughness-prefilter, and writes docs/EXPORT.md's
+"""Measures what an export of a large map takes beside Filament's roughness-prefilter, and writes
+docs/evidence/EXPORT.md's
 section of it."""
 import pathlib
 import shutil

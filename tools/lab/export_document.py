@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/EXPORT.md: the error of what `multum export` writes beside engines' rules, baked lobes and the best one
+"""Makes docs/evidence/EXPORT.md: the error of what `multum export` writes beside engines' rules, baked lobes and the
+best one
 lobe.
 
-    tools/lab/export_document.py --maps ../shared/data/normal -o docs/EXPORT.md [--bin DIR] [--state FILE] [--cells N]
+    tools/lab/export_document.py --maps ../shared/data/normal -o docs/evidence/EXPORT.md [--bin DIR] [--state FILE]
+    [--cells N]
         [--measure-nothing]
 
 Every normal map of the folder, by its name, is exported at three base roughnesses, isotropic and anisotropic. What

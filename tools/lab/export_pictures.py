@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the table of pictures in docs/EXPORT.md: what three.js draws of exports, on planes and a sphere.
+"""Prints the table of pictures in docs/evidence/EXPORT.md: what three.js draws of exports, on planes and a sphere.
 
     tools/lab/export_pictures.py MAP... [--bin DIR] [--package DIR]
 

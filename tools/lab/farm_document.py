@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/FARM_SCALE.md: a farm of 1000 nodes and a million maps, simulated with the real ledger.
+"""Makes docs/evidence/FARM_SCALE.md: a farm of 1000 nodes and a million maps, simulated with the real ledger.
 
     tools/lab/farm_document.py --simulation build/release/bin/multum-farm-simulation --folder FOLDER \\
-      -o docs/FARM_SCALE.md
+      -o docs/evidence/FARM_SCALE.md
 
 FOLDER is on the disk that is measured; some 2 GB are needed there, and 10 to 20 minutes. Settings are tried with 20000
 maps, which is long enough for what they do to nodes; the last run has all of them. Runs that are in the

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/GLTF_EXAMPLE.md and its pictures: models of others, dressed by `multum gltf --lobes`, drawn by three.js
+"""Writes docs/evidence/GLTF_EXAMPLE.md and its pictures: models of others, dressed by `multum gltf --lobes`, drawn by
+three.js
 from near and far beside many samples a pixel.
 
     tools/lab/gltf_example_document.py BIN_FOLDER OUT IMAGES --model FILE TEXT [--model FILE TEXT...]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/LOBE_TEXTURES.md: what `multum export --lobes` costs in pictures, bytes and fetches.
+"""Writes docs/evidence/LOBE_TEXTURES.md: what `multum export --lobes` costs in pictures, bytes and fetches.
 
     tools/lab/lobe_textures_document.py measure BIN_FOLDER OUT [--data FOLDER] [--maps NAME...]
     tools/lab/lobe_textures_document.py share [--root DIR]     # its table into the pages that have it too
@@ -8,7 +8,7 @@
 
 BIN_FOLDER has multum and multum-view. With --data, shared data, the maps are those of its folder normal/ that --maps
 names; else one that multum makes. The pages have the table between <!-- figures: lobe_textures --> and
-<!-- /figures: lobe_textures -->: docs/TRADEOFF.md, and the page that `multum tradeoff` writes.
+<!-- /figures: lobe_textures -->: docs/how-to/tradeoff.md, and the page that `multum tradeoff` writes.
 """
 import argparse
 import html
@@ -21,8 +21,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-DOCUMENT = "docs/LOBE_TEXTURES.md"
-SHARING = ("docs/TRADEOFF.md", "host/bakes/settings_search/templates/tradeoff.html")
+DOCUMENT = "docs/evidence/LOBE_TEXTURES.md"
+SHARING = ("docs/how-to/tradeoff.md", "host/bakes/settings_search/templates/tradeoff.html")
 MARK = re.compile(r"(<!-- figures: lobe_textures -->\n).*?(<!-- /figures: lobe_textures -->)", re.DOTALL)
 
 MAPS = ("pm_0001.webp", "gd_wool_normal.png", "gd_texture_rock_normal.png")

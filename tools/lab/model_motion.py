@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/GLTF_MOTION.md: flicker and processor time of models and bumpy surfaces that three.js draws.
+"""Writes docs/evidence/GLTF_MOTION.md: flicker and processor time of models and bumpy surfaces that three.js draws.
 
     tools/lab/model_motion.py BIN_FOLDER MODELS OUT --cache FOLDER [--only NAME...] [--rows NAME...] [--distance M]
         [--frames N] [--pairs N]

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/GLTF_MODELS.md: models of others and bumpy surfaces, drawn by three.js in every way that multum knows, at
+"""Writes docs/evidence/GLTF_MODELS.md: models of others and bumpy surfaces, drawn by three.js in every way that
+multum knows, at
 equal evaluations of a pixel's light.
 
     tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--package FOLDER] [--only NAME...] [--rows NAME...]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Models as three.js draws them from near and far: the views of docs/GLTF_EXAMPLE.md and docs/GLTF_MODELS.md, and what
+"""Models as three.js draws them from near and far: the views of docs/evidence/GLTF_EXAMPLE.md and
+docs/evidence/GLTF_MODELS.md, and what
 draws them in Chromium."""
 import hashlib
 import json

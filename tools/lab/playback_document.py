@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/PLAYBACK.md: the size and error of packed animations beside those of video codecs, and what they take.
+"""Makes docs/evidence/PLAYBACK.md: the size and error of packed animations beside those of video codecs, and what
+they take.
 
-    tools/lab/playback_document.py FIELD... --work DIR --rows docs/playback_rows.json -o docs/PLAYBACK.md [--bin DIR]
+    tools/lab/playback_document.py FIELD... --work DIR --rows docs/evidence/playback_rows.json -o
+    docs/evidence/PLAYBACK.md [--bin DIR]
         [--parts PART...] [--again PART...] [--measure-nothing]
 
-FIELD is a folder of ray-traced frames that `multum animation` understands (docs/ANIMATION.md); each gets a section.
+FIELD is a folder of ray-traced frames that `multum animation` understands (docs/reference/animation_jobs.md); each
+gets a section.
 Where a parameter of it runs over two things at once, --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT tells them apart.
 Textures are inferred once, into DIR; every figure is a row of the file of rows as soon as it is there, with the commit
 that it is of, and is not measured again while it is, unless its part is named by --again: what no change of multum

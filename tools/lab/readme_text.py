@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What README.md says in figures: text made from docs/readme_figures.json and other generated pages of docs/.
+"""What README.md says in figures: text made from docs/evidence/readme_figures.json and other generated pages of docs/.
 
 README.md has it between <!-- figures: NAME --> and <!-- /figures: NAME -->; nothing measured stands outside them.
 Standard library only, so that the check needs neither the programs nor real maps.
@@ -9,7 +9,7 @@ import json
 import re
 import statistics
 
-FIGURES = "docs/readme_figures.json"
+FIGURES = "docs/evidence/readme_figures.json"
 MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTALL)
 # A number with a unit that only a measurement gives.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
@@ -28,10 +28,10 @@ def percent(share):
 
 
 def row_of(root, page, pattern):
-    """The groups of the one line of docs/PAGE that matches."""
-    found = re.findall(pattern, (root / "docs" / page).read_text(), re.MULTILINE)
+    """The groups of the one line of docs/evidence/PAGE that matches."""
+    found = re.findall(pattern, (root / "docs/evidence" / page).read_text(), re.MULTILINE)
     if len(found) != 1:
-        raise Unreadable(f"docs/{page}: found {len(found)} lines '{pattern}', expected 1")
+        raise Unreadable(f"docs/evidence/{page}: found {len(found)} lines '{pattern}', expected 1")
     return found[0]
 
 
@@ -68,7 +68,7 @@ def picture(figures, _root):
 narrow and bright; Toksvig, whose far highlight is wide and dull]({made_of["image"]})
 
 *Relative L1 error (sum of absolute differences from the reference, over the sum of the reference): {views}.
-Same material (Blinn-Phong, s = 100), light and filter (4 taps; docs/FILTER.md) for all;
+Same material (Blinn-Phong, s = 100), light and filter (4 taps; docs/evidence/FILTER.md) for all;
 reference: {made_of["samples"]} samples per pixel, noise {percent(made_of["noise"])} of itself.
 Normal map: {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
@@ -124,7 +124,7 @@ def default_mib(side, bytes_per_texel):
 
 
 def gpu_frames(root, row):
-    """Of docs/GPU.md: milliseconds, trilinear and 16 x anisotropic."""
+    """Of docs/evidence/GPU.md: milliseconds, trilinear and 16 x anisotropic."""
     return " / ".join(row_of(root, "GPU.md", rf"^\| {re.escape(row)} +\| {anisotropy} +\| [\d.]+ +\| ([\d.]+)")
                       for anisotropy in (1, 16))
 
@@ -166,14 +166,15 @@ def texel_bytes(figures, _root):
 
 
 def whole_bakes(root):
-    """Of docs/BENCHMARKS.md, the first comparison of whole programs: seconds and MiB by program."""
+    """Of docs/evidence/BENCHMARKS.md, the first comparison of whole programs: seconds and MiB by program."""
     title = "A whole bake against maketx, 4096 x 4096"
-    page = (root / "docs/BENCHMARKS.md").read_text()
+    page = (root / "docs/evidence/BENCHMARKS.md").read_text()
     section = re.search(rf"(?s)^## {title}[^\n]*\n(.*?)(?=^## |\Z)", page, re.MULTILINE)
     rows = re.findall(r"^\| (multum bake|maketx) +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)",
                       section.group(1) if section else "", re.MULTILINE)
     if [row[0] for row in rows] != ["multum bake", "maketx"]:
-        raise Unreadable(f"docs/BENCHMARKS.md: found {len(rows)} rows under '{title}', expected multum bake and maketx")
+        raise Unreadable(f"docs/evidence/BENCHMARKS.md: found {len(rows)} rows under '{title}', expected multum "
+                         "bake and maketx")
     return {name: (seconds, mib) for name, seconds, mib in rows}
 
 
@@ -184,14 +185,14 @@ def bake_costs(_figures, root):
     programs = whole_bakes(root)
     (seconds, mib), (other_seconds, other_mib) = programs["multum bake"], programs["maketx"]
     few = re.search(r"^`multum-bench bake --size 4096 .*; ([^;]*), \d+ GiB of memory",
-                    (root / "docs/BENCHMARKS.md").read_text(), re.MULTILINE).group(1)
+                    (root / "docs/evidence/BENCHMARKS.md").read_text(), re.MULTILINE).group(1)
     return (f"From file to file, a 4096 x 4096 map takes {gpu} s with an {device}, {cores} s on the {count} cores of "
             f"its\nhost, and {seconds} s and {mib} MiB of memory on {few.replace(',', ' with')}, where "
             f"`maketx --bumpslopes`, which averages\nslopes, takes {other_seconds} s and {other_mib} MiB")
 
 
 def worst_levels(_figures, root):
-    """Of docs/ACCURACY.md, 4 lobes: the error of a map's worst level, by the exponent."""
+    """Of docs/evidence/ACCURACY.md, 4 lobes: the error of a map's worst level, by the exponent."""
     section = row_of(root, "ACCURACY.md", r"(?s)^### 4 lobes: (.*?)(?=^### )")
     worst = {}
     for name, exponent, cells in re.findall(r"^\| (\S+) \| (\d+) \| (.*) \|$", section, re.MULTILINE):

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/SHARES.md: what one map takes in shares, beside one bake of it and beside what `multum plan` predicts.
+"""Makes docs/evidence/SHARES.md: what one map takes in shares, beside one bake of it and beside what `multum plan`
+predicts.
 
-    tools/lab/shares_document.py --multum build/release/bin/multum --folder FOLDER -o docs/SHARES.md
+    tools/lab/shares_document.py --multum build/release/bin/multum --folder FOLDER -o docs/evidence/SHARES.md
 
 FOLDER is on the disk that is measured; some 8 GB are needed there for a map of 16384 x 16384, and half an hour of two
 cores, which should have nothing else to do. Runs that are in the file of --state are not made again; the plan is.

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/TARGETS.md: what `multum bake --target-error` chooses for every normal map of a folder.
+"""Makes docs/evidence/TARGETS.md: what `multum bake --target-error` chooses for every normal map of a folder.
 
-    tools/lab/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/TARGETS.md
+    tools/lab/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/evidence/TARGETS.md
 
 Each map is baked whole, for each target; a file that is no normal map is left out, as `multum bake` refuses it. With
 --resume, rows of --state that are there already are not baked again; with --bake-nothing the page is made of those
@@ -85,12 +85,14 @@ def document(arguments, rows, machine):
             f"`multum bake MAP --target-error E --brdf {arguments.brdf}` on every normal map of the test folder: the "
             "cheapest settings whose error, with its 95 % interval, is at most "
             "E on the whole map. Error: relative L1 of pixels that cover 1 texel to the whole map, by footprints "
-            "that had no part in the choice (docs/ALGORITHMS.md, \"Measured error\"). Picture: multum-view's plane "
+            "that had no part in the choice (docs/contributing/ALGORITHMS.md, \"Measured error\"). Picture: "
+            "multum-view's plane "
             "that runs to the horizon, beside its reference. Errors and pictures are through the default filter of "
-            "that commit (docs/FILTER.md). Processor: seconds of both bakes, choosing, drawing and "
+            "that commit (docs/evidence/FILTER.md). Processor: seconds of both bakes, choosing, drawing and "
             "compiling kernels included.\n\nTo ask before a bake: `multum tradeoff MAP -o "
-            "costs.html` shows what every setting costs for a map (docs/TRADEOFF.md), `multum plan scene.toml` what a "
-            "scene needs of its maps (docs/SCENE.md).\n\n")
+            "costs.html` shows what every setting costs for a map (docs/how-to/tradeoff.md), `multum plan "
+            "scene.toml` what a "
+            "scene needs of its maps (docs/reference/scenes.md).\n\n")
     for target in arguments.targets:
         own = [row for row in rows if row["target"] == target]
         met = sum(row["met"] for row in own)

@@ -179,13 +179,13 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   bake->add_option("input", options->inputs,
                    bake_parameters().at("input").help +
                        "; several maps, or sets, e.g. rock_<UDIM>.png; or a scene.toml, to bake only what it shows of "
-                       "its maps into the folder --output (docs/SCENE.md)");
+                       "its maps into the folder --output (docs/reference/scenes.md)");
   bake->add_option("-o,--output", options->job.output,
                    "file to write, *.ndf.exr; for several maps: a folder, or a name with <UDIM>");
   bake->add_option(
       "--shard", options->shard,
       "bake share I of N of several maps or a scene alone, I/N, or shares I to J, I-J/N; of one map: 0/N its "
-      "coarse levels, then 1/N to N/N, bands of the others: for farms (docs/FARMS.md)");
+      "coarse levels, then 1/N to N/N, bands of the others: for farms (docs/how-to/farms.md)");
   bake->add_option("--merge", options->merged_shards,
                    "write the file of one map from its shares 0/N to N/N; of a scene, check what shares 1/N to N/N "
                    "baked, and write its plan and report")

@@ -71,9 +71,9 @@ void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing)
 }  // namespace
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
-  CLI::Option* const manifest = bake.add_option(
-      "--manifest", o.manifest,
-      "bake those maps listed in maps.toml that have changed (docs/CI.md); instead of input and --output");
+  CLI::Option* const manifest = bake.add_option("--manifest", o.manifest,
+                                                "bake those maps listed in maps.toml that have changed "
+                                                "(docs/reference/manifests.md); instead of input and --output");
   CLI::Option* const check =
       bake.add_flag("--check", o.run.check,
                     "verify and measure files that are in place, too, and fail (exit code 5) with a list when one was "

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `multum bake --manifest`: all maps of a project, and the check that a build pipeline runs (docs/CI.md).
+// Runs `multum bake --manifest`: all maps of a project, and the check that a build pipeline runs
+// (docs/reference/manifests.md).
 #pragma once
 
 #include <string>

@@ -65,7 +65,7 @@ using CheckWords = void (*)(const std::vector<std::string>& words);
 void register_jobs();
 /// openjd, serve, the clients of a service, and a line for each in the text of `app` itself.
 void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
-/// The schemas of docs/openapi.json that the program says, by name (host/farm/service/http/job_schemas.h).
+/// The schemas of docs/reference/openapi.json that the program says, by name (host/farm/service/http/job_schemas.h).
 nlohmann::ordered_json job_schemas();
 
 }  // namespace multum

@@ -236,9 +236,9 @@ int run_export(ExportOptions& o) {
 void add_export_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ExportOptions>();
   ExportOptions& o = *options;
-  CLI::App* command = app.add_subcommand(
-      "export",
-      "fit a normal map's mips as materials that engines load: normal, roughness, anisotropy (docs/EXPORT.md)");
+  CLI::App* command = app.add_subcommand("export",
+                                         "fit a normal map's mips as materials that engines load: normal, roughness, "
+                                         "anisotropy (docs/evidence/EXPORT.md)");
   command->add_option("input", o.inputs,
                       bake_parameters().at("input").help +
                           "; or a baked file, NAME.ndf.exr, whose level 0 is its map; several maps, or sets, e.g. "
@@ -247,10 +247,10 @@ void add_export_command(CLI::App& app, int* exit_code) {
                       "folder to write to: an image a texture and level, or a KTX2 or DDS file a texture; or "
                       "NAME.ktx2, NAME.dds: NAME_normal.ktx2, NAME_orm.ktx2 and, with --anisotropy, "
                       "NAME_anisotropy.ktx2; for several maps: a folder, or a name with <UDIM>");
-  CLI::Option* const manifest =
-      command->add_option("--manifest", o.manifest,
-                          "export those maps listed in maps.toml that have changed (docs/CI.md); instead of input and "
-                          "--output");
+  CLI::Option* const manifest = command->add_option(
+      "--manifest", o.manifest,
+      "export those maps listed in maps.toml that have changed (docs/reference/manifests.md); instead of input and "
+      "--output");
   CLI::Option* const check =
       command
           ->add_flag("--check", o.check,
@@ -259,7 +259,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
   command->add_flag("--dry-run", o.dry_run, "export nothing, only list; with --check")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export share I of N of several maps alone, I/N, or shares I to J, I-J/N: for farms "
-                      "(docs/FARMS.md)");
+                      "(docs/how-to/farms.md)");
   add_parameter_options(*command, o.values);
   check->excludes("--force");
   add_common_options(*command, o.common);
@@ -268,7 +268,8 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  multum export bricks_n.png -o bricks/                      # normal_00.png, orm_00.png and so on\n"
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
-      "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes for GPUs, of multum bake (docs/FORMAT.md)\n"
+      "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes for GPUs, of multum bake "
+      "(docs/reference/file_format.md)\n"
       "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png\n"
       "  multum export bricks_n.png -o bricks/ --write-green down    # for Unreal; for Unity: --smoothness\n"
       "  multum export bricks_n.png -o bricks/ --page bricks.html    # compared by pictures with engines' rules\n"

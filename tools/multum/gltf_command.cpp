@@ -68,12 +68,12 @@ int run_gltf(GltfOptions& o) {
 void add_gltf_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<GltfOptions>();
   GltfOptions& o = *options;
-  CLI::App* command =
-      app.add_subcommand("gltf",
-                         "give a model's normal and roughness textures fitted mips, all else as it is (docs/GLTF.md)\n"
-                         "  multum gltf helmet.glb -o helmet_mips.glb\n"
-                         "  multum gltf helmet.glb --lobes -o helmet_lobes.glb\n"
-                         "  multum gltf scene/scene.gltf -o scene.glb --format rgba8 --report scene.json");
+  CLI::App* command = app.add_subcommand(
+      "gltf",
+      "give a model's normal and roughness textures fitted mips, all else as it is (docs/reference/gltf.md)\n"
+      "  multum gltf helmet.glb -o helmet_mips.glb\n"
+      "  multum gltf helmet.glb --lobes -o helmet_lobes.glb\n"
+      "  multum gltf scene/scene.gltf -o scene.glb --format rgba8 --report scene.json");
   command->add_option("input", o.job.input, "model to read: *.glb, or *.gltf with the files that it names")->required();
   command->add_option("-o,--output", o.job.output, "model to write: *.glb")->required();
   add_parameter_options(*command, o.values);

@@ -48,7 +48,7 @@ Json row_json(const Parameter& row) {
   return json;
 }
 
-// Of all tables, and the schemas of jobs that follow from them (docs/openapi.json).
+// Of all tables, and the schemas of jobs that follow from them (docs/reference/openapi.json).
 nlohmann::ordered_json all_json() {
   nlohmann::ordered_json json = {{"commands", nlohmann::ordered_json::object()}, {"schemas", job_schemas()}};
   for (const ParameterTable* table : parameter_tables())
@@ -83,7 +83,7 @@ void add_parameters_command(CLI::App& app, int* exit_code) {
   std::vector<std::string> names;
   for (const ParameterTable* table : parameter_tables()) names.push_back(table->command());
   command->add_option("command", o->command, "list only the parameters of this command")->check(CLI::IsMember(names));
-  CLI::Option* const markdown = command->add_flag("--markdown", o->markdown, "print docs/PARAMETERS.md");
+  CLI::Option* const markdown = command->add_flag("--markdown", o->markdown, "print docs/reference/parameters.md");
   command->add_flag("--json", o->json, "print JSON, with the schemas of the service's jobs")->excludes(markdown);
   command->callback([o, exit_code] { *exit_code = run_parameters(*o); });
 }

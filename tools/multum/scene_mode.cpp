@@ -54,11 +54,12 @@ struct PlanOptions {
 // A map alone is what many would plan first.
 void check_is_scene(const std::string& path) {
   if (!image_format(path).empty())
-    throw Error(ErrorCode::kUsage,
-                path +
-                    ": is an image; plan takes a scene.toml (docs/SCENE.md), or an image with --shards N for a farm "
-                    "(docs/FARMS.md). What accuracy costs of one map: multum tradeoff " +
-                    path + " -o costs.html");
+    throw Error(
+        ErrorCode::kUsage,
+        path +
+            ": is an image; plan takes a scene.toml (docs/reference/scenes.md), or an image with --shards N for a farm "
+            "(docs/how-to/farms.md). What accuracy costs of one map: multum tradeoff " +
+            path + " -o costs.html");
 }
 
 int run_plan(const CLI::App& plan_command, const PlanOptions& o) {
@@ -192,12 +193,14 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
 
 void add_plan_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* plan = app.add_subcommand("plan", "show which effects a scene needs of its maps, and why (docs/SCENE.md)");
+  CLI::App* plan =
+      app.add_subcommand("plan", "show which effects a scene needs of its maps, and why (docs/reference/scenes.md)");
   plan->add_option("scene", options->scene, "scene.toml: maps, materials, objects, lights, camera; or one map")
       ->required();
-  plan->add_option("--shards", options->shares,
-                   "of one map: predict the processor time of its shares 0/N to N/N and their merge (docs/FARMS.md), "
-                   "e.g. multum plan cliff.png --shards 8")
+  plan->add_option(
+          "--shards", options->shares,
+          "of one map: predict the processor time of its shares 0/N to N/N and their merge (docs/how-to/farms.md), "
+          "e.g. multum plan cliff.png --shards 8")
       ->type_name("N")
       ->check(CLI::Range(2, 4096));
   plan->add_option("--share-seconds", options->share_seconds,

@@ -81,7 +81,8 @@ void add_selftest_command(CLI::App& app, int* exit_code) {
   selftest->add_flag("--without-guards", options->selftest.without_guards,
                      "run each case without its guard, too, to show what the guard is for");
   selftest->add_option("--json", options->json, "write the verdicts to this file");
-  selftest->add_option("--markdown", options->markdown, "write docs/STABILITY.md to this file; runs --without-guards");
+  selftest->add_option("--markdown", options->markdown,
+                       "write docs/contributing/STABILITY.md to this file; runs --without-guards");
   selftest->add_option("--with", options->with,
                        "read the GL's verdicts for --markdown from this file of gl_stability_test");
   add_common_options(*selftest, options->common);

@@ -79,7 +79,7 @@ void add_shaders_command(CLI::App& app, int* exit_code) {
   CLI::App* command = app.add_subcommand(
       "shaders",
       "the shading of lobes for engines, in GLSL, HLSL, Metal, WGSL and JavaScript, and @multum/three for three.js "
-      "(docs/INTEGRATION.md)");
+      "(docs/how-to/draw_lobes.md)");
   command->add_option("-o,--output", options->folder, "folder to write to")->required();
   add_common_options(*command, options->common);
   command->callback([options, exit_code] { *exit_code = run_shaders(*options); });

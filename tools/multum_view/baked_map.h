@@ -46,7 +46,7 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
 std::string environment_note(const MapOptions& options, const BakedHeader& baked);
 
 /// Of files of moments, when no option says it: the one of least error on most maps, by the bakes' own measurements
-/// (docs/ALGORITHMS.md, "Moments").
+/// (docs/contributing/ALGORITHMS.md, "Moments").
 constexpr gl::MomentShading kDefaultMomentShading = gl::MomentShading::kLeanJacobian;
 
 }  // namespace multum

@@ -12,7 +12,7 @@
 //
 // Levels finer than the first that is stored are the normal map's own mips, in float, each texel one lobe with the mean
 // vector of the normals that it covers; between them and the stored levels both are shaded and mixed, as renderers do
-// (docs/ALGORITHMS.md).
+// (docs/contributing/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -66,7 +66,7 @@ struct LevelDifference {
 /// "7.4 +- 0.2 %".
 std::string error_text(double error, double confidence);
 
-/// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/ACCURACY.md names them).
+/// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/evidence/ACCURACY.md names them).
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;        // at least one
   std::vector<glm::dvec3> half_vectors;  // at least one

@@ -37,7 +37,7 @@ struct SamplePoint {
 };
 
 /// A grid of cells of 2 x 2 texels, which thin levels cut off, would save too little to be worth an interval: a bake
-/// takes 0.04 s of processor time more at most (docs/ALGORITHMS.md, "Measured error").
+/// takes 0.04 s of processor time more at most (docs/contributing/ALGORITHMS.md, "Measured error").
 constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The error that a bake states of itself: how far pixels of pictures are from what they should show, over the
-// footprints of host/bakes/accuracy/footprints.h (docs/ALGORITHMS.md, "Measured error").
+// footprints of host/bakes/accuracy/footprints.h (docs/contributing/ALGORITHMS.md, "Measured error").
 #pragma once
 
 #include <cstdint>

@@ -108,7 +108,7 @@ BakeJob with_region(BakeJob job, const BakeSource& source) {
 // Lobes that roughness has shortened are as wide for diffuse light. The shader divides the mean of c out
 // (without_roughness in kernels/device/vmf_shading.clh), which leaves what a texel's c differs from it by: nothing
 // where roughness varies little, and of a map with polished and dull parts more than averaged normals have at fine
-// levels (docs/READING.md has the measurements).
+// levels (docs/reference/input_maps.md has the measurements).
 constexpr double kDiffuseErrorNoted = 0.02;
 constexpr int kFineLevels = 2;
 
@@ -123,7 +123,7 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
   report.roughness->warnings.push_back(fmt::format(
       "{}: with roughness baked in, diffuse light is up to {:.3g} % off at levels 0 and 1, where averaged "
       "normals are nearly exact, since roughness varies much over the map. Where diffuse light matters, take "
-      "it from the normal map, or bake without --{} (docs/READING.md)",
+      "it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
       job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
   log_named_warning(report.roughness->warnings.back());
 }

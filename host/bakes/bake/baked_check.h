@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that a finished file is whole and as near to its source as it states: verifies it as `multum verify` does, and
-// measures it again as the bake did (docs/ACCURACY.md): the same texels, lights, views and BRDFs, so the same figures
-// where nothing has changed.
+// measures it again as the bake did (docs/evidence/ACCURACY.md): the same texels, lights, views and BRDFs, so the same
+// figures where nothing has changed.
 #pragma once
 
 #include <optional>

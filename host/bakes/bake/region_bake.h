@@ -4,7 +4,7 @@
 // values.
 //
 // It is an approximation: the coarsest texel starts from its old lobes, not from the whole map's candidates, and texels
-// around the region stay as they were (docs/ALGORITHMS.md, "A region again").
+// around the region stay as they were (docs/contributing/ALGORITHMS.md, "A region again").
 #pragma once
 
 #include <optional>

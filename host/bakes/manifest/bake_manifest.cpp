@@ -172,7 +172,7 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
 }  // namespace
 
 std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJob& pattern) {
-  const toml::table root = parse_toml(path, "a manifest as docs/CI.md describes it");
+  const toml::table root = parse_toml(path, "a manifest as docs/reference/manifests.md describes it");
   const StrictTable table(path, root, "", {"defaults", "map"}, kWholeFile);
   ParameterValues defaults(bake_parameters());
   const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);

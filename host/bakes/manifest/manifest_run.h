@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// State that a map was found in; docs/CI.md has a line for each.
+/// State that a map was found in; docs/reference/manifests.md has a line for each.
 enum class MapState {
   kUnchanged,  // in place; in a check: whole and no worse than stated and allowed, too
   kBaked,      // baked in this run; in a check the states below say why it had to be

@@ -62,7 +62,7 @@ struct MovmfSettings {
 void apply(const ParameterValues& values, MovmfSettings& settings);
 
 /// Sets what the defaults are measured against: every normal at every level, 30 iterations and 10 in further passes,
-/// none cut short (docs/ALGORITHMS.md, "Fewer evaluations").
+/// none cut short (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
 /// Fits every texel by itself, without alignment: for comparison alone (Tan et al. 2005, figures 5 and 6).

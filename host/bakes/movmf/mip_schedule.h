@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Schedules the fit of a pyramid's texels: levels from the coarsest to the finest, and each level in steps whose texels
-// are independent of one another (docs/ALGORITHMS.md, "Order"). A step of some rows is one launch of the EM kernels.
+// are independent of one another (docs/contributing/ALGORITHMS.md, "Order"). A step of some rows is one launch of the
+// EM kernels.
 #pragma once
 
 #include <cstdint>

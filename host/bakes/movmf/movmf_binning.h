@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bins the normals (and features) of coarse texels while the map streams by, all levels in two passes: one for the axes
-// of their grids, one for their cells (kernels/movmf_binning.cl; docs/ALGORITHMS.md, "Binned normals").
+// of their grids, one for their cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md, "Binned normals").
 #pragma once
 
 #include <map>

@@ -68,7 +68,7 @@ class HighlightError {
       for (std::size_t d = 0; d < kDirections; ++d) {
         double model = 0.0;
         for (const Lobe& lobe : fit.lobes) {
-          // Mean cosines multiply under convolution: docs/ALGORITHMS.md, "Shading a filtered lobe".
+          // Mean cosines multiply under convolution: docs/contributing/ALGORITHMS.md, "Shading a filtered lobe".
           const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
           model += lobe.amplitude * density(kappa_of_mean_cosine(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
         }

@@ -51,7 +51,7 @@ NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t se
 
 /// `count`, a multiple of 4, half vectors of lights and views that are spread over the upper hemisphere, weighted by
 /// their cosines: what a surface is lit by and seen from. The same after a quarter turn about z; none of those that
-/// docs/ACCURACY.md judges by.
+/// docs/evidence/ACCURACY.md judges by.
 std::vector<glm::dvec3> spread_half_vectors(int count);
 
 }  // namespace multum

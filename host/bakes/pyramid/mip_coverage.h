@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact box averages over the finest texels that a texel of a coarser level covers (docs/ALGORITHMS.md, "Notation"):
-// texel x of a level w wide covers [x W/w, (x + 1) W/w), fractions included. For powers of two these are whole blocks.
+// Exact box averages over the finest texels that a texel of a coarser level covers (docs/contributing/ALGORITHMS.md,
+// "Notation"): texel x of a level w wide covers [x W/w, (x + 1) W/w), fractions included. For powers of two these are
+// whole blocks.
 #pragma once
 
 #include <vector>

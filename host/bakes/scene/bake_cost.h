@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates what a bake will take, by a model of few constants (docs/SCENE.md has them and the machine that they are
-// of): for comparing ways to bake a map, not for promises.
+// Estimates what a bake will take, by a model of few constants (docs/reference/scenes.md has them and the machine that
+// they are of): for comparing ways to bake a map, not for promises.
 #pragma once
 
 #include <cstdint>

@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 // Highlights broader than this are followed by harmonics of order 8, as multum-view evaluates them in an environment:
-// what Blinn-Phong of s = 12 has beyond is 8 % (docs/ALGORITHMS.md, "Environments").
+// what Blinn-Phong of s = 12 has beyond is 8 % (docs/contributing/ALGORITHMS.md, "Environments").
 constexpr double kHarmonicsExponentMax = 12.0;
 
 void add_row(ObjectPlan& object, const std::string& effect, bool needed, const std::string& why) {

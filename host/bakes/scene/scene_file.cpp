@@ -327,7 +327,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
 }
 
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern, bool reads_files) {
-  const toml::table toml = parse_toml(path, "a scene as docs/SCENE.md describes it");
+  const toml::table toml = parse_toml(path, "a scene as docs/reference/scenes.md describes it");
   const StrictTable root(path, toml, "", {"camera", "budget", "map", "material", "object", "light", "environment"},
                          kWholeFile);
   SceneDescription scene;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // scene.toml: what a scene shows of its maps - which materials, lights and camera distances they meet - so that a bake
-// can leave out what none of them needs. docs/SCENE.md describes every key.
+// can leave out what none of them needs. docs/reference/scenes.md describes every key.
 #pragma once
 
 #include <optional>
@@ -54,7 +54,7 @@ struct SceneCamera {
 
 struct SceneBudget {
   std::optional<double> bytes;         // of textures, all maps together
-  std::optional<double> bake_ms;       // of the bake, by the model of docs/SCENE.md
+  std::optional<double> bake_ms;       // of the bake, by the model of docs/reference/scenes.md
   std::optional<double> target_error;  // relative L1 against the reference, each map's worst BRDF
   double estimate_margin = 0.02;       // by how much an estimated error may exceed the default bake's, relative L1
 };

@@ -17,7 +17,7 @@ constexpr unsigned kDefaultAndFull = kDefaultSweep | kFullSweep;
 constexpr unsigned kEverySweep = kQuickSweep | kDefaultAndFull;
 constexpr unsigned kEveryScene = kScenePlan | kSceneTarget;
 
-// Of candidates with as many textures, in the order of their bakes' times (docs/ACCURACY.md).
+// Of candidates with as many textures, in the order of their bakes' times (docs/evidence/ACCURACY.md).
 enum Effort { kAveraged, kQuickFit, kDefaultFit, kRefinedFit, kLongFit };
 
 Effort effort_of(const ParameterValues& values, Representation representation) {

@@ -47,7 +47,7 @@ struct SettingCandidate {
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only = std::nullopt);
 
 /// Those of kTargetSearch that `only` allows, cheapest first. Unset: all but Gaussians, which of as many lobes are
-/// never nearer than vMFs (docs/ACCURACY.md), and cost as much.
+/// never nearer than vMFs (docs/evidence/ACCURACY.md), and cost as much.
 std::vector<SettingCandidate> target_candidates(std::optional<Representation> only);
 
 /// The lobes of the default bake.

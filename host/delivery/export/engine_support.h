@@ -9,8 +9,8 @@
 
 namespace multum {
 
-/// Names of engines that refuse such files, or show nothing for them; sources and versions are in docs/EXPORT.md.
-/// Empty: none is known.
+/// Names of engines that refuse such files, or show nothing for them; sources and versions are in
+/// docs/evidence/EXPORT.md. Empty: none is known.
 std::vector<std::string> engines_that_fail(MaterialFormat format, MaterialTexels texels);
 
 /// The same as one line with a way out, without a newline; empty: none is known. `uastc`: the option that asks for

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-constexpr double kLightIntensity = 3.0, kRoomIntensity = 0.3;  // as docs/GLTF_EXAMPLE.md's scenes have them
+constexpr double kLightIntensity = 3.0, kRoomIntensity = 0.3;  // as docs/evidence/GLTF_EXAMPLE.md's scenes have them
 constexpr double kRoughnessLeast = 0.045;                      // three.js's and Filament's
 constexpr double kDielectric = 0.04;                           // reflectance along the normal
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A model from file to file: glTF or GLB with normal maps, to a GLB whose normal and metallic-roughness textures have
-// fitted mips (docs/GLTF.md).
+// fitted mips (docs/reference/gltf.md).
 #pragma once
 
 #include <cstdint>

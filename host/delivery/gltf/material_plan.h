@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides which of a glTF file's materials get fitted textures, and from what (glTF 2.0, section 3.9; docs/GLTF.md has
-// the rules). A material's normal texture and its metallic-roughness texture are fitted together, and only where each
-// texel of one lies over the texel of the other; all else stays as it is, with the reason.
+// Decides which of a glTF file's materials get fitted textures, and from what (glTF 2.0, section 3.9;
+// docs/reference/gltf.md has the rules). A material's normal texture and its metallic-roughness texture are fitted
+// together, and only where each texel of one lies over the texel of the other; all else stays as it is, with the
+// reason.
 #pragma once
 
 #include <array>

@@ -252,7 +252,7 @@ void run_service(const ServiceOptions& options) {
   if (!can_confine())
     service_log(LogSeverity::kWarning, 0,
                 "this kernel has no Landlock: workers are not shut off from files outside of the roots "
-                "(docs/SERVICE.md, \"Who is trusted with what\")");
+                "(docs/reference/service.md, \"Who is trusted with what\")");
   Service(options).run();
 }
 

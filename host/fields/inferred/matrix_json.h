@@ -40,7 +40,7 @@ inline float anisotropy_from_json(const nlohmann::json& json) {
 
 /// Throws Error(kInput).
 inline void check_picture_size(int width, int height, int supersampling) {
-  constexpr int kSupersamplingMax = 8;  // as docs/ANIMATION.md has both
+  constexpr int kSupersamplingMax = 8;  // as docs/reference/animation_jobs.md has both
   if (width < 1 || height < 1 || width > kGpuSideMax || height > kGpuSideMax || supersampling < 1 ||
       supersampling > kSupersamplingMax)
     throw Error(ErrorCode::kInput, "the picture is " + std::to_string(width) + " x " + std::to_string(height) +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Common part of all baked files, whatever their representation: a multi-part, tiled, mip-mapped OpenEXR file whose
-// header says where it comes from (docs/FORMAT.md).
+// header says where it comes from (docs/reference/file_format.md).
 #pragma once
 
 #include <cstddef>
@@ -20,14 +20,16 @@ constexpr int kWeightCountMax = 4;  // channels of a texture
 
 /// Origin of a file, as its header states it beside the pixels.
 struct BakedProvenance {
-  std::string software;        // "multum 0.1.0"
-  std::string source_name;     // file name of the normal map, without folder
-  std::string source_hash;     // SHA-256 of the normal map's file, or of it and what others of its set gave to it
-  std::string settings;        // JSON: every setting that changes the file
-  std::string settings_hash;   // SHA-256 of `settings`
-  std::string measured_error;  // JSON: relative L1 error of file against source (docs/ACCURACY.md); may be empty
-  std::string content_hash;    // of every channel value in the file (docs/FORMAT.md, "Checksum"); filled by write, read
-  std::string reading = {};    // JSON: what was found in the source's files; empty in files of earlier programs
+  std::string software;       // "multum 0.1.0"
+  std::string source_name;    // file name of the normal map, without folder
+  std::string source_hash;    // SHA-256 of the normal map's file, or of it and what others of its set gave to it
+  std::string settings;       // JSON: every setting that changes the file
+  std::string settings_hash;  // SHA-256 of `settings`
+  std::string
+      measured_error;        // JSON: relative L1 error of file against source (docs/evidence/ACCURACY.md); may be empty
+  std::string content_hash;  // of every channel value in the file (docs/reference/file_format.md, "Checksum"); filled
+                             // by write, read
+  std::string reading = {};  // JSON: what was found in the source's files; empty in files of earlier programs
   std::string source_file_hash = "";  // SHA-256 of the normal map's file, where source_hash is of more; else empty
   std::string source_tiles = "";      // JSON: what other tiles of the map's set gave to it; empty: nothing
 
@@ -59,7 +61,7 @@ struct BakedHeader {
 enum class TexelCheck { kRefuse, kReport };
 
 struct BakedWriteOptions {
-  // docs/FORMAT.md, "Size and speed", has the measurements behind these two.
+  // docs/reference/file_format.md, "Size and speed", has the measurements behind these two.
   std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
   int tile_size = 128;
   int threads = 2;

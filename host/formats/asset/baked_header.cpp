@@ -174,7 +174,8 @@ void check_part(const Imf::Header& header, int index, const BakedPart& part, con
 float float_attribute(const Imf::Header& header, const char* name, const std::string& path) {
   const auto* attribute = header.findTypedAttribute<Imf::FloatAttribute>(name);
   if (attribute == nullptr)
-    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+    refuse_file(path, std::string("no attribute ") + name,
+                "a file written by 'multum bake' (docs/reference/file_format.md)");
   return attribute->value();
 }
 
@@ -202,14 +203,16 @@ void refuse_file(const std::string& path, const std::string& found, const std::s
 std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path) {
   const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
   if (attribute == nullptr)
-    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+    refuse_file(path, std::string("no attribute ") + name,
+                "a file written by 'multum bake' (docs/reference/file_format.md)");
   return attribute->value();
 }
 
 int int_attribute(const Imf::Header& header, const char* name, const std::string& path) {
   const auto* attribute = header.findTypedAttribute<Imf::IntAttribute>(name);
   if (attribute == nullptr)
-    refuse_file(path, std::string("no attribute ") + name, "a file written by 'multum bake' (docs/FORMAT.md)");
+    refuse_file(path, std::string("no attribute ") + name,
+                "a file written by 'multum bake' (docs/reference/file_format.md)");
   return attribute->value();
 }
 

@@ -23,7 +23,7 @@ struct BakedChannel {
   Imf::PixelType type;
 };
 
-/// A part as writer, reader and checksum agree on it (docs/FORMAT.md, "Parts and channels").
+/// A part as writer, reader and checksum agree on it (docs/reference/file_format.md, "Parts and channels").
 struct BakedPart {
   std::string name;
   std::vector<BakedChannel> channels;  // as values lie in memory, interleaved, and as they are hashed

@@ -77,7 +77,7 @@ class BakedReader {
   std::vector<std::string> changed_rows_;
 };
 
-/// The checksum of docs/FORMAT.md of a file whose rows come level by level, from the top.
+/// The checksum of docs/reference/file_format.md of a file whose rows come level by level, from the top.
 class BakedRowHash {
  public:
   explicit BakedRowHash(const std::vector<BakedPart>& parts);

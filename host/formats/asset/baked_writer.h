@@ -57,7 +57,7 @@ class BakedWriter {
   /// passed, throws Error(kEnvironment), and there is no file.
   void commit(const std::string& measured_error, const std::function<std::vector<VerifyFinding>()>& findings,
               Progress* progress);
-  /// The content's checksum as docs/FORMAT.md defines it; after commit().
+  /// The content's checksum as docs/reference/file_format.md defines it; after commit().
   const std::string& content_hash() const;
 
  private:

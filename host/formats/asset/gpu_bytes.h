@@ -15,7 +15,8 @@ namespace multum {
 /// again for colours, whose fourth channel is padding (RGBA16F or RGBA32F). Needs sizes alone, no texels.
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap);
 
-/// Stored levels of a file of moments: two textures of 4 channels (docs/FORMAT.md, "Moments"), and one for colours.
+/// Stored levels of a file of moments: two textures of 4 channels (docs/reference/file_format.md, "Moments"), and one
+/// for colours.
 std::uint64_t moment_gpu_bytes(const BakedHeader& header);
 
 /// Stored levels of a file of spherical harmonics: a layer of 4 channels every four coefficients, and one texture for

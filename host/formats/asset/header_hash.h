@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The checksum of a baked file's headers: that of its pixels covers no attribute, and an attribute with other values
-// (the sharpest kappa, the source's hash, the measured errors) would be believed. docs/FORMAT.md, "Header checksum",
-// describes it. For host/formats/asset alone.
+// (the sharpest kappa, the source's hash, the measured errors) would be believed. docs/reference/file_format.md,
+// "Header checksum", describes it. For host/formats/asset alone.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checksums of rows of tiles, as a baked file's header holds them: whoever reads some rows alone knows whether they are
-// what was baked, and where they are not (docs/FORMAT.md, "Checksum"). For host/formats/asset alone.
+// what was baked, and where they are not (docs/reference/file_format.md, "Checksum"). For host/formats/asset alone.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The filter that renderers should read baked files through, and that errors are measured through: up to N trilinear
 // lookups ("taps") along the longer axis of a pixel's footprint, with a level bias.
-// runtime_gl/shaders/common/texture_filter.glsl has the same formulas and says why; docs/FILTER.md has what the
-// defaults were chosen from.
+// runtime_gl/shaders/common/texture_filter.glsl has the same formulas and says why; docs/evidence/FILTER.md has what
+// the defaults were chosen from.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits a facet distribution by a short sum of von Mises-Fisher densities around h: each is convolved with a vMF lobe by
-// multiplying mean cosines (Han et al. 2007, section 4; docs/ALGORITHMS.md, "BRDFs at run time").
+// multiplying mean cosines (Han et al. 2007, section 4; docs/contributing/ALGORITHMS.md, "BRDFs at run time").
 #pragma once
 
 #include <functional>

@@ -13,7 +13,7 @@
 //   copies                   none: buffers are mapped            of 32 MiB at most, while the host makes the next
 //   rows fitted at once      what caches hold                  what an eighth of its memory holds: few, large launches
 //
-// Measured on an NVIDIA H100 (docs/GPU.md) and on PoCL with two cores (docs/BENCHMARKS.md).
+// Measured on an NVIDIA H100 (docs/evidence/GPU.md) and on PoCL with two cores (docs/evidence/BENCHMARKS.md).
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every quarter is size/2 texels wide (size, where it is alone); (x, y) are texel centres counted from its top left
 // corner, rows downwards. The second slope is used as it stands for y, although rows grow downwards: the numbers are
-// those that docs/ACCURACY.md was measured with, and as a surface they are one with green down. The statistics of a
-// reader say so.
+// those that docs/evidence/ACCURACY.md was measured with, and as a surface they are one with green down. The statistics
+// of a reader say so.
 //   armour   unit hemispheres clipped at r^2 = 0.9025 (slope 3.04), rows shifted by half a period
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius
 //   grooves  slope -1, +1, 0 for 40, 40, 20 % of a period of 12, along (cos 30, sin 30)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The project's own test map: four quarters that each defeat one shortcut. Made from a seed, at any even size, so that
-// every figure in docs/ACCURACY.md can be made again anywhere.
+// every figure in docs/evidence/ACCURACY.md can be made again anywhere.
 #pragma once
 
 #include <cstdint>

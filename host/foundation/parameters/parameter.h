@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Describes one parameter of a command. A row of a table (bake_parameters.h and its neighbours) is all that command
-// lines, manifests, scene files, the service, the settings hash and docs/PARAMETERS.md know of it.
+// lines, manifests, scene files, the service, the settings hash and docs/reference/parameters.md know of it.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,8 @@ enum class ParameterKind {
 /// Bits: where a parameter may be given.
 enum ParameterSurface : unsigned {
   kOnCommandLine = 1,
-  kInManifest = 2,  // [defaults] and [[map]] of docs/CI.md
-  kInScene = 4,     // [[map]] of docs/SCENE.md
+  kInManifest = 2,  // [defaults] and [[map]] of docs/reference/manifests.md
+  kInScene = 4,     // [[map]] of docs/reference/scenes.md
   kInService = 8,   // parameters of a job
 };
 constexpr unsigned kEverywhere = kOnCommandLine | kInManifest | kInScene | kInService;
@@ -47,11 +47,11 @@ struct Parameter {
   bool low_excluded = false, zero_excluded = false;
   // "texels", "ms"; of texts, files and long choices their form, "FILE[:CHANNEL]"; empty: none.
   std::string unit = {};
-  std::string default_text = {};           // as a command line has it; empty: none
-  std::vector<std::string> choices = {};   // in the order in which they are shown
-  std::string group = {};                  // heading of help texts
-  std::string hashed_as = {};              // key of multum:settings (docs/FORMAT.md); empty: changes no content
-  std::string short_option = {};           // "-d"
+  std::string default_text = {};          // as a command line has it; empty: none
+  std::vector<std::string> choices = {};  // in the order in which they are shown
+  std::string group = {};                 // heading of help texts
+  std::string hashed_as = {};     // key of multum:settings (docs/reference/file_format.md); empty: changes no content
+  std::string short_option = {};  // "-d"
   std::vector<std::string> excludes = {};  // names of others that cannot be given beside it
   ParameterScope scope = ParameterScope::kAll;
   bool chosen_by_target = false;  // target_error and budget_ms choose it

@@ -19,7 +19,7 @@ inline constexpr Choices<Representation> kRepresentations = {{"vmf", Representat
                                                              {"gmm", Representation::kGmm},
                                                              {"sh", Representation::kSh}};
 
-/// data_format: rounding of stored channel values; docs/FORMAT.md states what each loses.
+/// data_format: rounding of stored channel values; docs/reference/file_format.md states what each loses.
 enum class StorageEncoding {
   kSnorm16,  // multiples of 1/32767 in a float channel: RGBA16_SNORM on the GPU
   kHalf,     // 16-bit floats: RGBA16F on the GPU

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the reference page of all parameters, docs/PARAMETERS.md.
+// Writes the reference page of all parameters, docs/reference/parameters.md.
 #pragma once
 
 #include <string>

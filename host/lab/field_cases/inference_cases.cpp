@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Texture inference: the products and sums of conjugate gradient, the pyramid's interpolation, and whole solutions of
 // systems that are singular, empty, hardly regularised or of great contrast (Hakura et al. 2000, section 3.2;
-// docs/ALGORITHMS.md has the rows).
+// docs/contributing/ALGORITHMS.md has the rows).
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/STABILITY.md: every numerical case with what happens without its guard, the guard, the bound and the worst error
-// seen.
+// docs/contributing/STABILITY.md: every numerical case with what happens without its guard, the guard, the bound and
+// the worst error seen.
 #pragma once
 
 #include <string>

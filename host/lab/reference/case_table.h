@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The verdicts of numerical cases as an aligned table for terminals and as JSON, which the page of docs/STABILITY.md is
-// made of.
+// The verdicts of numerical cases as an aligned table for terminals and as JSON, which the page of
+// docs/contributing/STABILITY.md is made of.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coverage of finest texels by a texel, by definition: fractions at its borders count (docs/ALGORITHMS.md, "Notation").
+// Coverage of finest texels by a texel, by definition: fractions at its borders count (docs/contributing/ALGORITHMS.md,
+// "Notation").
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spherical EM in double, written for obviousness: the oracle of kernels/movmf_em_*.cl. Han et al. 2007, section 7,
-// Algorithm 1, equations 15-16, with the corrections of docs/ALGORITHMS.md. No bake uses it.
+// Algorithm 1, equations 15-16, with the corrections of docs/contributing/ALGORITHMS.md. No bake uses it.
 #pragma once
 
 #include <vector>

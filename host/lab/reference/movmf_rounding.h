@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounding of a texel's lobes, written for obviousness: every way to round is tried in the words of docs/FORMAT.md
+// Rounding of a texel's lobes, written for obviousness: every way to round is tried in the words of
+// docs/reference/file_format.md
 // ("Rounding"). The oracle of host/formats/asset/lobes/movmf_quantize.cpp. No bake uses it.
 #pragma once
 

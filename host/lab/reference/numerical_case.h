@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A named numerical case: one hard input, or a family of them, of one kernel or shader function, in single precision
-// against double precision, with a stated bound. docs/STABILITY.md is made of them.
+// against double precision, with a stated bound. docs/contributing/STABILITY.md is made of them.
 //
 // The end of the project's list of hard cases (kappa at its ends, dead lobes, sums over 2^28 texels, and so on) is
 // where they come from. Each names the guard that the formula has for the case, and can be run with that guard taken

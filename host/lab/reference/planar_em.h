@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mixtures of planar Gaussians in double, written for obviousness: the oracle of the EM kernels built with
-// MULTUM_PLANAR and of their shading. Tan et al. 2005, sections 3 and 4.1, with the corrections of docs/ALGORITHMS.md.
-// No bake uses it.
+// MULTUM_PLANAR and of their shading. Tan et al. 2005, sections 3 and 4.1, with the corrections of
+// docs/contributing/ALGORITHMS.md. No bake uses it.
 //
 // Points, means and priors are those of movmf_em.h with other coordinates: of a sample (n_x, n_y, scatter), of a lobe's
 // mu (x, y, 0), its kappa 1/sigma^2; of moments r = (mean x, mean y, sigma^2); of a prior C sum_k a_k (x, y, 1).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // EM inside one work-item (kernels/movmf_em_texels.cl) on samples that break what is not guarded. Han et al. 2007,
-// section 7, Algorithm 1, equations 15-16; docs/ALGORITHMS.md, "Fitting a texel: EM".
+// section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM".
 #include <fmt/format.h>
 
 #include <cmath>
@@ -251,8 +251,8 @@ std::vector<NumericalCase> input_cases() {
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
         "a NaN, Inf or huge normal spreads to the texels beside it",
-        "lanes share nothing, not even when to stop (readers repair such normals: docs/READING.md)", kNothingWrong,
-        "texels changed", "not a bit may change"},
+        "lanes share nothing, not even when to stop (readers repair such normals: docs/reference/input_maps.md)",
+        kNothingWrong, "texels changed", "not a bit may change"},
        a_bad_texel_stays_alone,
        {},
        {},

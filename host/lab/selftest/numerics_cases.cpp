@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The building blocks in kernels/device, each over its whole range and beyond, and what the driver makes of structs and
-// NaN. docs/ALGORITHMS.md, "Von Mises-Fisher lobes", has the formulas.
+// NaN. docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes", has the formulas.
 #include <fmt/format.h>
 
 #include <algorithm>

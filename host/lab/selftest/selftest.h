@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The numerical cases of the OpenCL kernels, run on the user's own device and driver: `multum selftest`, the tests of
-// tests/hard_cases, and docs/STABILITY.md all run this one registry.
+// tests/hard_cases, and docs/contributing/STABILITY.md all run this one registry.
 #pragma once
 
 #include <functional>

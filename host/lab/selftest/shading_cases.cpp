@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) where something is 0, 1 or as far as it
-// goes. docs/ALGORITHMS.md, "Shading a filtered lobe". Lobes lie along +z, so that (a r, a) is exact in float and the
-// error is the formula's own.
+// goes. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe". Lobes lie along +z, so that (a r, a) is exact in
+// float and the error is the formula's own.
 #include <fmt/format.h>
 
 #include <algorithm>

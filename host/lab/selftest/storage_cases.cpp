@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What rounding to the file's encodings does to a lobe's spread (host/formats/asset/lobes/movmf_quantize.cpp;
-// docs/FORMAT.md, "Rounding"). No kernel runs: what kernels found is lost here or nowhere.
+// docs/reference/file_format.md, "Rounding"). No kernel runs: what kernels found is lost here or nowhere.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -90,7 +90,7 @@ void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstEr
   }
 }
 
-// Against rounding in the words of docs/FORMAT.md.
+// Against rounding in the words of docs/reference/file_format.md.
 void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, WorstError& worst) {
   SplitMix64 random(7);
   Texels texels;
@@ -123,7 +123,7 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
-      {{name + "-as-the-format-says", formula, "another texel than docs/FORMAT.md says",
+      {{name + "-as-the-format-says", formula, "another texel than docs/reference/file_format.md says",
         "every way to round is tried, as its words are", kNothingWrong, "texels wrong", "not a bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },
        {},

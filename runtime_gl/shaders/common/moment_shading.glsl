@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shading of filtered moments: Toksvig's rule (Toksvig 2005) from the mean normal, and LEAN (Olano and Baker 2010) from
 // the moments of slopes. Paste this file behind movmf_shading.glsl and brdf/blinn_phong.glsl. The textures of a baked
-// file of moments (docs/FORMAT.md, "Moments"), filtered by hardware:
+// file of moments (docs/reference/file_format.md, "Moments"), filtered by hardware:
 //
 //     vec4 mean = texture(mean_map, uv);       // E[n], E[b_s b_t]
 //     vec4 slopes = texture(slope_map, uv);    // E[b_s], E[b_t], E[b_s^2], E[b_t^2]; b = -(n_x, n_y) / n_z

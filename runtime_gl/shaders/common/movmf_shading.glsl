@@ -16,7 +16,7 @@
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
 // with the lobe, amplitude included; a lobe of amplitude 0 (no material, or a lobe that does not occur here) returns 0.
 // The highlight's own cosine max(n . l, 0) depends on n too: multum_movmf_highlight_cosine() is its mean over f(n . h)
-// vMF(n), and docs/ALGORITHMS.md, "The highlight's cosine", what was tried beside it.
+// vMF(n), and docs/contributing/ALGORITHMS.md, "The highlight's cosine", what was tried beside it.
 
 const float MULTUM_PI = 3.14159265358979;
 const float MULTUM_AMPLITUDE_MIN = 1e-6;  // below: no lobe; 1/32767, the least stored amplitude, is 30 times this

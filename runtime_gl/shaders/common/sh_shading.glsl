@@ -10,7 +10,7 @@
 // and multiplies the bands by the zonal coefficients of its BRDF, a_l = 2 pi integral f(t) P_l(t) dt: any BRDF of one
 // angle, at run time. What it gets is cut off above the order. Of a sharp highlight that is a blur with rings, whose
 // parts below 0 are clamped. No window is put over the coefficients: every one that was tried is farther from the
-// reference wherever the order suffices (docs/ALGORITHMS.md, "Spherical harmonics", has the figures).
+// reference wherever the order suffices (docs/contributing/ALGORITHMS.md, "Spherical harmonics", has the figures).
 //
 // The same formulas stand in kernels/device/spherical_harmonics.clh; tests/agreement compares both with double
 // precision.

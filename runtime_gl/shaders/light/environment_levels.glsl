@@ -5,7 +5,8 @@
 // or stretched where it is seen at an angle, and what falls under the horizon, is followed. Each reflects to a
 // direction of its own with dl = 4 (v.h) dh, and reads the two levels that are next to its spread, in the shares that
 // give its mean cosine. How much light there is in all is the reflection table's. One lobe instead of nine: 9.3 %
-// instead of 6.6 % off under blender_city (docs/ALGORITHMS.md, "Environments"); narrow ones stay one, where the levels
+// instead of 6.6 % off under blender_city (docs/contributing/ALGORITHMS.md, "Environments"); narrow ones stay one,
+// where the levels
 // have no room for parts.
 #define MULTUM_LEVELS_MAX 12
 #define MULTUM_PART_SHARE 0.4  // of the variance, that the parts keep; the rest lies between them

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes NAME.ndf.exr of vMF lobes (docs/FORMAT.md) into what a GPU takes, in a worker: the lobes as multum export
+// Decodes NAME.ndf.exr of vMF lobes (docs/reference/file_format.md) into what a GPU takes, in a worker: the lobes as
+// multum export
 // --lobes --texels rgba16f lays them out (host/delivery/export/lobes/lobe_encoding.cpp), and the normals of level 0.
 // Of OpenEXR ("OpenEXR File Layout", openexr.com) it reads what multum writes: tiled parts, one level or mip-mapped, of
 // halfs and floats, compressed by none, RLE, ZIPS or ZIP. All that a file says is checked before anything is allocated

@@ -2,7 +2,7 @@
 // Draws a plane, or a model with the map on it, by WebGL 2 with the shading that multum-view draws with
 // (runtime_gl/shaders), lobes or one normal a texel, each method into a texture; the screen shows one of them left and
 // one right of a divider, or their difference.
-const FILTER = { taps: 4, bias: -0.5 }; // docs/FILTER.md
+const FILTER = { taps: 4, bias: -0.5 }; // docs/evidence/FILTER.md
 
 const SCREEN_VERTEX = `#version 300 es
 void main() {

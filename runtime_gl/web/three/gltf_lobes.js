@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The extension MULTUM_lobes, `multum gltf IN.glb --lobes -o OUT.glb` (docs/GLTF.md), for three.js's GLTFLoader.
+// The extension MULTUM_lobes, `multum gltf IN.glb --lobes -o OUT.glb` (docs/reference/gltf.md), for three.js's
+// GLTFLoader.
 import { addLobes, addPoints } from "./lobe_material.js";
 import { LobeLoader } from "./lobe_texture.js";
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobe textures, `multum export NAME.ndf.exr --lobes -o NAME.ktx2` (docs/FORMAT.md, "Lobes for GPUs"), for three.js.
+// Lobe textures, `multum export NAME.ndf.exr --lobes -o NAME.ktx2` (docs/reference/file_format.md, "Lobes for GPUs"),
+// for three.js.
 // Its KTX2Loader makes textures of one layer of such formats, so the file is read by the reader that it has inside.
 import { ClampToEdgeWrapping, CompressedArrayTexture, DataTexture, FileLoader, HalfFloatType, LinearFilter,
   LinearMipmapLinearFilter, Loader, LoaderUtils, MirroredRepeatWrapping, RED_GREEN_RGTC2_Format, RepeatWrapping,

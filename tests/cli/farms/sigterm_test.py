@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What SIGTERM leaves of every command (docs/FARMS.md, the table of that name): exit code 130 well within a farm's
+"""What SIGTERM leaves of every command (docs/how-to/farms.md, the table of that name): exit code 130 well within a
+farm's
 period of grace, nothing half-written, and the same command again makes what an undisturbed run made.
 
   tests/cli/farms/sigterm_test.py --programs FOLDER --traced-folder PROGRAM

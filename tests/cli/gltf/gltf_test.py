@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of docs/GLTF.md on models that are made here, one rule a model: what is fitted together, what is in
+"""The rules of docs/reference/gltf.md on models that are made here, one rule a model: what is fitted together, what
+is in
 textures after, what stays as it was.
 
   gltf_test.py MULTUM [unittest's arguments]

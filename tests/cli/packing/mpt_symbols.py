@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the symbols of packed fields by docs/FORMAT.md, "Symbols": the range coder, contexts and their mixing, in
+"""Reads the symbols of packed fields by docs/reference/file_format.md, "Symbols": the range coder, contexts and their
+mixing, in
 integers alone."""
 
 LOGISTIC = [22, 28, 36, 47, 60, 77, 98, 126, 162, 208, 267, 342, 439, 562, 720, 922, 1179, 1506, 1921, 2446, 3108, 3938,

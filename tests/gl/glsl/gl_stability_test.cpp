@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every numerical case of the GLSL formulas holds its bound, and breaks it without its guard, by Mesa's software
 // renderer; every function of the shaders has a case that notices when it is broken. With MULTUM_STABILITY_JSON=FILE in
-// the environment the verdicts are written there, for docs/STABILITY.md.
+// the environment the verdicts are written there, for docs/contributing/STABILITY.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -175,15 +175,15 @@ TEST(GlslCases, ABrokenFormulaBreaksThoseThatNameIt) {
 }
 
 TEST(GlslCases, AreWhatThePageHas) {
-  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/STABILITY.md");
+  const std::string page = text_of_file(MULTUM_SOURCE_DIR "/docs/contributing/STABILITY.md");
   const std::size_t begin = page.find("\n## movmf_shading.glsl");
-  ASSERT_NE(begin, std::string::npos) << "docs/STABILITY.md says how it is made again";
+  ASSERT_NE(begin, std::string::npos) << "docs/contributing/STABILITY.md says how it is made again";
   std::vector<std::string> names;
   for (const GlslCase& c : glsl_cases()) names.push_back(c.text.name);
   std::vector<std::string> of_page = cases_of_page(page.substr(begin));
   std::sort(names.begin(), names.end());
   std::sort(of_page.begin(), of_page.end());
-  EXPECT_EQ(of_page, names) << "docs/STABILITY.md says how it is made again";
+  EXPECT_EQ(of_page, names) << "docs/contributing/STABILITY.md says how it is made again";
 }
 
 }  // namespace

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whole conversations over HTTP with a running daemon, as no good client has them: several lines at once, requests one
 behind the other, cut into pieces anywhere, with bodies of every framing, headers that are doubled, folded or endless,
-bytes changed, closed or reset at any moment. Each answer must be HTTP, of a status that docs/openapi.json knows; the
+bytes changed, closed or reset at any moment. Each answer must be HTTP, of a status that docs/reference/openapi.json
+knows; the
 daemon must live, and have no more memory, files or threads than before. Of a daemon that is built with sanitizers, what
 they find is a failure.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures what the texture filter makes of baked maps: errors of pictures, flicker between frames and frame times over
-// taps, level bias and number of lobes, with what users have today beside it. docs/FILTER.md is made of it.
+// taps, level bias and number of lobes, with what users have today beside it. docs/evidence/FILTER.md is made of it.
 #pragma once
 
 #include <nlohmann/json.hpp>

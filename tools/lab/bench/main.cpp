@@ -229,7 +229,7 @@ void add_allow_dirty(CLI::App& command, bool& allow_dirty) {
 }
 
 CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
-  CLI::App* command = app.add_subcommand("accuracy", "make docs/ACCURACY.md: every figure of it");
+  CLI::App* command = app.add_subcommand("accuracy", "make docs/evidence/ACCURACY.md: every figure of it");
   command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
   command->add_option("--maps", accuracy.maps, "folder of real maps")->check(CLI::ExistingDirectory);
   command->add_option("--brdfs", accuracy.brdfs, "folder of measured BRDFs")->check(CLI::ExistingDirectory);
@@ -249,7 +249,7 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
 }
 
 CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
-  CLI::App* command = app.add_subcommand("document", "make docs/BENCHMARKS.md of results: runs nothing");
+  CLI::App* command = app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md of results: runs nothing");
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
   command
       ->add_option("--json", document.results,

@@ -5,7 +5,7 @@ pages that play.
 Their scenes are described, not published; the fields of the shared data were made after the description, at half the
 resolution: a vase, a glass, a table in a room under a swinging light (figures 10 and 11), and the same with a turning
 knot in the place of their gewgaw (figure 12). The codec of views is here AV1, by ffmpeg, in the place of MPEG-4.
-docs/PLAYBACK.md has whole curves of size and error.
+docs/evidence/PLAYBACK.md has whole curves of size and error.
 """
 import json
 import pathlib
@@ -156,7 +156,7 @@ def pages_that_play(study, fields):
         return
     study.heading("The demos, played")
     study.paragraph("Each page has all in itself: the packed field, its geometry, the decoder and the player. It opens",
-                    "from disk, in any browser with WebGL 2 and WebAssembly; docs/PLAYBACK.md says how fast.")
+                    "from disk, in any browser with WebGL 2 and WebAssembly; docs/evidence/PLAYBACK.md says how fast.")
     rows = []
     for field in fields:
         try:
@@ -182,8 +182,9 @@ def reproduce(study):
         fields.append(field)
         for figure in figures:
             figure(study, field)
-    study.paragraph("docs/ANIMATION.md has the errors of inferred textures over those of forward mapping. Its",
+    study.paragraph("docs/reference/animation_jobs.md has the errors of inferred textures over those of forward "
+                    "mapping. Its",
                     "forward mapping is not the paper's: pixels are splatted bilinearly, where the paper resamples",
                     "with a Lanczos-windowed sinc of 16 x 16 taps. Of that one no factor is stated here.",
-                    "docs/PLAYBACK.md has curves of error over size, and what each part of the coder brings.")
+                    "docs/evidence/PLAYBACK.md has curves of error over size, and what each part of the coder brings.")
     pages_that_play(study, fields)

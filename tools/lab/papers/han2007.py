@@ -237,7 +237,8 @@ def starts(study):
     study.heading("Section 7.2: where EM starts")
     study.paragraph("The paper starts a texel's lobes from those of its children that lie farthest apart (Hochbaum and",
                     "Shmoys). Here texels start from their parent, so that the choice is that of the coarsest texel:",
-                    "normals that lie farthest apart, beside the search of the default (docs/ALGORITHMS.md).")
+                    "normals that lie farthest apart, beside the search of the default "
+                    "(docs/contributing/ALGORITHMS.md).")
     shown, rows = [], []
     for count in (4, 6):
         views = {}

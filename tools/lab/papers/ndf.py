@@ -17,7 +17,8 @@ def read_normals(path):
 
 
 def read_lobes(path, level):
-    """(a r, a) of a coarse level's lobes [lobe, height, width, 4] (docs/FORMAT.md; `level` at least 1)."""
+    """(a r, a) of a coarse level's lobes [lobe, height, width, 4] (docs/reference/file_format.md; `level` at least
+    1)."""
     source = oiio.ImageInput.open(str(path))
     count = source.spec()["multum:lobeCount"]
     lobes = [np.asarray(source.read_image(1 + j, level - 1, 0, 4, oiio.FLOAT)) for j in range(count)]
@@ -58,7 +59,8 @@ def density_of_normals(normals, directions):
 
 
 def density_of_lobes(lobes, directions):
-    """Of a texel's lobes [lobe, 4], convolved with the same kernel: mean cosines multiply (docs/ALGORITHMS.md)."""
+    """Of a texel's lobes [lobe, 4], convolved with the same kernel: mean cosines multiply
+    (docs/contributing/ALGORITHMS.md)."""
     total = np.zeros(directions.shape[:2])
     smoothing_cosine = 1 / np.tanh(SMOOTHING) - 1 / SMOOTHING
     for lobe in lobes:

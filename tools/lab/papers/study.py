@@ -118,8 +118,8 @@ class Study:
         self.size, self.samples, self.picture_count = size, samples, 0
         self.has_made_maps = True
         self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
-        self.strips = []  # (file of the folder, its name in docs/images)
-        self.markdown = []  # the same for docs/PAPERS.md: headings, paragraphs, tables and strips
+        self.strips = []  # (file of the folder, its name in docs/evidence/images)
+        self.markdown = []  # the same for docs/evidence/PAPERS.md: headings, paragraphs, tables and strips
         folder.mkdir(parents=True, exist_ok=True)
 
     # ---- steps
@@ -216,7 +216,8 @@ class Study:
 
     def strip(self, name, shown, zoom=1, crop=None, kind="png"):
         """One picture, NAME.png, of several beside one another. `shown`: (displayed values 0..1, caption) each, in
-        squares of `zoom` x `zoom`; `crop`: rows and columns, as slices, of each. docs/images has it as NAME.KIND."""
+        squares of `zoom` x `zoom`; `crop`: rows and columns, as slices, of each. docs/evidence/images has it as
+        NAME.KIND."""
         parts = [picture[crop] if crop else picture for picture, _ in shown]
         enlarged = [part.repeat(zoom, 0).repeat(zoom, 1) for part in parts]
         write_picture(self.path(f"{name}.png"), np.concatenate(enlarged, axis=1))
@@ -242,7 +243,7 @@ class Study:
         partial.replace(self.path("index.html"))
 
     def section(self):
-        """What docs/PAPERS.md has of this page."""
+        """What docs/evidence/PAPERS.md has of this page."""
         of_maps = f"Maps that are made: {self.size} x {self.size}. " if self.has_made_maps else ""
         # What leads to a picture of the page alone says nothing here.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])

@@ -109,12 +109,12 @@ void check_path_count(const FarmCommand& command, const std::string& kind) {
   if (kind == "bake" || kind == "export")
     message += fmt::format(
         ". List the maps in a manifest, which has no limit: multum openjd -o FOLDER {} --manifest "
-        "maps.toml (docs/CI.md)",
+        "maps.toml (docs/reference/manifests.md)",
         kind);
   throw Error(ErrorCode::kUsage, message);
 }
 
-// What merging shares of one map has no part in (docs/FARMS.md, "Shares of one map").
+// What merging shares of one map has no part in (docs/how-to/farms.md, "Shares of one map").
 void check_can_be_divided(const std::vector<std::string>& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& value = i + 1 < words.size() ? words[i + 1] : words[i];
@@ -254,7 +254,7 @@ void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   auto options = std::make_shared<OpenJdOptions>();
   CLI::App* openjd = app.add_subcommand(
       "openjd",
-      "write another command as a job bundle of Open Job Description, for render farms (docs/FARMS.md)\n"
+      "write another command as a job bundle of Open Job Description, for render farms (docs/how-to/farms.md)\n"
       "  multum openjd -o bundle bake --manifest maps.toml\n"
       "  multum openjd -o bundle --shards 8 bake cliff.png -o cliff.ndf.exr\n"
       "  multum openjd -o bundle --shards 16 infer animation.toml -o inferred");

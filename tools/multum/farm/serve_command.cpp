@@ -143,7 +143,8 @@ int run_confined(const ConfinedOptions& o) {
 
 void add_serve_commands(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ServeOptions>();
-  CLI::App* serve = app.add_subcommand("serve", "run a service that bakes what clients submit (docs/SERVICE.md)");
+  CLI::App* serve =
+      app.add_subcommand("serve", "run a service that bakes what clients submit (docs/reference/service.md)");
   serve->add_option("--data", options->data, "folder for the ledger, logs and uploads; created if missing")->required();
   serve->add_option("--listen", options->listen, "HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
@@ -159,7 +160,7 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
 
   auto data = std::make_shared<std::string>();
   CLI::App* rescue = app.add_subcommand(
-      "rescue", "save what can be read of a service's damaged ledger into a new one (docs/SERVICE.md)");
+      "rescue", "save what can be read of a service's damaged ledger into a new one (docs/reference/service.md)");
   rescue->add_option("data", *data, "folder of the service, which must not run")->required();
   rescue->callback([data, exit_code] { *exit_code = run_rescue(*data); });
 

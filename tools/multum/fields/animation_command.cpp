@@ -43,8 +43,8 @@ int run_animation(const AnimationOptions& o) {
 
 void add_animation_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<AnimationOptions>();
-  CLI::App* animation =
-      app.add_subcommand("animation", "write the job file of a folder of ray-traced pictures (docs/ANIMATION.md)");
+  CLI::App* animation = app.add_subcommand(
+      "animation", "write the job file of a folder of ray-traced pictures (docs/reference/animation_jobs.md)");
   animation->add_option("folder", options->folder, "scene.json beside a scene file and pictures by sample")->required();
   animation->add_option("-o,--output", options->output, "job file to write, *.toml")->required();
   add_decoding_option(*animation);

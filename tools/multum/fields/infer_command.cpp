@@ -123,12 +123,13 @@ int run_infer(InferOptions& o) {
 void add_infer_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<InferOptions>();
   InferOptions& o = *options;
-  CLI::App* infer = app.add_subcommand("infer", "infer textures from ray-traced pictures (docs/ANIMATION.md)");
+  CLI::App* infer =
+      app.add_subcommand("infer", "infer textures from ray-traced pictures (docs/reference/animation_jobs.md)");
   infer->add_option("job", o.job, infer_parameters().at("job").help)->required();
   infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
   infer->add_option("--shard", o.shard,
                     "infer the textures of share I of N alone, I/N, or of shares I to J, I-J/N, into the same folder: "
-                    "for farms (docs/FARMS.md)");
+                    "for farms (docs/how-to/farms.md)");
   infer
       ->add_option("--merge", o.merged_shards,
                    "check what shares 1/N to N/N inferred, and write the manifest, frames and report")

@@ -143,8 +143,8 @@ int run_unpack(const UnpackOptions& o) {
 void add_pack(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PackOptions>();
   PackOptions& o = *options;
-  CLI::App* pack =
-      app.add_subcommand("pack", "compress the textures of `multum infer` to one file (docs/ANIMATION.md)");
+  CLI::App* pack = app.add_subcommand(
+      "pack", "compress the textures of `multum infer` to one file (docs/reference/animation_jobs.md)");
   pack->add_option("folder", o.settings.folder, "folder that `multum infer` wrote, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
   pack->add_option("--player", o.player.folder, "folder to write a player for browsers to, for any static server");

@@ -38,7 +38,8 @@ int run_player(const PlayerOptions& o) {
 
 void add_player_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<PlayerOptions>();
-  CLI::App* player = app.add_subcommand("player", "a packed field with its player for browsers (docs/ANIMATION.md)");
+  CLI::App* player =
+      app.add_subcommand("player", "a packed field with its player for browsers (docs/reference/animation_jobs.md)");
   player->add_option("field", options->field, "a packed field, *.mpt")->required();
   player->add_option("-o,--output", options->output, "folder for any static server, or one page, *.html")->required();
   // Of the service, for fields of its clients: what they name is looked at below these alone.

@@ -21,7 +21,8 @@ namespace multum {
 struct ExportAccuracySettings {
   std::vector<int> levels = {2, 4, 6};  // those that the map has
   int cells_per_level = 16;             // texels that are looked at
-  // The standard error of a map's and level's integral is then below 1 % in the median of docs/EXPORT.md's maps.
+  // The standard error of a map's and level's integral is then below 1 % in the median of docs/evidence/EXPORT.md's
+  // maps.
   int lights_per_view = 256;
   int wide_lights_per_view = 24;
   bool finds_optimum = false;  // searched for beside the others

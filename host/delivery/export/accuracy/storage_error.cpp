@@ -24,8 +24,8 @@ constexpr double kViewAngleMax = 70.0;  // from the map's z, degrees
 constexpr double kAlbedo = 0.5;         // of what is not metal
 // Light from all around, of unit lights: as much of it is scattered as of them. A picture has both.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
-// Relative L1 error that a picture has with exact textures, of edges and sampling: in docs/GLTF_EXAMPLE.md 1 to 2 %
-// where level 0 is seen, and in the median 9, 14 and 20 % from 5, 25 and 50 m, at about levels 3, 5 and 6.
+// Relative L1 error that a picture has with exact textures, of edges and sampling: in docs/evidence/GLTF_EXAMPLE.md 1
+// to 2 % where level 0 is seen, and in the median 9, 14 and 20 % from 5, 25 and 50 m, at about levels 3, 5 and 6.
 constexpr double kFinestPictureError = 0.012, kPictureErrorPerLevel = 0.03;
 constexpr double kDielectric = 0.04, kMetal = 0.9;  // reflected at normal incidence
 

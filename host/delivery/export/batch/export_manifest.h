@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of a project's maps and how each is exported, which a build pipeline keeps in place: what has changed is
-// exported again, all else is left alone (docs/CI.md).
+// exported again, all else is left alone (docs/reference/manifests.md).
 #pragma once
 
 #include <string>

@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kSlurmClaimsMax = 200;  // in one commit
 
-// Exit codes of multum (docs/SERVICE.md): what of them is worth trying again.
+// Exit codes of multum (docs/reference/service.md): what of them is worth trying again.
 AttemptOutcome outcome_of(int code) {
   switch (code) {
     case 0: return AttemptOutcome::kSucceeded;

@@ -122,7 +122,7 @@ void read_slurm(const StrictTable& root, const std::string& path, ServiceSetting
 }  // namespace
 
 void read_service_settings(const std::string& path, ServiceSettings& s) {
-  const toml::table file = parse_toml(path, "settings as docs/SERVICE.md lists them");
+  const toml::table file = parse_toml(path, "settings as docs/reference/service.md lists them");
   const StrictTable root(path, file, "", kKeys, "the settings");
   s.listen = root.text("listen", s.listen);
   s.token_file = root.text("token_file", s.token_file);
@@ -235,7 +235,7 @@ void check_service_settings(const ServiceSettings& settings, const std::string& 
     throw Error(
         ErrorCode::kUsage,
         fmt::format("'{}' can be reached from other machines: that needs a token (--token-file), and TLS from a "
-                    "reverse proxy before it (docs/SERVICE.md)",
+                    "reverse proxy before it (docs/reference/service.md)",
                     settings.listen));
   check_roots(settings, settings_file, system);
   check_slurm(settings.slurm);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the daemon's settings: from serve.toml, whose keys docs/SERVICE.md lists, and from its command line, which
-// takes precedence.
+// Reads the daemon's settings: from serve.toml, whose keys docs/reference/service.md lists, and from its command line,
+// which takes precedence.
 #pragma once
 
 #include <chrono>

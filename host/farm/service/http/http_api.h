@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers the requests of the web interface: docs/openapi.json describes every request and answer, and the tests hold
-// both together.
+// Answers the requests of the web interface: docs/reference/openapi.json describes every request and answer, and the
+// tests hold both together.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads and checks clients' requests: turns bodies and queries into what the ledger is asked. Whatever is not as
-// docs/openapi.json says is a Refusal that names the key, what was found and what was expected.
+// docs/reference/openapi.json says is a Refusal that names the key, what was found and what was expected.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The schemas of docs/openapi.json that follow from the fields of jobs and from their types.
+// The schemas of docs/reference/openapi.json that follow from the fields of jobs and from their types.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

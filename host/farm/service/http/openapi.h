@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text of docs/openapi.json, as it was when this was built.
+// Text of docs/reference/openapi.json, as it was when this was built.
 #pragma once
 
 namespace multum {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job of the bake service, as the queue has it. docs/SERVICE.md draws its states.
+// A job of the bake service, as the queue has it. docs/reference/service.md draws its states.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fields of a job, a row each. Their columns in the ledger, their JSON, what a submission may set, the options of
-// `multum submit`, the page's rows and the schemas of docs/openapi.json follow from it. To add a field: a member of
-// Job, its row, the lines that set it, and the schemas by tools/parameter_documents.
+// `multum submit`, the page's rows and the schemas of docs/reference/openapi.json follow from it. To add a field: a
+// member of Job, its row, the lines that set it, and the schemas by tools/parameter_documents.
 #pragma once
 
 #include <limits>

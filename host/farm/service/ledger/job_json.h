@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs as the web interface shows them (docs/openapi.json has their schema).
+// Jobs as the web interface shows them (docs/reference/openapi.json has their schema).
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -26,8 +26,8 @@ JobQueue::JobQueue(const LedgerSettings& settings)
     : database_(settings.path), policy_(settings.retry), results_(settings.results), numbers_(settings.numbers) {
   prepare_ledger(database_, settings.may_begin);
   if (const std::string damage = database_.damage(); !damage.empty())
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: is damaged: {}; docs/SERVICE.md says what can be done", settings.path, damage));
+    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}; docs/reference/service.md says what can be done",
+                                               settings.path, damage));
   take_instance(settings);
   take_numbers();
   resync();

@@ -156,7 +156,7 @@ void bind_column(SqliteStatement& insert, int number, const JobField&, Number va
 const char* lost_ledger_advice() {
   return "put the ledger back, save what can be read of a damaged one by 'multum rescue', or begin a new one by "
          "'multum "
-         "serve --new-ledger'; docs/SERVICE.md says more";
+         "serve --new-ledger'; docs/reference/service.md says more";
 }
 
 void prepare_ledger(SqliteDatabase& database, bool may_begin) {

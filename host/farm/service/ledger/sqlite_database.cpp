@@ -216,7 +216,8 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_CORRUPT:
       throw SqliteError(
           ErrorCode::kInput,
-          fmt::format("{}: is damaged or no database of jobs: {}; docs/SERVICE.md says what can be done", path_, what),
+          fmt::format("{}: is damaged or no database of jobs: {}; docs/reference/service.md says what can be done",
+                      path_, what),
           result);
     case SQLITE_READONLY: check_may_change(); break;
     case SQLITE_FULL: throw NoSpaceError(ErrorCode::kEnvironment, fmt::format("{}: {}", path_, what));

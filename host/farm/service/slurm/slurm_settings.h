@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings of what is sent to Slurm: [slurm] of serve.toml, which docs/SERVICE.md lists.
+// Settings of what is sent to Slurm: [slurm] of serve.toml, which docs/reference/service.md lists.
 #pragma once
 
 #include <chrono>

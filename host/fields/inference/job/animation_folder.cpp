@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders of renders as the scripts of the ray-traced fields write them (docs/ANIMATION.md, "Folders that are
-// understood"): scene.json says what was rendered, and names of files follow from the names of samples.
+// Folders of renders as the scripts of the ray-traced fields write them (docs/reference/animation_jobs.md, "Folders
+// that are understood"): scene.json says what was rendered, and names of files follow from the names of samples.
 //   rad_vVV_pPP.exr   radiance by passes       geom_vVV.exr      depth, Cryptomatte
 //   scene.json        cameras, objects         id_vVV_pPP.png    object index, where an object moves
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A job of texture inference (Hakura et al. 2000, section 3): what was rendered, with which geometry, cameras
-// and parameters, and what is to be inferred. docs/ANIMATION.md describes every key of animation.toml.
+// and parameters, and what is to be inferred. docs/reference/animation_jobs.md describes every key of animation.toml.
 #pragma once
 
 #include <array>
@@ -96,7 +96,8 @@ struct AnimationJob {
 std::string animation_job_text(const AnimationJob& job, const std::string& folder);
 
 /// A job for a folder of renders: scene.json beside rad_vVV_pPP.exr and geom_vVV.exr, or id_vVV_pPP.png where objects
-/// move (docs/ANIMATION.md, "Folders that are understood"). Throws Error(kInput) saying what was looked for.
+/// move (docs/reference/animation_jobs.md, "Folders that are understood"). Throws Error(kInput) saying what was looked
+/// for.
 AnimationJob job_for_folder(const std::string& folder);
 
 }  // namespace multum

@@ -215,7 +215,7 @@ void check_geometry_channels(const StrictTable& job_table, const AnimationJob& j
 }  // namespace
 
 std::vector<std::string> animation_job_files(const std::string& path) {
-  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it", kTomlLimits);
+  const toml::table root = parse_toml(path, "a job as docs/reference/animation_jobs.md describes it", kTomlLimits);
   std::vector<std::string> files;
   std::set<std::string> known;
   const auto add = [&](const toml::table& table, const char* key) {
@@ -234,7 +234,7 @@ std::vector<std::string> animation_job_files(const std::string& path) {
 }
 
 AnimationJob read_animation_job(const std::string& path) {
-  const toml::table root = parse_toml(path, "a job as docs/ANIMATION.md describes it", kTomlLimits);
+  const toml::table root = parse_toml(path, "a job as docs/reference/animation_jobs.md describes it", kTomlLimits);
   AnimationJob job;
   job.path = path;
   const StrictTable table(job.path, root, "", kJobKeys);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the job file of texture inference. docs/ANIMATION.md describes every key of animation.toml.
+// Reads the job file of texture inference. docs/reference/animation_jobs.md describes every key of animation.toml.
 #pragma once
 
 #include <string>

@@ -52,7 +52,8 @@ std::string matrix_text(const glm::dmat4& m) {
 
 std::string settings_text(const AnimationJob& job, const std::string& folder) {
   return fmt::format(
-      "# A job of multum's texture inference; docs/ANIMATION.md describes every key. Paths are against this file.\n\n"
+      "# A job of multum's texture inference; docs/reference/animation_jobs.md describes every key. Paths are against "
+      "this file.\n\n"
       "geometry = {}  # scene file: OBJ, glTF, GLB\n"
       "uv_set = {}  # of texture coordinates; 0 is TEXCOORD_0\n"
       "width = {}  # of the pictures, pixels\n"

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDelta = 1.0 / 512;  // d of eq. (5)
 // Of sums: the same for every device, so that it is not seen in the result, and enough for a GPU's work-items. With 64
-// of them an iteration took 2.5 ms on an H100 and its products 0.04 (docs/GPU.md).
+// of them an iteration took 2.5 ms on an H100 and its products 0.04 (docs/evidence/GPU.md).
 constexpr std::size_t kPartCount = 2048, kPartsAGroup = 32;
 constexpr int kHalvingsMax = 12;  // of a Newton step that leads uphill
 

@@ -14,9 +14,10 @@ namespace multum {
 namespace {
 
 // Entries of A^T A for one of A up to which products with A^T A are taken. A and its transpose are gone through once
-// each an iteration, A^T A once: times cross near 3 (docs/BENCHMARKS.md: 0.5 of the time at 2.2, about the same at 3.3
-// and 3.8). But A^T A must be made first, for what 20 iterations gain from it where pictures are stacked and 90 at 2.2:
-// 2 leaves out what few solves would pay for. The paper's rule, 2 n_s >= 4 n_t, compares rows, of eight entries each.
+// each an iteration, A^T A once: times cross near 3 (docs/evidence/BENCHMARKS.md: 0.5 of the time at 2.2, about the
+// same at 3.3 and 3.8). But A^T A must be made first, for what 20 iterations gain from it where pictures are stacked
+// and 90 at 2.2: 2 leaves out what few solves would pay for. The paper's rule, 2 n_s >= 4 n_t, compares rows, of eight
+// entries each.
 constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kEntriesOfBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items a group of the products

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads baked files of moments row by row (docs/FORMAT.md, "Moments"): parts "bumpslopes", "normal" and,
-// with colours, "colour", all levels each. The first part is what maketx --bumpslopes writes, so that a renderer that
-// reads those reads this file.
+// Writes and reads baked files of moments row by row (docs/reference/file_format.md, "Moments"): parts "bumpslopes",
+// "normal" and, with colours, "colour", all levels each. The first part is what maketx --bumpslopes writes, so that a
+// renderer that reads those reads this file.
 #pragma once
 
 #include <memory>

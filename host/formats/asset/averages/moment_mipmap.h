@@ -56,10 +56,10 @@ std::vector<MomentLevel> empty_moment_levels(int width, int height);
 /// Some rows of a level, as a level of their own.
 MomentLevel rows_of(const MomentLevel& level, int first_row, int row_count);
 
-/// Rounds every value to what the encoding stores. kHalf (docs/FORMAT.md, "Moments"): first moments to nearest; second
-/// moments are those about the rounded first ones, so that the variance loses one rounding of the square and not two of
-/// the mean: it is off by at most b^2 / 2048, and a single direction (no variance) gets none. The mean normal as a lobe
-/// of a = 1. kFloat: nothing is rounded.
+/// Rounds every value to what the encoding stores. kHalf (docs/reference/file_format.md, "Moments"): first moments to
+/// nearest; second moments are those about the rounded first ones, so that the variance loses one rounding of the
+/// square and not two of the mean: it is off by at most b^2 / 2048, and a single direction (no variance) gets none. The
+/// mean normal as a lobe of a = 1. kFloat: nothing is rounded.
 void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads);
 
 /// The least standard deviation of slopes that the encoding keeps to within a quarter of its variance, at a slope of 1;

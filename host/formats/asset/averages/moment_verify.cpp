@@ -20,8 +20,9 @@ struct MomentScan::Texels {
 
 namespace {
 
-// What rounding allows: of a variance or covariance, of the moment itself; of lengths, absolutely (docs/FORMAT.md).
-// Rounding down takes a whole step of the square, 2^-10 of it; averaging in float some 2^-24.
+// What rounding allows: of a variance or covariance, of the moment itself; of lengths, absolutely
+// (docs/reference/file_format.md). Rounding down takes a whole step of the square, 2^-10 of it; averaging in float some
+// 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 

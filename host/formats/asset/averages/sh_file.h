@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads baked files of spherical harmonics row by row (docs/FORMAT.md, "Spherical harmonics"): parts
-// "sh.00", "sh.01", ... of four coefficients each and, with colours, "colour", all levels each.
+// Writes and reads baked files of spherical harmonics row by row (docs/reference/file_format.md, "Spherical
+// harmonics"): parts "sh.00", "sh.01", ... of four coefficients each and, with colours, "colour", all levels each.
 #pragma once
 
 #include <memory>

@@ -47,8 +47,8 @@ ShLevel rows_of(const ShLevel& level, int first_row, int row_count);
 /// Rounds every value to what the encoding stores. kHalf: to nearest. kFloat: nothing is rounded.
 void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads);
 
-/// Largest change that rounding makes to a band's sum of squares, as a part of it (docs/FORMAT.md, "Spherical
-/// harmonics").
+/// Largest change that rounding makes to a band's sum of squares, as a part of it (docs/reference/file_format.md,
+/// "Spherical harmonics").
 double sh_power_tolerance(StorageEncoding encoding);
 
 /// Writes atomically, values as they are: quantize_sh() comes first. Throws as write_movmf_mipmap() does.

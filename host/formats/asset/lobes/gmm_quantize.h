@@ -6,8 +6,8 @@
 //
 // All are linear in the normals, so that a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a
 // mu)/T(a)|^2. Near the rim that is a small difference of numbers near 1: rounded one by one they leave little of it.
-// So the third is rounded last, about the mean as it was rounded: one rounding instead of three, docs/FORMAT.md,
-// "Encodings of Gaussians".
+// So the third is rounded last, about the mean as it was rounded: one rounding instead of three,
+// docs/reference/file_format.md, "Encodings of Gaussians".
 #pragma once
 
 #include "host/formats/asset/lobes/movmf_mipmap.h"

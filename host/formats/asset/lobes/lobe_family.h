@@ -17,7 +17,7 @@ struct LobeFamily {
   bool is_planar;
   bool one_lobe_is_mean;  // its normals' average is the best fit of one lobe: it takes no EM
   const char* plural;
-  // Names and descriptions in the file (docs/FORMAT.md).
+  // Names and descriptions in the file (docs/reference/file_format.md).
   const char* layer;
   const char* lobe_text;
   const char* finest_text;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level 0 of a baked map, compactly: every texel is one single direction, given whole (a = 1, |r| = 1) to one lobe, so
 // that its normal, the number of that lobe and a colour say it all. The file holds x and y alone and the reader derives
-// z (docs/FORMAT.md, "The finest level"); what is here is always whole. With a BRDF's width in, normals are shorter
-// than 1, points of the plane scatter, and the file holds the third value too.
+// z (docs/reference/file_format.md, "The finest level"); what is here is always whole. With a BRDF's width in, normals
+// are shorter than 1, points of the plane scatter, and the file holds the third value too.
 #pragma once
 
 #include <cstddef>

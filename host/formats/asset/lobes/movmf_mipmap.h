@@ -62,7 +62,7 @@ MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count);
 
 /// SHA-256 over the SHA-256 digests (hexadecimal text) of each part's levels, the part of level 0 first, then lobes,
 /// then colours, finest level first; a level's digest covers its rows as little-endian 32-bit floats in channel order
-/// (docs/FORMAT.md).
+/// (docs/reference/file_format.md).
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
 /// Writes `mipmap` atomically, its values as they are: quantize_movmf() comes first. Level 0 is compacted: each of its
@@ -91,9 +91,9 @@ struct SharpLobes {
 };
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
-/// Rounds every value to what `mipmap.encoding` stores. The rule (docs/FORMAT.md, "Rounding"): amplitudes sum to 1
-/// exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1. Level 0
-/// is what its x and y make of it (host/formats/asset/lobes/movmf_finest.h).
+/// Rounds every value to what `mipmap.encoding` stores. The rule (docs/reference/file_format.md, "Rounding"):
+/// amplitudes sum to 1 exactly, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers
+/// clamp to 1. Level 0 is what its x and y make of it (host/formats/asset/lobes/movmf_finest.h).
 void quantize_movmf(MovmfMipmap& mipmap, int threads);
 
 /// The same for a level >= 1, or for some of its rows.

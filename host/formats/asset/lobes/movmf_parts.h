@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lists the parts of a baked file in order, with their channels and levels: writer, reader and checksum agree by it
-// (docs/FORMAT.md, "Parts and channels"). For host/formats/asset alone.
+// (docs/reference/file_format.md, "Parts and channels"). For host/formats/asset alone.
 #pragma once
 
 #include <vector>

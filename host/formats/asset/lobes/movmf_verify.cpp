@@ -31,7 +31,8 @@ struct MovmfScan::Lobes {
 
 namespace {
 
-// How far sums of a and lengths of r may be from exact: what an encoding's rounding allows (docs/FORMAT.md).
+// How far sums of a and lengths of r may be from exact: what an encoding's rounding allows
+// (docs/reference/file_format.md).
 float amplitude_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3f : 2e-6f; }
 // |a r| exceeds a by at most one outward step a component.
 struct LengthExcess {

@@ -37,7 +37,7 @@ class MovmfWriter {
   /// end, syncs, and gives the file its name. `measured_error` is JSON of at most options.measured_error_bytes.
   /// Progress: counts no units; cancels until the file gets its name.
   void commit(const std::string& measured_error, Progress* progress = nullptr);
-  /// The content's checksum as docs/FORMAT.md defines it; after commit().
+  /// The content's checksum as docs/reference/file_format.md defines it; after commit().
   const std::string& content_hash() const;
 
   struct Shape;

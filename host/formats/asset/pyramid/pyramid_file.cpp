@@ -41,7 +41,7 @@ const std::array<KindInfo, 4>& kinds() {
        "reflectance",
        {"R", "G", "B"},
        "lin_rec709_scene",
-       "R,G,B = mean radiance towards the eye, over normals (docs/FORMAT.md, \"Pyramids\")"},
+       "R,G,B = mean radiance towards the eye, over normals (docs/reference/file_format.md, \"Pyramids\")"},
       {PyramidKind::kHeight, "heights", {"Y"}, "data", "Y = mean height; data, not colour"},
       {PyramidKind::kPosition, "positions", {"X", "Y", "Z"}, "data", "X,Y,Z = mean position; data, not colour"},
   }};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pyramids of plain averages (Williams 1983) in files that any reader of mip-mapped textures takes: one part, tiled,
-// every level, linear. docs/FORMAT.md, "Pyramids", describes them.
+// every level, linear. docs/reference/file_format.md, "Pyramids", describes them.
 #pragma once
 
 #include <memory>

@@ -201,7 +201,8 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   keep(container, 0, file.size());
 }
 
-// Attributes of the first part, of those that baked files have (docs/FORMAT.md): its channels are no map's.
+// Attributes of the first part, of those that baked files have (docs/reference/file_format.md): its channels are no
+// map's.
 void refuse_baked_file(const std::string& path, ByteFile& file) {
   std::string representation, source;
   walk_exr_headers(path, file, [&](const ExrAttribute& attribute) {

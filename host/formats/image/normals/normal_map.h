@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading of normal maps and height fields: what the file's numbers mean is found from their statistics, printed, and
 // can be overridden. What is neither normals nor heights is refused with the reason; where a single property cannot be
-// told, green above all, the usual one is taken with a warning (docs/READING.md has the rules).
+// told, green above all, the usual one is taken with a warning (docs/reference/input_maps.md has the rules).
 #pragma once
 
 #include <cstdint>
@@ -59,7 +59,7 @@ struct NormalMapReport {
   std::string format;                       // "png uint8, 3 channels"
   std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
   std::string encoding_reason;              // the statistics behind it, one line
-  std::int64_t unused_texels = 0;           // never written (docs/READING.md), or no data: flat, no repair
+  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md), or no data: flat, no repair
   std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
   std::int64_t zero_length_repaired = 0;    // mean of the 3 x 3 neighbours, else flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/formats/image/normals/normal_decode.h)
@@ -98,8 +98,8 @@ struct NormalMapRows {
 NormalMap read_normal_map(const std::string& path, const NormalMapSettings& settings, int threads, Progress* progress);
 
 /// The same numbers, kept as `place` says. Of the file and of the map a few bands of rows are in memory, but for
-/// formats that OpenImageIO decodes whole (docs/READING.md). Throws Error(kEnvironment) when scratch files cannot be
-/// written.
+/// formats that OpenImageIO decodes whole (docs/reference/input_maps.md). Throws Error(kEnvironment) when scratch files
+/// cannot be written.
 NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings, const SpillPolicy& spill,
                                    int threads, Progress* progress);
 

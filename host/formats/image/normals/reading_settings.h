@@ -14,8 +14,9 @@ namespace multum {
 /// normal_scale where it is not 1, z_range where it is given, dequantize where it is asked for.
 void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& json);
 
-/// The settings that `text` (the file's multum:settings, docs/FORMAT.md) states; what it does not state, or states in a
-/// way that is not understood, stays at its default: files of other writers are read like maps nothing is known of.
+/// The settings that `text` (the file's multum:settings, docs/reference/file_format.md) states; what it does not state,
+/// or states in a way that is not understood, stays at its default: files of other writers are read like maps nothing
+/// is known of.
 NormalMapSettings parse_reading_settings(const std::string& text);
 
 }  // namespace multum

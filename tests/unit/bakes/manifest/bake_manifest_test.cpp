@@ -147,7 +147,7 @@ TEST_F(BakeManifestTest, WhatMustBeThere) {
   expect_error(ErrorCode::kInput, {path() + ":2: ", "map", "no input"},
                [&] { read("\n[[map]]\noutput = \"a.exr\"\n"); });
   expect_error(ErrorCode::kInput, {path() + ":2: ", "TOML"}, [&] { read("[defaults]\nlobes = = 3\n"); });
-  expect_error(ErrorCode::kInput, {folder_ / "none.toml", "read", "docs/CI.md"},
+  expect_error(ErrorCode::kInput, {folder_ / "none.toml", "read", "docs/reference/manifests.md"},
                [&] { read_bake_manifest(folder_ / "none.toml", pattern_); });
 }
 
@@ -276,7 +276,7 @@ TEST_F(BakeManifestTest, ASetWithoutTilesIsAMapThatNobodyFinds) {
 }
 
 TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
-  const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/CI.md");
+  const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/manifests.md");
   const std::size_t begin = page.find("```toml\n") + 8;
   const std::vector<ManifestMap> maps = read(page.substr(begin, page.find("```", begin) - begin));
   ASSERT_EQ(maps.size(), 3u);
@@ -292,7 +292,7 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
 
 // The page has a row for every key that is read, in backquotes.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
-  const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/CI.md");
+  const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/manifests.md");
   std::vector<std::string> keys = bake_parameters().names(kInManifest);
   keys.emplace_back("output");
   for (const std::string& key : keys) EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << key;

@@ -87,7 +87,7 @@ TEST(JobTypes, ViewsAreTold) {
     EXPECT_EQ(type.views.empty(), type.no_other_view.empty()) << type.name;
     names.insert(files.begin(), files.end());
   }
-  // All that the web interface has routes for (docs/openapi.json).
+  // All that the web interface has routes for (docs/reference/openapi.json).
   EXPECT_EQ(names, (std::set<std::string>{"error.png", "input.png", "look.html", "player.html", "render.png"}));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/openapi.json says what the service has: every route, every parameter of every type of job. That answers are as
-// it says is tested where they are asked for (tests/service).
+// docs/reference/openapi.json says what the service has: every route, every parameter of every type of job. That
+// answers are as it says is tested where they are asked for (tests/service).
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -375,10 +375,10 @@ TEST_F(AnimationJobTest, FoldersThatAreNotUnderstood) {
   expect_folder_refused({"geometry.glb", "geometry.gltf", "geometry.obj"});
 }
 
-// The example of docs/ANIMATION.md, with files of the names that it has.
+// The example of docs/reference/animation_jobs.md, with files of the names that it has.
 TEST_F(AnimationJobTest, TheDocumentedExampleIsRead) {
   make(false);
-  const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/ANIMATION.md");
+  const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/animation_jobs.md");
   const std::size_t begin = page.find("```toml\n") + 8;
   std::string text = page.substr(begin, page.find("```", begin) - begin);
   const std::vector<float> plane(12, 0.5f);

@@ -158,7 +158,7 @@ void expect_documented(const nlohmann::json& json, const std::string& page, cons
 }
 
 TEST(InferenceReport, EveryKeyIsDocumented) {
-  std::ifstream file(std::string(MULTUM_SOURCE_DIR) + "/docs/ANIMATION.md");
+  std::ifstream file(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/animation_jobs.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   const std::size_t begin = page.find("### report.json"), end = page.find("## An example");
   const std::size_t texture = page.find("`[texture]`"), parameter = page.find("`[[parameter]]`: one");

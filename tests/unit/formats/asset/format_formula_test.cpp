@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formulas of docs/FORMAT.md, with the numbers that stand on the page.
+// Formulas of docs/reference/file_format.md, with the numbers that stand on the page.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 double mean_cosine(double kappa) { return kappa < 1e-4 ? kappa / 3.0 : 1.0 / std::tanh(kappa) - 1.0 / kappa; }
 
 TEST(FormatFormulaTest, KappaOfAMeanCosine) {
-  const std::string page = testing::read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/FORMAT.md");
+  const std::string page = testing::read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/file_format.md");
   const std::size_t line = page.find("    p = ");
   ASSERT_NE(line, std::string::npos);
   double p0 = 0.0, p1 = 0.0, p2 = 0.0, p3 = 0.0;

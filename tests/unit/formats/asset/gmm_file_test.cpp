@@ -214,7 +214,7 @@ TEST_P(GmmQuantizeTest, AmplitudesSumToOneAndRoundingTwiceChangesNothing) {
     }
 }
 
-// Level 0 as docs/FORMAT.md has it, in whole numbers.
+// Level 0 as docs/reference/file_format.md has it, in whole numbers.
 TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   std::mt19937 random(23);
   for (int n = 0; n < 2000; ++n) {

@@ -28,7 +28,8 @@ TEST(RepresentationTest, RowsAreWhole) {
   }
 }
 
-// docs/FORMAT.md: a texture a lobe, two of moments, one every four coefficients; features of each lobe, or one a texel.
+// docs/reference/file_format.md: a texture a lobe, two of moments, one every four coefficients; features of each lobe,
+// or one a texel.
 TEST(RepresentationTest, TexturesAreThoseOfTheFormat) {
   const TexelCounts counts{.lobes = 3, .sh_order = 4};
   const auto textures = [&](const char* name, int features) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes docs/ACCURACY.md: every figure of it, on the four-quarter map and on the normal maps of a folder.
+// Makes docs/evidence/ACCURACY.md: every figure of it, on the four-quarter map and on the normal maps of a folder.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes docs/BENCHMARKS.md of results: a section each, with its command and the conditions it was measured under.
+// Makes docs/evidence/BENCHMARKS.md of results: a section each, with its command and the conditions it was measured
+// under.
 #pragma once
 
 #include <string>

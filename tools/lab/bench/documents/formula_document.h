@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The section of docs/ACCURACY.md on the shading formulas alone: each against quadrature in double, on a distribution
-// of just the shape that its representation takes normals to have, so that nothing else is off.
+// The section of docs/evidence/ACCURACY.md on the shading formulas alone: each against quadrature in double, on a
+// distribution of just the shape that its representation takes normals to have, so that nothing else is off.
 #pragma once
 
 #include <string>

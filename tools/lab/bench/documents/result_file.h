@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The JSON file of a benchmark: first what was run on which machine, then the figures. docs/BENCHMARKS.md is made of
-// such files.
+// The JSON file of a benchmark: first what was run on which machine, then the figures. docs/evidence/BENCHMARKS.md is
+// made of such files.
 #pragma once
 
 #include <nlohmann/json.hpp>

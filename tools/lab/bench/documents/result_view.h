@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A benchmark's result as people read it: on a terminal after a run, and in docs/BENCHMARKS.md.
+// A benchmark's result as people read it: on a terminal after a run, and in docs/evidence/BENCHMARKS.md.
 #pragma once
 
 #include <string>
