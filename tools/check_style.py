@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks what a script can check of the style: marks, licence line, header comment and its first word, line length,
-dead files, folders.
+"""Checks what a script can check of the style: marks, licence line, header comment, line length, dead files, folders, and
+the slips of English that tools/word_patterns.txt lists.
 
-Usage: check_style.py [--root FOLDER]. Exit code 1 when a rule is broken, one line a violation.
+Usage: check_style.py [--root FOLDER]. Exit code 1 when a rule is broken. Prints one line per violation.
 """
 import argparse
 import os
@@ -11,6 +11,9 @@ import pathlib
 import re
 import sys
 
+import prose
+
+HERE = pathlib.Path(__file__).resolve().parent
 LINE_LENGTH_MAX = 120
 COMMENT = {".h": "//", ".cpp": "//", ".cl": "//", ".clh": "//", ".glsl": "//", ".vert": "//", ".frag": "//", ".py": "#",
            ".cmake": "#", ".txt": "#", "": "#", ".js": "//", ".mjs": "//", ".css": "/*"}
@@ -60,19 +63,40 @@ def has_header_comment(file, lines):
     return False
 
 
-# First words of headless clauses: "Where rows go", "What the daemon is told", "Of lobes".
-RIDDLE = re.compile(r"(what|where|which|how|that|whether|who|as|of)\b", re.IGNORECASE)
+def table_rows(path, columns):
+    """Rows of a file of columns that tabs part, without empty lines and comments."""
+    if not path.is_file():
+        return []
+    rows = [line.split("\t") for line in path.read_text().splitlines() if line and not line.startswith("# ")]
+    for row in rows:
+        if len(row) != columns:
+            sys.exit(f"{path}: found {len(row)} columns in '{row[0]}', expected {columns}, parted by tabs")
+    return rows
 
 
-def riddle(file, lines):
-    """The first word of a header's comment, where it says nothing of what the header is or does; else None."""
-    if file.suffix not in (".h", ".clh", ".cl"):
-        return None
-    for line in lines:
-        if line.startswith("//") and "SPDX" not in line:
-            found = RIDDLE.match(line.lstrip("/ "))
-            return found[0] if found else None
-    return None
+class WordSlips:
+    """Finds slips of English: the patterns of tools/word_patterns.txt, less tools/word_exceptions.txt."""
+
+    def __init__(self, root):
+        self.root = root
+        self.patterns = [(re.compile(pattern), advice)
+                         for pattern, advice in table_rows(HERE / "word_patterns.txt", 2)]
+        self.exceptions = table_rows(root / "tools" / "word_exceptions.txt", 3)
+        self.unused = {(file, words) for file, words, _ in self.exceptions}
+
+    def is_exception(self, name, text):
+        found = [(file, words) for file, words, _ in self.exceptions if file in ("*", name) and words in text]
+        self.unused -= set(found)
+        return bool(found)
+
+    def of(self, file):
+        name = file.relative_to(self.root).as_posix()
+        for line, text in prose.prose(file, file.read_text(errors="replace")):
+            for pattern, advice in self.patterns:
+                found = pattern.search(text)
+                if found and not self.is_exception(name, text):
+                    start = max(found.start() - 30, 0)
+                    yield f"{name}:{line}: '{text[start:found.end() + 20].strip()}': write {advice}"
 
 
 def built_patterns(root, files):
@@ -113,15 +137,19 @@ def violations(root):
     built = built_patterns(root, files)
     listed = folder_rows(root)
     missing_folders = set()
+    slips = WordSlips(root)
+    documents = sorted(file for file in root.rglob("*.md")
+                       if not set(SKIPPED) & set(file.relative_to(root).parts))
+    for file in documents:
+        yield from slips.of(file)
     for file in files:
+        yield from slips.of(file)
         name = file.relative_to(root).as_posix()
         text = file.read_text(errors="replace")
         for number, what in check_text(file, text):
             yield f"{name}:{number}: {what}"
         if not has_header_comment(file, text.splitlines()):
             yield f"{name}:1: found no comment before the code that says what the file computes"
-        if word := riddle(file, text.splitlines()):
-            yield f"{name}:2: begins with '{word}', expected what the file does or is, verb or noun first"
         if file.suffix in BUILT and not built.fullmatch(name):
             yield f"{name}:1: no CMakeLists.txt names it: dead"
         folder = file.parent.relative_to(root).as_posix()
@@ -129,6 +157,8 @@ def violations(root):
         wanted = f"host/{mirror[1]}" if mirror else folder
         if folder.split("/")[0] in SOURCE_FOLDERS and file.name != "CMakeLists.txt" and not is_listed(wanted, listed):
             missing_folders.add(folder)
+    for file, words in sorted(slips.unused):
+        yield f"tools/word_exceptions.txt: '{words}' is not in {file}: remove the row"
     for folder in sorted(missing_folders):
         yield f"{folder}: has no row in the folder table of docs/contributing/ARCHITECTURE.md"
 
