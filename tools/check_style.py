@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks what a script can check of the style: marks, licence line, header comment, line length, dead files, folders, and
-the slips of English that tools/word_patterns.txt lists.
+"""Checks the rules of style that a script can check: marks, licence line, header comment, line length, dead files,
+folders, and the slips of English that tools/word_patterns.txt lists.
 
 Usage: check_style.py [--root FOLDER]. Exit code 1 when a rule is broken. Prints one line per violation.
 """
