@@ -109,7 +109,8 @@ brackets: the same method with as many evaluations of light per pixel as the lob
 
 # ---- highlights of texels, by roughness
 
-# What a shader draws, and the row of docs/evidence/EXPORT.md that has its error. The first four need no new shader.
+# Forms that a shader draws, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a new
+# shader.
 DRAWN = (("averaged normals", r"averaged normals\b[^|]*"), ("Unreal's rule", r"Unreal\b[^|]*"),
          ("Unity HDRP's rule", r"Unity HDRP\b[^|]*"), ("`multum export`", r"\*\*`?multum export`?\*\*"),
          ("four lobes of `multum bake`", r"(?:four )?lobes of `multum bake`[^|]*"))
@@ -182,7 +183,7 @@ def closest_of(figures, _root):
 
 
 def little_gain(figures, _root):
-    """On how many maps the best rival is within two points of multum, at equal evaluations."""
+    """Counts maps on which the best rival is better than multum or within two points, at equal evaluations."""
     rows = default_errors(figures).values()
     few = sum(best_rival(row) - row["multum"] < 0.02 for row in rows)
     return f"{few} of {len(rows)} maps"
@@ -190,15 +191,15 @@ def little_gain(figures, _root):
 
 # ---- whole models
 
-# Title of a section of docs/evidence/GLTF_MODELS.md, and what its objects are.
+# Titles of sections of docs/evidence/GLTF_MODELS.md, and the kind of objects in each section.
 MODEL_SETS = (("## All models", "models made by other people"), ("## All surfaces", "spheres and planes with bumps"))
-# What three.js draws; the evaluations of light per pixel are in the label.
+# Forms that three.js draws, with the evaluations of light per pixel, and the row of each form.
 MODEL_ROWS = (("plain mips", "plain mips"), ("textures of `multum gltf`, shader unchanged", "one lobe"),
               ("plain mips at 4 points per pixel", "points, 4"), ("lobes, 4 evaluations per pixel", "lobes, 4"))
 
 
 def models(_figures, root):
-    """Errors above the floor, as shares of those of plain mips, medians over views from 5 m on."""
+    """Errors above the floor over those of plain mips: medians over views from 5 m and farther."""
     head, columns = ["three.js draws"], []
     for title, words in MODEL_SETS:
         text = section_of(root, "GLTF_MODELS.md", title)
@@ -212,7 +213,7 @@ def models(_figures, root):
 
 
 def default_mib(side, bytes_per_texel):
-    """Of a texture with all of its levels."""
+    """MiB of a square texture with all of its levels."""
     texels, level = 0, side
     while level >= 1:
         texels, level = texels + level * level, level // 2
@@ -220,13 +221,13 @@ def default_mib(side, bytes_per_texel):
 
 
 def gpu_frames(root, row):
-    """Of docs/evidence/GPU.md: milliseconds, trilinear and 16 x anisotropic."""
+    """Milliseconds of a frame in docs/evidence/GPU.md, trilinear and 16 x anisotropic."""
     return " / ".join(row_of(root, "GPU.md", rf"^\| {row} +\| {anisotropy} +\| [\d.]+ +\| ([\d.]+)")
                       for anisotropy in (1, 16))
 
 
 def block_mib(side, root):
-    """Of four lobes in BC5 and the level 0 of a BC5 normal map that they need, with all levels."""
+    """MiB of four lobes in BC5 with all levels, and of level 0 of the BC5 normal map that they need."""
     share = float(row_of(root, "LOBE_TEXTURES.md", r"^\| 4 \| BC5 \| ([\d.]+) "))
     return share * default_mib(side, 1.5) + side * side / 2**20
 
@@ -328,7 +329,7 @@ def read_figures(root):
 
 
 def marked_pages(root):
-    """README.md and the pages of docs/ that have marks, by their path from the root."""
+    """Yields path and text of README.md, of every page with marks and of every page that must use marks."""
     for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
         text = path.read_text()
         page = str(path.relative_to(root))
@@ -337,7 +338,7 @@ def marked_pages(root):
 
 
 def filled(root, page, text, blocks):
-    """A page with the current text in all its marks, and their names. Links lead from the page's own folder."""
+    """Fills all marks of a page and lists their names. Links in the text are made relative to the page."""
     names = []
 
     def fill_mark(mark):
@@ -369,7 +370,7 @@ def first_difference(page, found, expected):
 
 
 def measured_outside(page, text):
-    """Measured figures of a page that no mark holds; commands may have numbers."""
+    """Lists measured figures of a page that are outside the marks. Numbers in commands are allowed."""
     prose = COMMANDS.sub("", MARK.sub("", text))
     for measured in MEASURED.finditer(prose):
         found = " ".join(measured.group().split())
