@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds figures of generated pages that stand in other pages too: once the page is made anew, the copy is wrong.
+"""Finds figures of generated pages that other pages repeat: when the page is generated again, the copy is wrong.
 
     tools/check_copies.py [--root DIR]     # exit code 1, and a line for each copy
 
-A copy is a row of a table, or a triple "10.5 / 7.2 / 7.1", whose numbers stand side by side in one line of a generated
-page: at least three of them, none a whole number, to the decimals that the copy has. Link to the page instead;
-README.md may have them between its marks, where tools/lab/readme_figures fills them in.
+A copy is a row of a table, or a triple "10.5 / 7.2 / 7.1", whose numbers are neighbours in one line of a generated
+page: at least three of them, none a whole number, to the decimals that the copy has. Link to the page instead, or put
+a mark into the page: tools/lab/readme_figures fills in figures between marks.
 """
 import argparse
 import pathlib

@@ -1,42 +1,75 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What README.md says in figures: text made from docs/evidence/readme_figures.json and other generated pages of docs/.
+"""Measured figures that README.md and the pages of docs/ quote, made from docs/evidence.
 
-README.md has it between <!-- figures: NAME --> and <!-- /figures: NAME -->; nothing measured stands outside them.
-Standard library only, so that the check needs neither the programs nor real maps.
+A page has each of them between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
+from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and
+docs/explanation have no measured figure outside the marks. The check needs only the standard library: neither the
+programs nor the real maps.
 """
 import hashlib
 import json
+import os
 import re
 import statistics
 
 FIGURES = "docs/evidence/readme_figures.json"
 MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTALL)
-# A number with a unit that only a measurement gives.
+# Marks that other programs fill, by name.
+FOREIGN = {"lobe_textures": "tools/lab/lobe_textures_document.py"}
+# Pages that may have measured figures only between the marks.
+MARKED_ONLY = ("README.md", "docs/explanation/")
+# A number with a unit that only a measurement gives; 0 % and 100 % explain what an error means.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
+COMMANDS = re.compile(r"^```.*?^```|^ {4}.*?$|`[^`\n]*`", re.DOTALL | re.MULTILINE)
+LINK = re.compile(r"\]\((docs/[^)]*)\)")
 LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mip": "averaged normals"}
-FILTERS = {"taps": "default filter, 4 taps", "points": "the same, 4 evaluations per pixel for every method",
+FILTERS = {"taps": "default filter, 4 taps", "points": "the same, 4 evaluations of light per pixel for every method",
            "trilinear": "trilinear filter"}
 EVALUATED = "-points"  # the ending of methods that are shaded at as many points as multum takes evaluations
 
 
 class Unreadable(Exception):
-    """A page or JSON file does not have what a figure is taken from."""
+    """A page or JSON file does not have the row or the number that a figure comes from."""
 
 
 def percent(share):
     return f"{100 * share:.1f} %"
 
 
+def roughness(exponent):
+    """Perceptual roughness of Blinn-Phong with this exponent: alpha^2 = 2 / (s + 2), roughness = sqrt(alpha)."""
+    return f"{(2 / (exponent + 2)) ** 0.25:.2f}"
+
+
+def table(head, *rows):
+    lines = ["| " + " | ".join(row) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|---|" + "---|" * (len(head) - 1), *lines[1:]])
+
+
 def row_of(root, page, pattern):
-    """The groups of the one line of docs/evidence/PAGE that matches."""
+    """The groups of the only match in docs/evidence/PAGE."""
     found = re.findall(pattern, (root / "docs/evidence" / page).read_text(), re.MULTILINE)
     if len(found) != 1:
         raise Unreadable(f"docs/evidence/{page}: found {len(found)} lines '{pattern}', expected 1")
     return found[0]
 
 
+def section_of(root, page, title):
+    """The text under a heading of docs/evidence/PAGE, up to the next heading of this or a higher level."""
+    level = title.partition(" ")[0]
+    return row_of(root, page, rf"(?s)^{title}[^\n]*\n(.*?)(?=^#{{1,{len(level)}}} |\Z)")
+
+
+def cells_of(root, page, text, name):
+    """The cells after the first in the first row of figures whose first cell matches."""
+    found = re.search(rf"^\| *(?:{name}) *\| *(\d.*)\|$", text, re.MULTILINE)
+    if not found:
+        raise Unreadable(f"docs/evidence/{page}: found no row '{name}', expected one")
+    return [cell.strip() for cell in found.group(1).split("|")]
+
+
 def error_of(row, method, ending=""):
-    """LEAN is the better of its two variants, with the Jacobian and as printed, for each picture."""
+    """The error of a method in one picture. LEAN is the better of its variants, with the Jacobian and as printed."""
     if method == "lean":
         return min(row["lean" + ending], row["lean-jacobian" + ending])
     if ending and method == "mip":
@@ -45,7 +78,7 @@ def error_of(row, method, ending=""):
 
 
 def best_rival(row):
-    """At equal evaluations."""
+    """The lowest error of all rivals at equal evaluations."""
     return min(error_of(row, "lean", EVALUATED), error_of(row, "toksvig", EVALUATED), row["points"])
 
 
@@ -58,23 +91,60 @@ def picture(figures, _root):
 
     def errors_of(name):
         row = errors[name]
-        found = ", ".join(f"{LABELS[m].split(',')[0]} {percent(error_of(row, m))}"
-                          for m in ("multum", "lean", "toksvig"))
-        lean, toksvig = (percent(error_of(row, m, EVALUATED)) for m in ("lean", "toksvig"))
-        return f"{name}, {found}; with as many evaluations as multum, LEAN {lean}, Toksvig {toksvig}"
-    views = "; ".join(errors_of(name) for name in ("near", "far"))
+        cells = [f"{percent(error_of(row, m))} ({percent(error_of(row, m, EVALUATED))})" for m in ("lean", "toksvig")]
+        return [name, percent(row["multum"]), *cells]
+    rows = table(["relative L1 error", "4 lobes", "LEAN", "Toksvig"], errors_of("near"), errors_of("far"))
     return f"""
-![A {source["name"]} near (top) and far (bottom). Left to right: the reference; multum, whose far highlight is nearly as
-narrow and bright; Toksvig, whose far highlight is wide and dull]({made_of["image"]})
+![A {source["name"]}, near in the top row and far in the bottom row. From left to right: the reference; multum, whose
+far highlight is nearly as narrow and bright; Toksvig, whose far highlight is wide and dull]({made_of["image"]})
 
-*Relative L1 error (sum of absolute differences from the reference, over the sum of the reference): {views}.
-Same material (Blinn-Phong, s = 100), light and filter (4 taps; docs/evidence/FILTER.md) for all;
-reference: {made_of["samples"]} samples per pixel, noise {percent(made_of["noise"])} of itself.
-Normal map: {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
+{rows}
+
+*Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps. In
+brackets: the same method with as many evaluations of light per pixel as the lobes. The reference has
+{made_of["samples"]} samples per pixel; its noise is {percent(made_of["noise"])}. Normal map: {source["author"]}, from
+{source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
 
 
-# ---- all maps
+# ---- highlights of texels, by roughness
+
+# Forms that a shader draws, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a new
+# shader.
+DRAWN = (("averaged normals", r"averaged normals\b[^|]*"), ("Unreal's rule", r"Unreal\b[^|]*"),
+         ("Unity HDRP's rule", r"Unity HDRP\b[^|]*"), ("`multum export`", r"\*\*`?multum export`?\*\*"),
+         ("four lobes of `multum bake`", r"(?:four )?lobes of `multum bake`[^|]*"))
+ROUGHNESSES = ("0.1", "0.25", "0.5")
+
+
+def by_roughness(_figures, root):
+    """Errors of highlights on levels 2, 4 and 6, medians over the maps."""
+    text = (root / "docs/evidence/EXPORT.md").read_text()
+    maps = row_of(root, "EXPORT.md", r"\b(\d+) (?:real |normal )?maps (?:of|in|from) `?shared/data/normal")
+    rows = []
+    for label, name in DRAWN:
+        cells = cells_of(root, "EXPORT.md", text, name)[::2]
+        rows.append([label, *(cell.partition(" ")[0].replace("/", " / ") + " %" for cell in cells)])
+    head = [f"error of the highlight on mip levels 2 / 4 / 6, median of {maps} real maps",
+            *(f"roughness {one}" for one in ROUGHNESSES)]
+    return "\n" + table(head, *rows) + "\n"
+
+
+def by_lobes(_figures, root):
+    """Errors of texels by the number of lobes, medians over maps and levels."""
+    text = section_of(root, "ACCURACY.md", "### By channels")
+    exponents = re.search(r"s = (\d+) .*s = (\d+) .*s = (\d+) ", text).groups()
+    rows = []
+    for label, name in (("averaged normals", "mip|averaged normals"), ("Toksvig", "Toksvig"),
+                        ("LEAN with its Jacobian", "LEAN with (?:its )?Jacobian"), ("1 lobe", "1 lobe"),
+                        ("2 lobes", "2 lobes"), ("4 lobes", "4 lobes"), ("6 lobes", "6 lobes")):
+        channels, *errors = cells_of(root, "ACCURACY.md", text, name)
+        rows.append([label, channels, *(error.partition(" ")[0] + " %" for error in reversed(errors))])
+    head = ["texels hold", "channels", *(f"roughness {roughness(int(s))} (s = {s})" for s in reversed(exponents))]
+    return "\n" + table(head, *rows) + "\n"
+
+
+# ---- pictures of all maps
 
 
 def quartiles(values):
@@ -84,39 +154,66 @@ def quartiles(values):
 
 def maps(figures, _root):
     errors = figures["maps"]["errors"]
-    lines = ["| median relative L1 error (quartiles) | real maps | " + " | ".join(LABELS.values()) + " |",
-             "|---|---|" + "---|" * len(LABELS)]
+    head = [f"median error of pictures (quartiles), {len(errors['taps'])} real maps, roughness {roughness(100)}",
+            *LABELS.values()]
+    rows = []
     for name, words in FILTERS.items():
         ending = EVALUATED if name == "points" else ""
-        rows = errors["taps" if ending else name].values()
-        cells = [quartiles([error_of(row, method, ending) for row in rows]) for method in LABELS]
-        lines.append(f"| {words} | {len(rows)} | " + " | ".join(cells) + " |")
-    return "\n" + "\n".join(lines) + "\n"
+        found = errors["taps" if ending else name].values()
+        rows.append([words, *(quartiles([error_of(row, method, ending) for row in found]) for method in LABELS)])
+    return "\n" + table(head, *rows) + "\n"
 
 
 def default_errors(figures):
     return figures["maps"]["errors"]["taps"]
 
 
-def nearest_of(figures, _root):
+def equal_evaluations(figures, _root):
+    """Median errors of all methods at equal evaluations of light."""
     rows = default_errors(figures).values()
-    nearest = sum(row["multum"] < best_rival(row) for row in rows)
-    return f"{nearest} of {len(rows)}"
+    median = {m: percent(statistics.median(error_of(row, m, EVALUATED) for row in rows)) for m in LABELS}
+    return (f"{median['multum']} with four lobes, {median['lean']} with LEAN, {median['toksvig']} with Toksvig's rule "
+            f"and {median['mip']} with averaged normals")
+
+
+def closest_of(figures, _root):
+    rows = default_errors(figures).values()
+    closest = sum(row["multum"] < best_rival(row) for row in rows)
+    return f"{closest} of {len(rows)} maps"
 
 
 def little_gain(figures, _root):
-    """On how many maps the best rival is within two points of multum, at equal evaluations."""
+    """Counts maps on which the best rival is better than multum or within two points, at equal evaluations."""
     rows = default_errors(figures).values()
     few = sum(best_rival(row) - row["multum"] < 0.02 for row in rows)
-    return (f"on {few} of {len(rows)} real maps LEAN or Toksvig comes within 2 percentage points of multum at equal "
-            "evaluations")
+    return f"{few} of {len(rows)} maps"
+
+
+# ---- whole models
+
+# Titles of sections of docs/evidence/GLTF_MODELS.md, and the kind of objects in each section.
+MODEL_SETS = (("## All models", "models made by other people"), ("## All surfaces", "spheres and planes with bumps"))
+# Forms that three.js draws, with the evaluations of light per pixel, and the row of each form.
+MODEL_ROWS = (("plain mips", "plain mips"), ("textures of `multum gltf`, shader unchanged", "one lobe"),
+              ("plain mips at 4 points per pixel", "points, 4"), ("lobes, 4 evaluations per pixel", "lobes, 4"))
+
+
+def models(_figures, root):
+    """Errors above the floor over those of plain mips: medians over views from 5 m and farther."""
+    head, columns = ["three.js draws"], []
+    for title, words in MODEL_SETS:
+        text = section_of(root, "GLTF_MODELS.md", title)
+        cells = [cells_of(root, "GLTF_MODELS.md", text, name) for _, name in MODEL_ROWS]
+        head.append(f"{words}, {cells[0][-1]} views")
+        columns.append([cell[0] for cell in cells])
+    return "\n" + table(head, *([label, *row] for (label, _), *row in zip(MODEL_ROWS, *columns))) + "\n"
 
 
 # ---- costs
 
 
 def default_mib(side, bytes_per_texel):
-    """Of a texture with all of its levels."""
+    """MiB of a square texture with all of its levels."""
     texels, level = 0, side
     while level >= 1:
         texels, level = texels + level * level, level // 2
@@ -124,14 +221,15 @@ def default_mib(side, bytes_per_texel):
 
 
 def gpu_frames(root, row):
-    """Of docs/evidence/GPU.md: milliseconds, trilinear and 16 x anisotropic."""
-    return " / ".join(row_of(root, "GPU.md", rf"^\| {re.escape(row)} +\| {anisotropy} +\| [\d.]+ +\| ([\d.]+)")
+    """Milliseconds of a frame in docs/evidence/GPU.md, trilinear and 16 x anisotropic."""
+    return " / ".join(row_of(root, "GPU.md", rf"^\| {row} +\| {anisotropy} +\| [\d.]+ +\| ([\d.]+)")
                       for anisotropy in (1, 16))
 
 
-def software_frames(figures, method):
-    times = figures["frames"]["llvmpipe_ms"]
-    return " / ".join(f"{statistics.median(times[name][method]):.0f}" for name in ("trilinear", "default"))
+def block_mib(side, root):
+    """MiB of four lobes in BC5 with all levels, and of level 0 of the BC5 normal map that they need."""
+    share = float(row_of(root, "LOBE_TEXTURES.md", r"^\| 4 \| BC5 \| ([\d.]+) "))
+    return share * default_mib(side, 1.5) + side * side / 2**20
 
 
 def costs(figures, root):
@@ -139,24 +237,32 @@ def costs(figures, root):
     sizes = [one["baked_bytes"] / 2**20 for one in figures["maps"]["files"].values()
              if (one["width"], one["height"]) == (side, side)]
     gpu = figures["frames"]["gpu_mib"]
-    rows = [("multum, 4 lobes", f"{gpu['multum']:.1f}", f"{statistics.median(sizes):.1f}, median of {len(sizes)}",
-             gpu_frames(root, "4 lobes"), software_frames(figures, "multum")),
-            ("LEAN", f"{gpu['lean-jacobian']:.1f}", "", gpu_frames(root, "moments (LEAN)"),
-             software_frames(figures, "lean-jacobian")),
+    rows = [("4 lobes, 16 bits", f"{gpu['multum']:.1f}", f"{statistics.median(sizes):.1f} (1)",
+             gpu_frames(root, "4 lobes")),
+            ("4 lobes, BC5 blocks (2)", f"{block_mib(side, root):.1f}", "", ""),
+            ("LEAN", f"{gpu['lean-jacobian']:.1f}", "", gpu_frames(root, r"moments \(LEAN\)")),
             ("Toksvig, BC5 normal and BC4 roughness", f"{default_mib(side, 1.5):.1f}", f"{default_mib(side, 1.5):.1f}",
-             gpu_frames(root, "averaged normals, Toksvig") + " (1)", software_frames(figures, "toksvig") + " (1)"),
-            ("an RGBA8 normal map", f"{default_mib(side, 4):.1f}", f"{default_mib(side, 4):.1f}", "", "")]
-    lines = [f"| {side} x {side}, all levels | GPU memory, MiB | file, MiB | frame on an NVIDIA H100, ms | "
-             "frame in software, ms |", "|---|---|---|---|---|", *["| " + " | ".join(row) + " |" for row in rows]]
-    how = figures["made"]
-    ratios = [a / b for times in figures["frames"]["llvmpipe_ms"].values()
-              for a, b in zip(times["multum"], times["toksvig"])]
-    return "\n" + "\n".join(lines) + f"""
+             gpu_frames(root, "averaged normals, Toksvig") + " (3)"),
+            ("an RGBA8 normal map", f"{default_mib(side, 4):.1f}", f"{default_mib(side, 4):.1f}", "")]
+    head = [f"{side} x {side} texels, all levels", "GPU memory, MiB", "file, MiB",
+            "frame on an NVIDIA H100, trilinear / 16 x anisotropic, ms"]
+    return "\n" + table(head, *rows) + f"""
 
-*Frames of 1920 x 1080: on the H100 trilinear / 16 x anisotropic, by its sampler; in software trilinear / by the default
-filter, 4 taps that are shaded once. Software: Mesa's llvmpipe on {how["processor"]}, {how["cores"]}
-cores, medians of {figures["frames"]["runs"]} runs beside other programs; multum takes {min(ratios):.1f} to
-{max(ratios):.1f} times as long as Toksvig. (1) Drawn from RGBA32F textures: from BC5 and BC4 it is faster.*
+*Frames have 1920 x 1080 pixels. (1) Median of {len(sizes)} maps. (2) With the normal map's finest level in BC5. (3)
+Drawn from RGBA32F textures; BC5 and BC4 are faster.*
+"""
+
+
+def software_times(figures, _root):
+    times = figures["frames"]["llvmpipe_ms"]
+    rows = [[label, *(f"{statistics.median(times[name][method]):.0f}" for name in ("trilinear", "default"))]
+            for label, method in (("multum, 4 lobes", "multum"), ("LEAN", "lean-jacobian"), ("Toksvig", "toksvig"))]
+    ratios = [a / b for one in times.values() for a, b in zip(one["multum"], one["toksvig"])]
+    head = ["frame of 1920 x 1080 in software", "trilinear, ms", "default filter, ms"]
+    return "\n" + table(head, *rows) + f"""
+
+*Medians of {figures["frames"]["runs"]} runs, while other programs ran. multum takes {min(ratios):.1f} to
+{max(ratios):.1f} times as long as Toksvig, which is drawn from RGBA32F textures.*
 """
 
 
@@ -166,45 +272,42 @@ def texel_bytes(figures, _root):
 
 
 def whole_bakes(root):
-    """Of docs/evidence/BENCHMARKS.md, the first comparison of whole programs: seconds and MiB by program."""
+    """Seconds and MiB of memory of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the number of cores."""
     title = "A whole bake against maketx, 4096 x 4096"
-    page = (root / "docs/evidence/BENCHMARKS.md").read_text()
-    section = re.search(rf"(?s)^## {title}[^\n]*\n(.*?)(?=^## |\Z)", page, re.MULTILINE)
-    rows = re.findall(r"^\| (multum bake|maketx) +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)",
-                      section.group(1) if section else "", re.MULTILINE)
-    if [row[0] for row in rows] != ["multum bake", "maketx"]:
-        raise Unreadable(f"docs/evidence/BENCHMARKS.md: found {len(rows)} rows under '{title}', expected multum "
-                         "bake and maketx")
-    return {name: (seconds, mib) for name, seconds, mib in rows}
+    section = row_of(root, "BENCHMARKS.md", rf"(?s)^## {title}\n(.*?)(?=^## |\Z)")
+    programs = [re.search(rf"^\| {name} +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)", section, re.MULTILINE)
+                for name in ("multum bake", "maketx")]
+    cores = re.search(r", (\d+) cores,", section)
+    if not cores or not all(programs):
+        raise Unreadable(f"docs/evidence/BENCHMARKS.md: cores or a row are missing under '{title}', expected cores and "
+                         "rows of multum bake and maketx")
+    return [one.groups() for one in programs], cores.group(1)
 
 
 def bake_costs(_figures, root):
     gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096, from file to file: ([\d.]+) s, on the "
                                         r"processor ([\d.]+) s;")
     device, count = row_of(root, "GPU.md", r"^(NVIDIA [^;]+?);.*?, (\d+) cores")
-    programs = whole_bakes(root)
-    (seconds, mib), (other_seconds, other_mib) = programs["multum bake"], programs["maketx"]
-    few = re.search(r"^`multum-bench bake --size 4096 .*; ([^;]*), \d+ GiB of memory",
-                    (root / "docs/evidence/BENCHMARKS.md").read_text(), re.MULTILINE).group(1)
-    return (f"From file to file, a 4096 x 4096 map takes {gpu} s with an {device}, {cores} s on the {count} cores of "
-            f"its\nhost, and {seconds} s and {mib} MiB of memory on {few.replace(',', ' with')}, where "
-            f"`maketx --bumpslopes`, which averages\nslopes, takes {other_seconds} s and {other_mib} MiB")
+    ((seconds, mib), (other_seconds, other_mib)), few = whole_bakes(root)
+    return (f"A whole bake of a 4096 x 4096 map takes {gpu} s with an {device} and {cores} s on the {count} cores of\n"
+            f"its host. On {few} cores, the bake takes {seconds} s and {mib} MiB of memory. `maketx --bumpslopes`, "
+            f"which averages slopes,\ntakes {other_seconds} s and {other_mib} MiB on the same {few} cores.")
 
 
 def worst_levels(_figures, root):
-    """Of docs/evidence/ACCURACY.md, 4 lobes: the error of a map's worst level, by the exponent."""
+    """The error of each map's worst level with 4 lobes, by roughness."""
     section = row_of(root, "ACCURACY.md", r"(?s)^### 4 lobes: (.*?)(?=^### )")
     worst = {}
     for name, exponent, cells in re.findall(r"^\| (\S+) \| (\d+) \| (.*) \|$", section, re.MULTILINE):
         errors = [float(cell.split("/")[0].strip("*")) for cell in cells.split(" | ")]
         worst.setdefault(int(exponent), {})[name] = max(errors)
-    lines = ["| relative L1 error of a map's worst level, 4 lobes | " + " | ".join(f"s = {s}" for s in worst) + " |",
-             "|---|" + "---|" * len(worst),
-             "| median of " + str(len(worst[500])) + " real maps | " +
-             " | ".join(f"{statistics.median(maps.values()):.1f} %" for maps in worst.values()) + " |"]
-    name = max(worst[500], key=worst[500].get)
-    lines.append(f"| worst map, `{name}` | " + " | ".join(f"{maps[name]:.1f} %" for maps in worst.values()) + " |")
-    return "\n" + "\n".join(lines) + "\n"
+    exponents = sorted(worst, reverse=True)
+    sharpest = worst[exponents[0]]
+    name = max(sharpest, key=sharpest.get)
+    head = ["error on a map's worst level, 4 lobes", *(f"roughness {roughness(s)} (s = {s})" for s in exponents)]
+    medians = [f"median of {len(sharpest)} real maps",
+               *(f"{statistics.median(worst[s].values()):.1f} %" for s in exponents)]
+    return "\n" + table(head, medians, [f"worst map, `{name}`", *(f"{worst[s][name]:.1f} %" for s in exponents)]) + "\n"
 
 
 def made(figures, _root):
@@ -213,55 +316,84 @@ def made(figures, _root):
             f"{how['gl']};\nPoCL {how['pocl']}")
 
 
-BLOCKS = {one.__name__: one for one in (picture, maps, nearest_of, little_gain, costs, texel_bytes, bake_costs,
+BLOCKS = {one.__name__: one for one in (picture, by_roughness, by_lobes, maps, equal_evaluations, closest_of,
+                                        little_gain, models, costs, software_times, texel_bytes, bake_costs,
                                         worst_levels, made)}
 
 
-# ---- README.md
+# ---- pages
 
 
 def read_figures(root):
     return json.loads((root / FIGURES).read_text())
 
 
-def filled(root):
-    """README.md as it should be, and the names of its marks."""
-    figures, names = read_figures(root), []
+def marked_pages(root):
+    """Yields path and text of README.md, of every page with marks and of every page that must use marks."""
+    for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
+        text = path.read_text()
+        page = str(path.relative_to(root))
+        if MARK.search(text) or page.startswith(MARKED_ONLY):
+            yield page, text
+
+
+def filled(root, page, text, blocks):
+    """Fills all marks of a page and lists their names. Links in the text are made relative to the page."""
+    names = []
 
     def fill_mark(mark):
         name = mark.group(1)
+        if name in FOREIGN:
+            return mark.group()
         if name not in BLOCKS:
-            raise Unreadable(f"README.md: found the mark '{name}', expected one of {', '.join(BLOCKS)}")
+            raise Unreadable(f"{page}: found the mark '{name}', expected one of {', '.join(BLOCKS)}")
         names.append(name)
-        return f"<!-- figures: {name} -->{BLOCKS[name](figures, root)}<!-- /figures: {name} -->"
-    return MARK.sub(fill_mark, (root / "README.md").read_text()), names
+        if name not in blocks:
+            blocks[name] = BLOCKS[name](blocks["figures"], root)
+        folder = os.path.dirname(page) or "."
+        block = LINK.sub(lambda link: f"]({os.path.relpath(link.group(1), folder)})", blocks[name])
+        return f"<!-- figures: {name} -->{block}<!-- /figures: {name} -->"
+    return MARK.sub(fill_mark, text), names
 
 
 def fill(root):
-    text, _ = filled(root)
-    (root / "README.md").write_text(text)
+    blocks = {"figures": read_figures(root)}
+    for page, text in list(marked_pages(root)):
+        (root / page).write_text(filled(root, page, text, blocks)[0])
 
 
-def first_difference(found, expected):
+def first_difference(page, found, expected):
     for number, (a, b) in enumerate(zip(found.splitlines(), expected.splitlines()), start=1):
         if a != b:
-            return f"README.md:{number}: found '{a}', expected '{b}'"
-    return "README.md: found another number of lines than expected"
+            return f"{page}:{number}: found '{a}', expected '{b}'"
+    return f"{page}: found {len(found.splitlines())} lines, expected {len(expected.splitlines())}"
+
+
+def measured_outside(page, text):
+    """Lists measured figures of a page that are outside the marks. Numbers in commands are allowed."""
+    prose = COMMANDS.sub("", MARK.sub("", text))
+    for measured in MEASURED.finditer(prose):
+        found = " ".join(measured.group().split())
+        if found in ("0 %", "100 %"):
+            continue
+        yield f"{page}: found '{found}' outside the marks, expected measured figures inside them"
 
 
 def problems(root):
-    """What in README.md does not follow from the figures; empty when all does."""
-    text = (root / "README.md").read_text()
-    try:
-        expected, names = filled(root)
-    except Unreadable as wrong:
-        return [str(wrong)]
-    found = [] if text == expected else [first_difference(text, expected) + " (tools/lab/readme_figures --fill)"]
-    found += [f"README.md: found no mark '{name}', expected it once" for name in BLOCKS if names.count(name) != 1]
-    prose = re.sub(r"^ {4}.*$", "", MARK.sub("", text), flags=re.MULTILINE)  # without commands
-    found += [f"README.md: found '{measured.group().strip()}' outside the marks, expected measured figures inside them"
-              for measured in MEASURED.finditer(prose)]
-    shown = read_figures(root)["picture"]
+    """Lists each text that differs from the figures; the list is empty when all pages agree with them."""
+    found, used, blocks = [], set(), {"figures": read_figures(root)}
+    for page, text in marked_pages(root):
+        try:
+            expected, names = filled(root, page, text, blocks)
+        except Unreadable as wrong:
+            return [str(wrong)]
+        used.update(names)
+        if text != expected:
+            found.append(first_difference(page, text, expected) + ". Run tools/lab/readme_figures --fill")
+        if page.startswith(MARKED_ONLY):
+            found += measured_outside(page, text)
+    found += [f"no page has the mark '{name}', expected at least one" for name in BLOCKS if name not in used]
+    shown = blocks["figures"]["picture"]
     if hashlib.sha256((root / shown["image"]).read_bytes()).hexdigest() != shown["sha256"]:
-        found.append(f"{shown['image']}: is not the picture that was measured")
+        found.append(f"{shown['image']}: differs from the picture whose errors were measured")
     return found
