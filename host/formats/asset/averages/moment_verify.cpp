@@ -15,14 +15,14 @@ namespace multum {
 
 struct MomentScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel variance, slope, length, weight;  // how far beyond what is allowed
+  WorstTexel variance, slope, length, weight;  // excess beyond the tolerance
 };
 
 namespace {
 
-// What rounding allows: of a variance or covariance, of the moment itself; of lengths, absolutely
-// (docs/reference/file_format.md). Rounding down takes a whole step of the square, 2^-10 of it; averaging in float some
-// 2^-24.
+// Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may differ by this fraction of its
+// moment; a length may differ by this amount. Rounding down takes up to a whole step of the square, 2^-10 of its
+// value; averaging in float takes about 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 
@@ -30,9 +30,10 @@ bool is_finite(const float* values, int count) {
   return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
 }
 
-// How far a second moment is below what its means' product allows; of the covariance, beyond Cauchy and Schwarz.
+// Returns how far a second moment is below the product of its means, beyond rounding. A covariance must also obey the
+// Cauchy-Schwarz inequality.
 double missing_variance(const SlopeMoments& m, double tolerance) {
-  constexpr double kLeastStep = 6e-8;  // of halfs near zero
+  constexpr double kLeastStep = 6e-8;  // spacing of halfs near zero
   const auto room = [&](double moment) { return tolerance * std::abs(moment) + kLeastStep; };
   const double s = static_cast<double>(m.s), t = static_cast<double>(m.t);
   const double room_s = room(std::max(static_cast<double>(m.ss), s * s));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// By the addition theorem the coefficients of band l of one direction lie on a sphere of radius sqrt((2l+1)/4pi), so
-// that those of a mean of directions lie within it, and those of level 0 on it. With a BRDF's width in they lie within
-// it too, those of l = 1 at c = 1/2 to 1 of it.
+// By the addition theorem, the coefficients of band l of one direction are on a sphere of radius sqrt((2l+1)/4pi). A
+// mean of directions is therefore inside the sphere, and level 0 is on the sphere. With a BRDF's width included, level
+// 0 is inside too; its band l = 1 has c = 1/2 to 1 times the radius.
 #include "host/formats/asset/averages/sh_verify.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace multum {
 
 struct ShScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel strong, unlike, weight;  // how far beyond what is allowed
+  WorstTexel strong, unlike, weight;  // excess beyond the tolerance
 };
 
 namespace {
@@ -29,7 +29,7 @@ bool is_finite(const ShLevel& rows, std::size_t i) {
          (std::isfinite(rows.colours[i].x) && std::isfinite(rows.colours[i].y) && std::isfinite(rows.colours[i].z));
 }
 
-// Of (2l+1)/4pi.
+// Returns the sum of squares of band l, relative to (2l+1)/4pi.
 double power_of_band(const ShLevel& rows, std::size_t i, int l) {
   double sum = 0.0;
   for (int m = -l; m <= l; ++m) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of compressions as settings have them: "zip", "zip:4", "rle".
+// Names of compressions in settings, such as "zip", "zip:4" and "rle".
 #pragma once
 
 #include <ImfCompression.h>
