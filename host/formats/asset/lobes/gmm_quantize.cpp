@@ -81,7 +81,7 @@ glm::vec3 rough_point(const glm::vec3& shortened) {
   return {p, std::min(square + 2.0 * spread / (1.0 + spread) * (1.0 - 0.5 * square), 1.0)};
 }
 
-// v = spread / (1 + spread) (1 - |p|^2 / 2): the planar variance that loses least to the cut-off at the rim.
+// Inverts v = spread / (1 + spread) (1 - |p|^2 / 2). If the rim has cut v off, returns the least possible spread.
 glm::vec3 shortened_normal(const glm::vec3& rough_point) {
   const glm::dvec2 p(rough_point);
   const double square = std::min(glm::dot(p, p), 1.0);

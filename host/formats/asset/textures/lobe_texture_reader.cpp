@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads KTX2 files of lobes and no others: every number is checked before anything is made of its size.
+// Reads KTX2 files of lobes only. Checks every number before using it as a size.
 #include <fmt/format.h>
 #include <zstd.h>
 
@@ -113,7 +113,7 @@ void check_texture_header(const LobeTextureHeader& header, const std::string& pa
     refuse_texture(path, fmt::format("meanCosine {}", map.mean_cosine), "above 0, at most 1");
 }
 
-// The file's own numbers must be those of the key.
+// Checks that the KTX2 header's sizes equal those in the key.
 void check_texture_sizes(ByteFile& file, const LobeTextureHeader& header, const std::string& path) {
   const std::pair<const char*, std::int64_t> numbers[] = {
       {"width", mip_level_size(header.map.width, header.map.first_level)},
