@@ -43,7 +43,7 @@ glm::dvec3 linear_srgb(const glm::dvec3& xyz) {
           0.0557 * xyz.x - 0.2040 * xyz.y + 1.0570 * xyz.z};
 }
 
-// A flat spectrum of 1 is white, (1, 1, 1).
+// A flat spectrum of 1 is white: (1, 1, 1).
 class SpectrumColour {
  public:
   explicit SpectrumColour(const std::vector<double>& wavelengths) {
@@ -68,7 +68,7 @@ glm::dvec3 direction(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
 
-// Every number of the text, comments left out.
+// Returns every number in the text, without comments.
 std::vector<double> numbers_of(const std::string& path, const std::string& text) {
   std::vector<double> numbers;
   std::istringstream lines(text);
@@ -110,11 +110,11 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
   }
 }
 
-// ---- what is given in half and difference angles ----
+// ---- formats in half and difference angles ----
 
 constexpr int kThetaCount = 90, kPhiCount = 180;
 
-// Is neither direction below the horizon?
+// Returns whether both directions are above the horizon.
 bool is_above(double theta_h, double theta_d, double phi_d) {
   const glm::dvec3 d = direction(theta_d, phi_d), h = direction(theta_h, 0.0);
   // d turned by theta_h about y is the light's direction.

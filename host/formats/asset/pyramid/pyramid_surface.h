@@ -16,7 +16,7 @@ namespace multum {
 
 struct PyramidSurface {
   int columns = 0, rows = 0;
-  std::vector<glm::vec3> positions, normals;  // row by row from the top of the image; normals from differences along the grid
+  std::vector<glm::vec3> positions, normals;  // row by row from the top; normals by differences
   std::vector<glm::vec2> uvs;                 // v grows upwards in the image
   std::vector<std::uint32_t> indices;         // three per triangle, counterclockwise from above (heights)
 };
