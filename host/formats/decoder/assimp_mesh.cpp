@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All meshes of a file as one list of triangles.
+// Reads all meshes of a file as one list of triangles.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>
@@ -17,12 +17,12 @@
 namespace multum {
 namespace {
 
-// Neither tangents nor joined vertices from assimp: it averages tangents without weights, mirrored charts with the
-// others, and takes positions closer than 1e-5 for one, whatever the unit.
+// assimp must not compute tangents or join vertices. It averages tangents without weights, also across mirrored
+// charts, and merges positions closer than 1e-5, whatever the unit.
 constexpr unsigned kMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                 aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 
-// The corners of a part's triangles, with the file's own tangents where it has some.
+// Corners of a part's triangles, with the file's own tangents if it has any.
 struct PartCorners {
   TriangleCorners corners;
   std::vector<glm::vec4> tangents;
@@ -78,7 +78,7 @@ class PartReader {
   PartCorners result_;
 };
 
-// Corners that are the same in everything become one vertex.
+// Appends a part; corners with identical attributes become one vertex.
 void append_part(TriangleMesh& mesh, const PartCorners& part) {
   using Vertex = std::array<float, 12>;
   std::map<Vertex, std::uint32_t> numbers;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// assimp's node tree, flattened to one object a node that has triangles. Vertices are not joined by assimp, which takes
-// positions closer than 1e-5 for one, whatever the unit; those that are equal are joined here.
+// Flattens assimp's node tree to one object per node with triangles. Joins only equal vertices here, because assimp
+// merges positions closer than 1e-5, whatever the unit.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>
@@ -90,7 +90,7 @@ class ObjectReader {
                                                        static_cast<std::uint32_t>(object.positions.size()));
     if (is_new) {
       object.positions.push_back(position);
-      object.uvs.emplace_back(uv.x, uv.y);  // assimp turns glTF's v, which grows downwards, round
+      object.uvs.emplace_back(uv.x, uv.y);  // assimp flips glTF's v, which grows downwards
     }
     return place->second;
   }
@@ -98,7 +98,7 @@ class ObjectReader {
   const std::string& path_;
   const aiScene& scene_;
   unsigned uv_set_;
-  std::map<Vertex, std::uint32_t> vertices_;  // of the object that is read
+  std::map<Vertex, std::uint32_t> vertices_;  // of the object being read
   std::set<std::string> names_;
 };
 
