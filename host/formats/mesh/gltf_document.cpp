@@ -27,7 +27,7 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
-// As many of the bytes as there are, up to `byte_max`.
+// Reads at most `byte_max` bytes.
 std::string read_from(OpenFile opened, const std::string& path, std::uint64_t byte_max) {
   if (!opened.is_open()) refuse_file(path, std::string("cannot be read: ") + std::strerror(errno));
   RegularFileStream file(std::move(opened));
@@ -41,7 +41,7 @@ std::string read_from(OpenFile opened, const std::string& path, std::uint64_t by
 
 std::string folder_of_model(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
 
-// The name that a URI has beside the model.
+// Returns the file name that a relative URI stands for.
 std::string decoded_uri(const std::string& path, const std::string& uri) {
   if (uri.empty()) refuse_file(path, "names a file by an empty URI, expected the name of a file beside it");
   if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file beside it");
@@ -55,7 +55,7 @@ std::string decoded_uri(const std::string& path, const std::string& uri) {
   }
   if (name.find('\0') != std::string::npos)
     refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file beside it");
-  // A model that came from somebody else must not bring in files of this machine.
+  // A model from another person must not include files of this machine.
   const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
   if (relative.is_absolute() || *relative.begin() == "..")
     refuse_file(path, "names " + name + ", which is not in its folder; expected a file beside it or below");
@@ -68,7 +68,8 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-// GLB: 12 bytes of header ("glTF", version, length), then chunks of (length, type, data): JSON, then perhaps bytes.
+// Splits a GLB file: 12 bytes of header ("glTF", version, length), then chunks of (length, type, data): JSON, then
+// optional bytes.
 void split_glb(const std::string& bytes, const std::string& path, std::string& json, std::string& binary) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
   if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;  // GL's, as glTF stores them
+constexpr int kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;  // OpenGL's codes, as glTF stores them
 
 std::string unique(std::string name, std::set<std::string>& taken) {
   const std::string first = name;
@@ -72,7 +72,7 @@ class MaterialReader {
     return made;
   }
 
-  // By what the bytes are: their name and type may say otherwise.
+  // Detects the format from the bytes; name and type may be wrong.
   std::string extension_of(const std::string& bytes, const std::string& number) const {
     if (bytes.starts_with("\x89PNG")) return "png";
     if (bytes.starts_with("\xff\xd8\xff")) return "jpg";
@@ -121,7 +121,7 @@ class MaterialReader {
     const json& more = texture.contains("extensions") ? texture.at("extensions") : json::object();
     if (more.contains("EXT_texture_webp")) image = index_at(more.at("EXT_texture_webp"), "source");
     if (image == result_.images.size() && texture.contains("source")) image = index_at(texture, "source");
-    // Last: its texels may be such as only GPUs' libraries decode.
+    // Comes last, because some texels of this format can be decoded only by GPU libraries.
     if (image == result_.images.size() && more.contains("KHR_texture_basisu"))
       image = index_at(more.at("KHR_texture_basisu"), "source");
     if (image >= result_.images.size()) refuse(fmt::format("texture {} has no image that can be read", index));
@@ -134,7 +134,7 @@ class MaterialReader {
     return made;
   }
 
-  // A moved or turned texture would need its normals turned with it: nothing here does that.
+  // Refuses a texture transform. Rotating a texture would require rotating its normals too, and nothing here does that.
   void check_transform(const json& info, const char* key, const std::string& material) const {
     if (!info.contains("extensions") || !info.at("extensions").contains("KHR_texture_transform")) return;
     const json& transform = info.at("extensions").at("KHR_texture_transform");

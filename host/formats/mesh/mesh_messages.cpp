@@ -16,7 +16,7 @@ namespace {
 template <typename Meshes>
 constexpr bool is_whole = std::is_same_v<std::remove_const_t<Meshes>, TriangleMesh>;
 
-// In their order in messages and in memory.
+// Visits the arrays in the order of messages and memory.
 template <typename Meshes, typename Action>
 void for_each_array(Meshes& meshes, const Action& action) {
   if constexpr (is_whole<Meshes>) {
@@ -71,7 +71,7 @@ void read(MessageReader& in, ObjectMeshes& meshes) {
   }
 }
 
-// Whether they can be drawn. Both kinds of mesh have these three.
+// Returns whether a mesh of either kind can be drawn.
 template <typename Mesh>
 bool is_sound(const Mesh& mesh) {
   if (mesh.uvs.size() != mesh.positions.size() || mesh.indices.size() % 3 != 0) return false;
