@@ -217,7 +217,7 @@ void write_four_quarter_map(int size, std::uint64_t seed, const std::string& pre
       albedo.write_rows(row_count, codes.data());
     };
     for_each_item(2, 2,
-                  [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compression takes most of the time
+                  [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compression is slow
   }
   normals.finish();
   albedo.finish();
