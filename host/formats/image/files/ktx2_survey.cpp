@@ -27,7 +27,7 @@ constexpr Ktx2Texels kKtx2Texels[] = {{9, number_type::kUint8, 1, 1, false},
                                       {43, number_type::kUint8, 4, 4, true},
                                       {97, number_type::kHalf, 4, 8, false}};
 
-// Of KHR_DF_MODEL and KHR_DF_TRANSFER, in the first descriptor block.
+// Values of KHR_DF_MODEL and KHR_DF_TRANSFER in the first descriptor block.
 constexpr std::int64_t kUastcModel = 166, kSrgbTransfer = 2;
 
 void find_texels(const std::string& path, ByteFile& file, Ktx2Survey& survey) {
