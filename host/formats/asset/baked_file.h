@@ -75,7 +75,7 @@ struct BakedWriteOptions {
 
 /// Lists the compressions that BakedWriteOptions accepts.
 constexpr char kCompressionsInWords[] =
-    "none, rle, zips, zip or piz (every one is lossless), and for zip and zips an optional level such as zip:4";
+    "none, rle, zips, zip or piz (all lossless); zip and zips take an optional level, such as zip:4";
 
 /// Throws Error(kUsage) for an unknown compression, so that a bake fails before it starts.
 void validate(const BakedWriteOptions& options);

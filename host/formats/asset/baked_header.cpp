@@ -126,7 +126,7 @@ StoredLevels parse_stored_levels(const Imf::Header& header, const std::string& p
   const auto is_side = [](int side) { return side >= 1 && side <= kMapSideMax; };
   if (!is_side(stored.map_width) || !is_side(stored.map_height))
     refuse_file(path, fmt::format("a map of {} x {}", stored.map_width, stored.map_height),
-                fmt::format("1 to {} texels a side", kMapSideMax));
+                fmt::format("1 to {} texels per side", kMapSideMax));
   const int level_max = mip_level_count(stored.map_width, stored.map_height) - 1;
   if (stored.first_level < 0 || stored.first_level > level_max)
     refuse_file(path, fmt::format("first level {}", stored.first_level), fmt::format("0 to {}", level_max));

@@ -149,8 +149,8 @@ void BakedReader::read_by_library(const TileRows& rows, float* values) {
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {
-      throw Error(ErrorCode::kInput, fmt::format("{}: {}: part {}, level {}, a tile of row {}: {}. {}", path_, kDamaged,
-                                                 part.name, rows.level, y, error.what(), kWriteAnew));
+      throw Error(ErrorCode::kInput, fmt::format("{}: {}: cannot read part {}, level {}, a tile of row {}: {}. {}",
+                                                 path_, kDamaged, part.name, rows.level, y, error.what(), kWriteAnew));
     }
 }
 
@@ -166,7 +166,7 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
                                           parts_[rows.part].name, rows.level, tile_row, begin, end - 1);
     if (check_ == TexelCheck::kRefuse)
       throw Error(ErrorCode::kInput,
-                  fmt::format("{}: {}: {}: their texels are not those that were baked: their checksum differs. {}",
+                  fmt::format("{}: {}: {}: the checksum of the texels differs, so they are not the baked ones. {}",
                               path_, kDamaged, place, kWriteAnew));
     changed_rows_.push_back(place);
   }
@@ -191,9 +191,9 @@ void BakedReader::check_content_hash() {
     }
   const std::string found = hash.finish();
   if (found == stated) return;
-  throw Error(ErrorCode::kInput, fmt::format("{}: {}: its texels are not those that were baked: found checksum {}, "
-                                             "expected {} ({}). {}",
-                                             path_, kDamaged, found, stated, kContentHashAttribute, kWriteAnew));
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: {}: its texels are not the baked ones: found checksum {}, expected {} ({}). {}", path_,
+                          kDamaged, found, stated, kContentHashAttribute, kWriteAnew));
 }
 
 BakedRowHash::BakedRowHash(const std::vector<BakedPart>& parts) {

@@ -171,8 +171,9 @@ class BakedWriter::Work {
   void check(const std::vector<VerifyFinding>& findings) const {
     for (const VerifyFinding& finding : findings)
       if (!finding.passed && options_.is_checked)
-        throw Error(ErrorCode::kEnvironment, fmt::format("{}: was not written, since it would not verify: {}: {}",
-                                                         file_.path(), finding.check, finding.detail));
+        throw Error(ErrorCode::kEnvironment,
+                    fmt::format("{}: was not written, because it would fail verification: {}: {}", file_.path(),
+                                finding.check, finding.detail));
   }
 
   void run() {

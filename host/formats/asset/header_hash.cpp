@@ -98,10 +98,10 @@ VerifyFinding header_finding(const std::string& path) {
   const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
   if (stated == attributes.end())
     return {"header", true,
-            fmt::format("no {}, as in files of earlier programs: attributes are not checked", kHeaderHashAttribute)};
+            fmt::format("no {}, as in files of older programs; attributes are not checked", kHeaderHashAttribute)};
   if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
     return {"header", false,
-            fmt::format("its checksum is attribute '{}' of part {}, type {}, expected {} of part 0", stated->name,
+            fmt::format("checksum '{}' is in part {} (type {}), expected {} in part 0 (type string)", stated->name,
                         stated->part, stated->type, kHeaderHashAttribute)};
   const std::string found = hash_text_of(attributes);
   const std::string expected = stated->value.substr(0, stated->value.find_last_not_of(' ') + 1);
@@ -109,7 +109,7 @@ VerifyFinding header_finding(const std::string& path) {
   const std::set<std::string> names = differing_names(found, expected);
   if (names.empty()) return {"header", false, fmt::format("{} itself was changed", kHeaderHashAttribute)};
   return {"header", false,
-          fmt::format("changed: {}; expected as {} says", fmt::join(names, ", "), kHeaderHashAttribute)};
+          fmt::format("changed attributes: {}; they no longer match {}", fmt::join(names, ", "), kHeaderHashAttribute)};
 }
 
 }  // namespace multum

@@ -35,10 +35,10 @@ struct RepresentationInfo {
   const char* help;                        // description in one line
   const char* contents;                    // contents of a texel, such as "planar Gaussians"
   const LobeFamily* lobes;                 // the family of lobes (lobes/lobe_family.h); null: no lobes
-  bool has_kappa;   // mean vectors' lengths give each lobe's kappa, as GGX and exports need
-  bool has_order;   // an order sets the number of values per texel (--sh-order)
-  bool has_slopes;  // moments of slopes, which several models shade (--moments)
-  bool takes_every_brdf;  // false: only one highlight of one width (Tan's) under directional light
+  bool has_kappa;                          // mean vectors' lengths give each lobe's kappa, as GGX and exports need
+  bool has_order;                          // an order sets the number of values per texel (--sh-order)
+  bool has_slopes;                         // moments of slopes, which several models shade (--moments)
+  bool takes_every_brdf;                   // false: only one highlight of one width (Tan's) under directional light
   // Number of four-channel textures, without those of colours and weights.
   int (*value_textures)(const TexelCounts& counts);
   int (*mean_count)(const TexelCounts& counts);  // numbers that one pass over the map averages, without features

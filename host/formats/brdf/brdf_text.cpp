@@ -62,13 +62,14 @@ std::string measuring_refusal(const Brdf& brdf) {
   const BrdfFamily& family = family_of(brdf);
   if (!is_vmf_sum(brdf) || width_of(brdf) >= static_cast<float>(family.sum_from)) return "";
   return fmt::format(
-      "found {}, which no sum of vMFs is near, as errors are measured with: expected {} of at least {:g}",
+      "found {}, whose highlight cannot be fitted by a sum of vMFs, so errors cannot be measured: expected {} of at "
+      "least {:g}",
       brdf_text(brdf, ""), family.members[0].symbol, family.sum_from);
 }
 
 std::string environment_refusal(const Brdf& brdf) {
   if (!family_of(brdf).lights_alone) return "";
-  return fmt::format("found {} and an environment: expected lights, or another BRDF", brdf_text(brdf, ""));
+  return fmt::format("found {} with an environment: expected lights only, or another BRDF", brdf_text(brdf, ""));
 }
 
 void set_family(const BrdfFamily& family, Brdf& brdf) {

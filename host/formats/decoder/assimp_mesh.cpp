@@ -43,7 +43,7 @@ class PartReader {
 
   PartCorners read() {
     if (!part_.HasTextureCoords(uv_set_))
-      refuse_file(path_, fmt::format("mesh '{}' has no texture coordinates{}, so no map can be put on it",
+      refuse_file(path_, fmt::format("mesh '{}' has no texture coordinates{}, so a map cannot be applied",
                                      part_.mName.C_Str(), uv_set_ == 0 ? "" : fmt::format(" of set {}", uv_set_)));
     for (unsigned f = 0; f < part_.mNumFaces; ++f)
       for (unsigned k = 0; k < part_.mFaces[f].mNumIndices; ++k) append(f, part_.mFaces[f].mIndices[k]);
@@ -56,7 +56,7 @@ class PartReader {
     const char* const name = part_.mName.C_Str();
     if (i >= part_.mNumVertices)
       refuse_file(path_,
-                  fmt::format("triangle {} of mesh '{}' names vertex {} of {}", face, name, i, part_.mNumVertices));
+                  fmt::format("triangle {} of mesh '{}' refers to vertex {} of {}", face, name, i, part_.mNumVertices));
     const glm::vec3 position = to_vec3(part_.mVertices[i]);
     if (!is_finite(position)) refuse_file(path_, fmt::format("vertex {} of mesh '{}' is not finite", i, name));
     glm::vec3 normal = part_.HasNormals() ? to_vec3(part_.mNormals[i]) : glm::vec3(0.0f);
@@ -103,7 +103,7 @@ void append_part(TriangleMesh& mesh, const PartCorners& part) {
 
 TriangleMesh import_mesh(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
-    refuse_file(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
+    refuse_file(path, fmt::format("texture coordinate set is {}, expected 0 to {}", uv_set,
                                   AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
   const MeshImport import(path, kMeshSteps);
   const aiScene& scene = import.scene();

@@ -63,7 +63,7 @@ MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std:
   const std::lock_guard<std::mutex> lock(log_mutex);
   const ImportLog log;
   scene_ = importer_->ReadFile(path, steps);
-  if (log.dropped_triangles()) refuse_file(path, "has triangles whose indices are out of range");
+  if (log.dropped_triangles()) refuse_file(path, "has triangles with indices out of range");
   if (scene_ == nullptr && importer_->GetException()) rethrow_hunger(path, importer_->GetException());
   if (scene_ == nullptr) refuse_file(path, std::string("cannot be read as a mesh: ") + importer_->GetErrorString());
 }

@@ -193,7 +193,7 @@ class OiioImageFile : public LibraryImageFile {
     // The TIFF reader reports success for a truncated band; only its message reveals the fault.
     const std::string message = open_.input->geterror();
     if (inverts_integers_) invert_first_channel(from, block, memory);
-    return is_read || !message.empty() ? message : "the reader does not say why";
+    return is_read || !message.empty() ? message : "the reader gives no reason";
   }
 
   std::string path_;

@@ -133,8 +133,8 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
   albedo.clamped_count = clamped_count;
   albedo.notes = info.notes;
   if (is_data && clamped_count > 0)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} texels that are not finite, expected numbers", path, albedo.clamped_count));
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {} texels that are not finite, expected finite numbers", path,
+                                               albedo.clamped_count));
   return albedo;
 }
 

@@ -33,7 +33,7 @@ SampleType sample_type_of(const std::string& path, const ImagePart& part) {
 }
 
 void check_flat(const std::string& path, const ImagePart& part) {
-  if (part.is_deep) refuse_file(path, "found a deep image, expected one value a texel");
+  if (part.is_deep) refuse_file(path, "found a deep image, expected one value per texel");
   if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
@@ -41,9 +41,11 @@ void check_flat(const std::string& path, const ImagePart& part) {
 void check_no_luminance(const std::string& path, const ImagePart& part) {
   for (const std::string& name : part.channel_names)
     if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")
-      refuse_file(path, fmt::format("found a channel {}, of brightness and differences of colour (Y, RY, BY), expected "
-                                    "red, green and blue",
-                                    name));
+      refuse_file(
+          path,
+          fmt::format(
+              "found channel {}, of brightness and differences of colour (Y, RY, BY), expected red, green and blue",
+              name));
 }
 
 constexpr int kColourChannelCountMax = 64;
@@ -59,8 +61,8 @@ int colour_channel_count(const std::string& path, const ImagePart& part) {
         fmt::format("{}{}{}", part.channel_names[0], part.channel_names[1], part.channel_names[2]);
     if (names == "RGB" || names == "XYZ") return 3;
   }
-  refuse_file(path, fmt::format("found {} channels ({}...), expected 1 to 3 and an alpha", part.channel_count(),
-                                part.channel_names[0]));
+  refuse_file(path, fmt::format("found {} channels ({}...), expected 1 to 3 and an optional alpha",
+                                part.channel_count(), part.channel_names[0]));
 }
 
 // Refuses sizes that the file cannot hold, so that a short file cannot demand much memory. Deflate reaches at most
@@ -70,7 +72,7 @@ void check_plausible_size(const std::string& path, const ImagePart& part, std::i
   constexpr std::int64_t kFreeBytes = std::int64_t{64} << 20;
   const auto picture_bytes = std::int64_t{part.width} * part.height * static_cast<std::int64_t>(part.texel_bytes());
   if (picture_bytes / kExpansionMax > file_size + kFreeBytes / kExpansionMax)
-    refuse_file(path, fmt::format("declares {} x {} texels, which a file of {} bytes cannot hold", part.width,
+    refuse_file(path, fmt::format("declares {} x {} texels, more than a file of {} bytes can hold", part.width,
                                   part.height, file_size));
   constexpr std::int64_t kTileTexelsMax = 1 << 26;
   if (part.tile_width > 0 && std::int64_t{part.tile_width} * part.tile_height > kTileTexelsMax)
@@ -90,15 +92,14 @@ void check_webp_opaque(const std::string& path, ImageFile& file) {
     const std::string message =
         file.read({0, y, y_end, part.alpha_channel, part.alpha_channel + 1, number_type::kUint8}, 0);
     if (!message.empty())
-      refuse_file(path, fmt::format("damaged: rows from {} of {} cannot be read: {}", y, part.height, message));
+      refuse_file(path, fmt::format("damaged: cannot read rows from {} of {}: {}", y, part.height, message));
     const std::byte* const end = memory + width * static_cast<std::size_t>(y_end - y);
     const std::byte* const clear =
         std::find_if<const std::byte*>(memory, end, [](std::byte alpha) { return alpha < std::byte{255}; });
     if (clear != end)
-      refuse_file(path,
-                  fmt::format("found a WebP whose alpha is not 1 (row {}), expected an opaque one: its colours come "
-                              "multiplied by alpha; save it as PNG, or without alpha",
-                              y + static_cast<int>(static_cast<std::size_t>(clear - memory) / width)));
+      refuse_file(path, fmt::format("found a WebP whose alpha is not 1 (row {}), expected opaque texels, because its "
+                                    "colours are multiplied by alpha; save it as PNG, or without alpha",
+                                    y + static_cast<int>(static_cast<std::size_t>(clear - memory) / width)));
   }
 }
 
@@ -200,8 +201,8 @@ void ImageReader::State::read_band(int row_begin, int row_end, std::size_t offse
   const std::string message = file->read({0, y + row_begin, y + row_end, 0, info.channel_count, info.base_type}, offset,
                                          [&] { progress_advance(progress, 0); });
   if (!message.empty())
-    refuse_file(path, fmt::format("damaged: rows {} to {} of {} cannot be read: {}", row_begin, row_end - 1,
-                                  info.height, message));
+    refuse_file(path, fmt::format("damaged: cannot read rows {} to {} of {}: {}", row_begin, row_end - 1, info.height,
+                                  message));
 }
 
 // Uses two bands: one is read while the other is consumed.

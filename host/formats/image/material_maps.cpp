@@ -203,18 +203,18 @@ void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
         "{}: its name says {} map, but it was given as --{}: {}", file.path, name_of(named), name_of(taken),
-        is_opposite ? fmt::format("--{} reads it the other way round", name_of(named)) : "is it what was meant?"));
+        is_opposite ? fmt::format("--{} would invert the values", name_of(named)) : "check that it is the right map"));
     return;  // one doubt is enough
   }
   if (report.share_mirror > (named == taken ? kMirrorShareMaxNamed : kMirrorShareMax))
     report.warnings.push_back(fmt::format(
-        "{}: {:.0f} % of the texels are mirrors (perceptual roughness below {:g}), where real roughness maps have next "
-        "to none: is it a specular{} map?",
+        "{}: {:.0f} % of the texels are mirrors (perceptual roughness below {:g}), but real roughness maps have almost "
+        "none: is it a specular{} map?",
         file.path, 100.0 * report.share_mirror, kMirrorRoughness, file.is_gloss ? " or roughness" : " or gloss"));
   if (file.is_gloss && report.share_one > kDullShareMax)
     report.warnings.push_back(
-        fmt::format("{}: {:.0f} % of the texels have no gloss at all (roughness 1), where real gloss maps have next to "
-                    "none: is it a specular map?",
+        fmt::format("{}: {:.0f} % of the texels have no gloss (roughness 1), but real gloss maps have almost none: is "
+                    "it a specular map?",
                     file.path, 100.0 * report.share_one));
 }
 
@@ -239,10 +239,10 @@ RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSu
   warn_of_doubts(file, report);
   const double correlation = sums.colour_correlation(count);
   if (sums.difference / count > kColourDifferenceMin && correlation > kColourCorrelationMin)
-    report.warnings.push_back(fmt::format(
-        "{}: red, green and blue differ and go together (correlation {:.2f}), as in a picture; green was taken for {}: "
-        "is it a colour or specular map? FILE:CHANNEL names a channel",
-        file.path, correlation, file.is_gloss ? "gloss" : "roughness"));
+    report.warnings.push_back(
+        fmt::format("{}: red, green and blue differ, but with correlation {:.2f}, as in a picture; green was used as "
+                    "{}: is it a colour or specular map? Use FILE:CHANNEL to name a channel",
+                    file.path, correlation, file.is_gloss ? "gloss" : "roughness"));
   return report;
 }
 

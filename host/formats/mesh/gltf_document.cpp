@@ -43,8 +43,8 @@ std::string folder_of_model(const std::string& path) { return std::filesystem::p
 
 // Returns the file name that a relative URI stands for.
 std::string decoded_uri(const std::string& path, const std::string& uri) {
-  if (uri.empty()) refuse_file(path, "names a file by an empty URI, expected the name of a file beside it");
-  if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file beside it");
+  if (uri.empty()) refuse_file(path, "refers to a file by an empty URI, expected the name of a file in its folder");
+  if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file in its folder");
   std::string name;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     const bool is_code = uri[i] == '%' && i + 2 < uri.size() &&
@@ -54,11 +54,11 @@ std::string decoded_uri(const std::string& path, const std::string& uri) {
     if (is_code) i += 2;
   }
   if (name.find('\0') != std::string::npos)
-    refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file beside it");
+    refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file in its folder");
   // A model from another person must not include files of this machine.
   const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
   if (relative.is_absolute() || *relative.begin() == "..")
-    refuse_file(path, "names " + name + ", which is not in its folder; expected a file beside it or below");
+    refuse_file(path, "names " + name + ", which is not in its folder; expected a file in its folder or below");
   return (std::filesystem::path(path).parent_path() / relative).string();
 }
 
@@ -76,14 +76,13 @@ void split_glb(const std::string& bytes, const std::string& path, std::string& j
     refuse_file(path, "is not a GLB file: it does not begin with glTF");
   const std::size_t length = little_endian(bytes, 12);
   if (little_endian(bytes, 16) != kJsonChunk || length > bytes.size() - 20)
-    refuse_file(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is not all there");
+    refuse_file(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is incomplete");
   json = bytes.substr(20, length);
   const std::size_t next = 20 + length;
   if (next + 8 > bytes.size()) return;
   const std::size_t binary_length = little_endian(bytes, next);
   if (binary_length > bytes.size() - next - 8)
-    refuse_file(path,
-                "is a damaged GLB file: its chunk of " + std::to_string(binary_length) + " bytes is not all there");
+    refuse_file(path, "is a damaged GLB file: its chunk of " + std::to_string(binary_length) + " bytes is incomplete");
   binary = bytes.substr(next + 8, binary_length);
 }
 
@@ -119,7 +118,7 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
 
 std::string read_model_file(const std::string& path) {
   std::string bytes = read_from(open_regular_file(path), path, kModelBytesMax + 1);
-  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, which is more than a GLB holds");
+  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, expected less, the limit of GLB");
   return bytes;
 }
 
@@ -159,7 +158,7 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
     if (std::string_view(error.what()).starts_with(document.path)) throw;
     refuse_file(document.path, what + " is damaged: " + error.what());
   } catch (const nlohmann::json::exception&) {
-    refuse_file(document.path, what + " is not there, or damaged");
+    refuse_file(document.path, what + " is missing or damaged");
   }
 }
 

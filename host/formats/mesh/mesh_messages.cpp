@@ -113,9 +113,8 @@ Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in) {
   for_each_array(meshes, [&](auto& array) {
     const auto count = in.number<std::uint64_t>();
     if (count > left / sizeof(array[0]))
-      refuse_file(file.path,
-                  fmt::format("damaged: {} numbers a vertex or triangle, expected a mesh of {} bytes at most", count,
-                              file.memory_max));
+      refuse_file(file.path, fmt::format("damaged: {} vertex or triangle numbers, expected a mesh of at most {} bytes",
+                                         count, file.memory_max));
     left -= count * sizeof(array[0]);
     array.resize(count);
   });
@@ -154,8 +153,7 @@ void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes)
     memory += bytes_of(array);
   });
   if (!are_sound(meshes))
-    refuse_file(file.path,
-                "damaged: what came of it is not a mesh, expected a file that " + file.library + " survives");
+    refuse_file(file.path, "damaged: decoding gave no valid mesh, expected a file readable by " + file.library);
 }
 
 template TriangleMesh parse_mesh_answer(const AskedFile&, MessageReader&);

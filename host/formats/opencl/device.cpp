@@ -143,7 +143,7 @@ std::shared_ptr<DeviceState> open_state(const std::string& selector) {
     std::string known;
     for (const FoundDevice& device : devices) known += fmt::format("\n  {}: {}", device.info.index, device.info.name);
     throw Error(ErrorCode::kEnvironment,
-                "no OpenCL device matches '" + selector + "'; expected a number or part of a name of" + known);
+                "no OpenCL device matches '" + selector + "'; expected a number, or part of a name, from" + known);
   }
   auto opened = std::make_shared<DeviceState>();
   DeviceState& state = *opened;

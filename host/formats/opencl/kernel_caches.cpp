@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 class PrivateFolder {
  public:
   explicit PrivateFolder(const std::string& above) : path_(above + "/multum-cache-XXXXXX"), owner_(::getpid()) {
-    if (::mkdtemp(path_.data()) == nullptr) fail_by_errno(above, "no private folder for compiled kernels can be made");
+    if (::mkdtemp(path_.data()) == nullptr) fail_by_errno(above, "cannot make a private folder for compiled kernels");
   }
   ~PrivateFolder() {
     std::error_code ignored;
@@ -80,16 +80,15 @@ class KernelCaches {
     const std::string why = why_not_writable(folder);
     if (why.empty()) return "";
     const std::string place = folder;
-    std::string said = "compiled kernels cannot be kept here: " + why;
+    std::string said = "cannot keep compiled kernels here: " + why;
     try {
       if (private_ == nullptr) private_ = std::make_unique<PrivateFolder>(fs::temp_directory_path().string());
       folder = private_->path() + "/" + name;
       fs::create_directory(folder);
       ::setenv(variable, folder.c_str(), 1);
-      log_warning(place,
-                  fmt::format("{}; they are compiled anew, into a private folder that goes when this program ends. Set "
-                              "{} to a folder that can be written",
-                              said, variable));
+      log_warning(place, fmt::format("{}; they are compiled again into a private folder, which is deleted when this "
+                                     "program ends. Set {} to a writable folder",
+                                     said, variable));
     } catch (const std::exception& error) {  // the driver may work without a cache
       said += std::string("; ") + error.what();
       log_warning(place, said);

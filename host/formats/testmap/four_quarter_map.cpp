@@ -216,8 +216,7 @@ void write_four_quarter_map(int size, std::uint64_t seed, const std::string& pre
         codes[i] = rounded_16_bit(srgb_from_linear(static_cast<double>(rows.colours[i])));
       albedo.write_rows(row_count, codes.data());
     };
-    for_each_item(2, 2,
-                  [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compression is slow
+    for_each_item(2, 2, [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compression is slow
   }
   normals.finish();
   albedo.finish();

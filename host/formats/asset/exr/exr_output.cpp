@@ -55,7 +55,7 @@ class HeaderCursor {
   }
 
  private:
-  [[noreturn]] void end() { fail(shown_path_, "its headers cannot be read again"); }
+  [[noreturn]] void end() { fail(shown_path_, "cannot read its headers again"); }
   std::FILE* file_;
   std::string shown_path_;
 };
@@ -73,8 +73,8 @@ bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const s
       continue;
     }
     if (text.size() > size)
-      fail(shown_path,
-           name + " takes " + std::to_string(text.size()) + " bytes, the header has room for " + std::to_string(size));
+      fail(shown_path, name + " takes " + std::to_string(text.size()) + " bytes, but the header has room for " +
+                           std::to_string(size));
     cursor.overwrite(text + std::string(size - text.size(), ' '));
     ++found;
   }

@@ -232,11 +232,11 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
   const bool is_planar = lobe_family(header_.header.representation).is_planar;
   findings.push_back(excess_finding(
       is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
-      is_planar ? "|a mean| exceeds a beyond rounding" : "|a r| exceeds a beyond rounding"));
+      is_planar ? "|a mean| exceeds a, beyond rounding," : "|a r| exceeds a, beyond rounding,"));
   if (is_planar)
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
-                                      "none is below 0 by more than rounding allows",
-                                      "a variance is below 0 beyond rounding"));
+                                      "no variance is below 0, except for rounding",
+                                      "a variance is below 0, beyond rounding,"));
   if (header_.header.weight_count > 0)
     findings.push_back(weights_finding(header_.header.weight_count, lobes_->weight_range, "a"));
   return findings;

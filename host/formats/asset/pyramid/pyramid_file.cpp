@@ -110,10 +110,11 @@ class PyramidScan {
     // Rounding to half changes each value by up to 2^-11. The tolerance is relative to the largest value.
     const double tolerance = encoding_ == StorageEncoding::kHalf ? 0x1p-11 : 1e-6;
     return {
-        {"finite", nonfinite_ == 0, fmt::format("{} values that are not finite, expected 0", nonfinite_)},
+        {"finite", nonfinite_ == 0, fmt::format("{} non-finite values, expected 0", nonfinite_)},
         {"means", worst <= tolerance,
-         fmt::format("every level has the mean of level 0 within {:.1e} of the largest value, expected {:.1e}{}", worst,
-                     tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
+         fmt::format(
+             "level means differ from the mean of level 0 by {:.1e} of the largest value, expected at most {:.1e}{}",
+             worst, tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
     };
   }
 
@@ -179,9 +180,9 @@ class PyramidReader {
       for (const KindInfo& info : kinds())
         if (name == std::string(kPrefix) + info.name) header_.kind = info.kind;
       if (name != std::string(kPrefix) + info_of(header_.kind).name)
-        refuse_file(path, "representation '" + name + "'",
-                    "a pyramid of colours, reflectance, heights or positions, as `multum mip`, `reflectance` and "
-                    "`lod` write them");
+        refuse_file(
+            path, "representation '" + name + "'",
+            "a pyramid of colours, reflectance, heights or positions, written by `multum mip`, `reflectance` or `lod`");
       if (const int version = int_attribute(first, "multum:formatVersion", path); version != kFormatVersion)
         refuse_file(path, fmt::format("format version {}", version), fmt::format("version {}", kFormatVersion));
       header_.map = parse_map_header(first, kEncodings, path);
@@ -256,7 +257,7 @@ Pyramid read_pyramid(const std::string& path) {
   for (int l = 0; l < pyramid.header.level_count(); ++l) {
     pyramid.levels.push_back(reader.read(l));
     if (count_nonfinite(pyramid.levels.back()) > 0)
-      refuse_file(path, fmt::format("values in level {} that are not finite", l), "numbers");
+      refuse_file(path, fmt::format("non-finite values in level {}", l), "numbers");
   }
   return pyramid;
 }

@@ -77,7 +77,7 @@ std::string parse_manifest(const std::string& text, std::map<std::string, std::u
     return true;
   };
   const auto json = nlohmann::json::parse(text, take, false);
-  if (json.is_discarded()) return fmt::format("its {} bytes are cut, or no JSON", text.size());
+  if (json.is_discarded()) return fmt::format("its {} bytes are cut off or not JSON", text.size());
   return json.is_object() ? wrong : "it is not a JSON object";
 }
 
@@ -153,7 +153,7 @@ const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, 
   if (matches.size() != 1)
     if (const auto closer = nearest_names(matches.empty() ? names : matches, prefix); !closer.empty()) matches = closer;
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
                                          fmt::join(matches, ", ")));
   for (const auto& [key, values] : metadata)
     if (!matches.empty() && metadata_text(values, "name") == matches.front()) return &values;
@@ -174,10 +174,10 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
   std::vector<std::string> matches = nearest_names(channel_prefixes(file.channels()), layer);
   if (matches.empty()) matches = nearest_names(channel_prefixes(file.all_names()), layer);
   if (matches.empty())
-    refuse_file(file.path(), fmt::format("has no channel \"{}00.r\" of a Cryptomatte \"{}\"; it has {}", layer, layer,
+    refuse_file(file.path(), fmt::format("has no channel \"{}00.r\" for Cryptomatte \"{}\"; it has {}", layer, layer,
                                          fmt::join(file.channels(), ", ")));
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
                                          fmt::join(matches, ", ")));
   Cryptomatte result{matches.front(), "", "", {}, {}};
   const Metadata metadata = cryptomatte_metadata(file);
@@ -185,10 +185,11 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
   if (values == nullptr) {
     values = metadata_by_key(metadata, {layer, result.prefix, last_of(result.prefix)});
     result.warnings.push_back(
-        values != nullptr ? fmt::format("metadata of Cryptomatte \"{}\" without a name were matched by its hash", layer)
-                          : fmt::format("no metadata of Cryptomatte \"{}\" were found: its objects are matched by the "
-                                        "MurmurHash3 of their names",
-                                        layer));
+        values != nullptr
+            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name and were matched by its hash", layer)
+            : fmt::format(
+                  "found no metadata of Cryptomatte \"{}\"; its objects are matched by the MurmurHash3 of their names",
+                  layer));
   }
   if (values == nullptr) return result;
   result.hash = metadata_text(*values, "hash");
@@ -199,8 +200,8 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
   if (const std::string text = metadata_text(*values, "manifest"); !text.empty())
     if (const std::string wrong = parse_manifest(text, result.manifest); !wrong.empty())
       result.warnings.push_back(
-          fmt::format("the manifest of Cryptomatte \"{}\" is damaged: {}. {} of its names can be "
-                      "used, others are matched by their hash",
+          fmt::format("the manifest of Cryptomatte \"{}\" is damaged: {}. {} of its names are usable; other names are "
+                      "matched by their hash",
                       layer, wrong, result.manifest.size()));
   return result;
 }
@@ -222,10 +223,10 @@ struct Rank {
 Rank read_rank(ExrFile& file, const std::string& identifier, const std::string& coverage) {
   Rank rank{file.read(identifier), file.read(coverage)};
   if (!file.is_float(identifier))
-    refuse_file(file.path(),
-                fmt::format("channel \"{}\" is of half floats, which hold no Cryptomatte identifiers; expected "
-                            "32-bit floats",
-                            identifier));
+    refuse_file(
+        file.path(),
+        fmt::format("channel \"{}\" has half floats, which cannot hold Cryptomatte identifiers; expected 32-bit floats",
+                    identifier));
   return rank;
 }
 
@@ -283,10 +284,8 @@ CryptomatteNames find_cryptomatte_names(const std::string& path, const std::stri
     const bool is_seen = std::any_of(coverages[i].begin(), coverages[i].end(), [](float c) { return c > 0.0f; });
     if (!is_seen) found.unseen.push_back(others[i]);
     else if (!cryptomatte.manifest.empty())
-      found.warnings.push_back(
-          fmt::format("the manifest of Cryptomatte \"{}\" has no \"{}\", which was found by its "
-                      "hash",
-                      layer, others[i]));
+      found.warnings.push_back(fmt::format(
+          "the manifest of Cryptomatte \"{}\" has no \"{}\"; the name was matched by its hash", layer, others[i]));
   }
   return found;
 }

@@ -63,7 +63,7 @@ std::vector<float> ExrFile::read(const std::string& channel) {
   const PixelBlock block = {place.part, part.y, part.y + height_, place.index, place.index + 1, number_type::kFloat};
   const std::byte* const memory = file_->reserve(block_bytes(part, block));
   if (const std::string message = file_->read(block, 0); !message.empty())
-    refuse_file(path_, fmt::format("damaged: channel \"{}\" cannot be read: {}", channel, message));
+    refuse_file(path_, fmt::format("damaged: cannot read channel \"{}\": {}", channel, message));
   std::memcpy(plane.data(), memory, plane.size() * sizeof(float));
   return plane;
 }

@@ -175,9 +175,9 @@ std::string orientation_note(int orientation) {
                                                  "turned by 270 degrees"};
   if (orientation < 2 || orientation > 8) return "";
   return fmt::format(
-      "the file says that its picture is to be shown {} (orientation {}), which is not applied: rows are read as they "
-      "are stored. Where that is wrong, turn height fields before (oiiotool --autoorient IN -o OUT); turning a normal "
-      "map so leaves its vectors unturned",
+      "the file says that its picture should be shown {} (orientation {}), which is not applied: rows are read in "
+      "stored order. If that is wrong, rotate a height field first (oiiotool --autoorient IN -o OUT). Do not rotate a "
+      "normal map this way: its vectors would not be rotated",
       kNames[static_cast<std::size_t>(orientation)], orientation);
 }
 

@@ -73,7 +73,8 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
   const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
-  if (range.high == range.low) return fmt::format("every texel is {:.4g}, which tells nothing", range.low);
+  if (range.high == range.low)
+    return fmt::format("every texel is {:.4g}, so the image holds no information", range.low);
   const double margin = 0.02 * (static_cast<double>(range.high) - static_cast<double>(range.low));
   if (has_value_between(evidence.image, range, margin)) return std::nullopt;
   return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
@@ -230,8 +231,8 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
   if (s.length_mean < 0.4)
     return fmt::format(
-        "vectors are {:.3g} long in the mean, expected 1, and neither of one length nor clearly the "
-        "slopes of a surface (multiply them until they are of unit length)",
+        "vectors have a mean length of {:.3g}, expected 1, and neither one length nor clearly the slopes of a surface "
+        "(scale them to unit length)",
         s.length_mean);
   if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
   if (s.unit_share_10 >= 0.8) return std::nullopt;
@@ -313,7 +314,7 @@ void check_blue(const std::string& path, const Evidence& evidence, const Reading
   if (doubt == BlueDoubt::kNone) return;
   const std::string text = blue_doubt_text(reading.statistics);
   const std::string advised =
-      advice(". <two_channel> reads red and green alone") + advice(", <z_range signed> takes blue for z all the same");
+      advice(". Use <two_channel> to read only red and green") + advice(", or <z_range signed> to use blue as z");
   const bool is_refusing = settings.bump_format == BumpFormat::kAuto || settings.refuse_doubts;
   if (doubt == BlueDoubt::kRefused && is_refusing)
     throw Error(ErrorCode::kInput, fmt::format("{}: {}; expected the z of unit vectors{}", path, text, advised));
@@ -328,16 +329,15 @@ void check_blue(const std::string& path, const Evidence& evidence, const Reading
                 path +
                     ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
                     "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
-  throw Error(
-      ErrorCode::kInput,
-      fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
-                  "grey{}{}",
-                  path, why,
-                  is_two_channel_plausible(evidence, reading)
-                      ? advice(". If blue is not z (occlusion, smoothness, height), give <two_channel>: red and "
-                               "green are the slopes of a surface")
-                      : "",
-                  advice(". If it is one all the same, give <bumpformat normal> or <bumpformat height>")));
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
+                          "grey{}{}",
+                          path, why,
+                          is_two_channel_plausible(evidence, reading)
+                              ? advice(". If blue is not z (occlusion, smoothness, height), use <two_channel>: red and "
+                                       "green are the slopes of a surface")
+                              : "",
+                          advice(". If it is one of these, use <bumpformat normal> or <bumpformat height>")));
 }
 
 // Warns about given options that do not apply to this kind of file.
@@ -372,8 +372,8 @@ DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, c
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
                             "values{}",
-                            path, *why, advice(". If it is one all the same, give <bumpformat height>")));
-  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height",
+                            path, *why, advice(". If it is a height field, use <bumpformat height>")));
+  return height_field(reason + "; a grey gloss, mask or albedo looks like a height",
                       {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
 }
 
@@ -396,7 +396,7 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
                                                evidence.info().format, channel_count, height_coding_name(coding)));
   return height_field(coding_of(settings.bump_format)
                           ? height_coding_name(coding) + ", as asked for"
-                          : height_coding_name(coding) + ": they are continuous, where the channels by themselves jump",
+                          : height_coding_name(coding) + ": they are continuous, but single channels jump",
                       {coding, std::nullopt}, settings);
 }
 
@@ -411,10 +411,10 @@ DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence
   throw Error(
       ErrorCode::kInput,
       fmt::format("{}: found colours, whose channels differ by {:.3g} of their {} rms, expected heights as asked for: "
-                  "one channel, or equal ones. Save the channel that has them as grey (oiiotool IN --ch R -o OUT){}",
+                  "one channel, or equal ones. Save the channel with the heights as grey (oiiotool IN --ch R -o OUT){}",
                   path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
-                  advice("; if its bytes are spread over the channels, give <bumpformat packed16>, packed24, terrarium "
-                         "or mapbox")));
+                  advice("; if the bytes of heights are spread over the channels, use <bumpformat packed16>, packed24, "
+                         "terrarium or mapbox")));
 }
 
 // The threshold separates maps with known green from the others (0.31 and 0.15, see vector_statistics.cpp). With few
@@ -433,8 +433,7 @@ void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) 
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
   warnings.push_back(
-      fmt::format("its vectors are {:.3g} long instead of 1, all alike: they are read as normals times a "
-                  "constant, and made unit vectors",
+      fmt::format("all its vectors have length {:.3g} instead of 1; they are read as scaled normals, and normalised",
                   s.length_mean));
 }
 
@@ -445,14 +444,14 @@ void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> f
   if (!settings.green && !found) {
     // If nothing is tilted, green is 0 in both cases.
     if (s.tilted_share > 0.0)
-      warnings.emplace_back("which way green points cannot be told from the statistics; up (OpenGL) is taken" +
-                            advice(", <green up> or <green down> says it"));
+      warnings.emplace_back("the statistics do not tell the direction of green; assuming up (OpenGL)" +
+                            advice(", <green up> or <green down> sets it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
-        fmt::format("green is read as {}, as asked for, but red and green are the slopes of a surface whose green "
-                    "points {} (gradient agreement {:+.2f}){}",
+        fmt::format("green was set to {}, but red and green are the slopes of a surface whose green points {} "
+                    "(gradient agreement {:+.2f}){}",
                     green_name(*settings.green), green_name(*found), s.gradient_agreement,
-                    advice(fmt::format(": unless you know better, leave the setting out, or say <green {}>",
+                    advice(fmt::format(": remove the setting or use <green {}> unless you are sure",
                                        choice_name(kGreenAxes, *found)))));
   }
 }
@@ -468,10 +467,10 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
 // Warns if a set's green differs from the green that this map alone suggests.
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
-  warnings.push_back(fmt::format(
-      "green is read as {}, as in the first tile of its set that can tell, but this tile is the slopes of a "
-      "surface whose green points {}{}",
-      green_name(*of_set), green_name(*own), advice(": <green up> or <green down> says what holds for all tiles")));
+  warnings.push_back(
+      fmt::format("green is read as {}, as in the first tile of its set that decides, but this tile is the slopes of a "
+                  "surface whose green points {}{}",
+                  green_name(*of_set), green_name(*own), advice(": <green up> or <green down> sets it for all tiles")));
 }
 
 }  // namespace
@@ -499,12 +498,14 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (const std::optional<HeightCoding> coding = coding_of(settings.bump_format))
     return packed_heights(path, evidence, *coding, settings);
   if (channel_count == 1 && settings.two_channel.value_or(false))
-    throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
-                                               "two-channel map has x and y",
-                                               path, image.info().format));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: found {}: 1 colour channel, expected red and green, which hold x and y of a two-channel map",
+                    path, image.info().format));
   if (channel_count == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
-      throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
+      throw Error(ErrorCode::kInput,
+                  path + ": found 1 colour channel, expected a normal map with 2 or 3 channels as asked for");
     return grey_image(path, evidence, "1 channel", settings);
   }
   if (settings.bump_format == BumpFormat::kAuto) {
@@ -531,7 +532,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
   const char* green_note = settings.green.has_value()             ? ", as asked for"
                            : !found_green.has_value()             ? ", undecided"
-                           : asks_set && found_green != own_green ? ", as its set has it"
+                           : asks_set && found_green != own_green ? ", as in its set"
                                                                   : "";
   result.description = describe(result.vectors, green_note);
   result.reason = summary(reading);
@@ -540,7 +541,8 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
   warn_of_ignored({{is_scaled, "height_scale"}, {settings.dequantize, "dequantize"}}, "a normal map", result.warnings);
   if (reading.encoding.rebuild_z && channel_count > 2 && !settings.two_channel)
-    result.reason += fmt::format(", blue is {:.3g} throughout, which completes no vector", reading.statistics.blue_min);
+    result.reason +=
+        fmt::format(", blue is {:.3g} everywhere, which is not the z of unit vectors", reading.statistics.blue_min);
   if (reading.signed_z_error > 0.0)
     result.reason += fmt::format(
         ", lengths are within {:.2g} % of 1 (rms of tilted texels) if z is blue, within {:.2g} % "

@@ -44,13 +44,13 @@ std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool
   if (info.texel_metres > 0.0) {
     const double of_metres = value_unit(info, surface.reading()) / info.texel_metres;
     if (std::abs(scale - of_metres) > 0.01 * of_metres)
-      text += fmt::format("; its texels are {:g} m wide: heights in metres need --height-scale {:.4g}",
+      text += fmt::format("; its texels are {:g} m wide, so heights in metres need --height-scale {:.4g}",
                           info.texel_metres, of_metres);
   } else if (is_slope_odd && slope_rms > 0.0) {
     constexpr double kSlopeDefault = 0.5;  // 27 degrees, in the middle of the expected range
     text += fmt::format(
-        "; --height-scale {:g} would make it {:g}. Heights and texels in metres give it exactly: metres of a value "
-        "difference of 1 / metres of a texel",
+        "; --height-scale {:g} would make it {:g}. If heights and texels are in metres, the exact scale is (metres per "
+        "value difference of 1) / (metres per texel)",
         rounded(std::abs(scale) * kSlopeDefault / slope_rms), kSlopeDefault);
   }
   return text;
@@ -67,13 +67,13 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
   const bool is_scale_said = settings.height_scale != 1.0f;  // nobody sets the default explicitly
   std::string text;
   if (settings.bump_format == BumpFormat::kAuto && surface.reading().coding == HeightCoding::kGrey)
-    text = fmt::format("a grey image, taken for a height field with a height scale of {:g}{}", settings.height_scale,
-                       advice(" (<bumpformat height> says that it is one)"));
+    text = fmt::format("a grey image, read as a height field with a height scale of {:g}{}", settings.height_scale,
+                       advice(" (<bumpformat height> confirms it)"));
   if (!text.empty() && is_odd(slope_rms)) text += "; ";
   if (slope_rms > kSlopeMax && !is_scale_said)
     text += fmt::format(
-        "no height scale is given, so heights are taken in texels, which is almost certainly wrong: the surface "
-        "would be {:.1f} degrees steep (rms slope {:.3g} is too steep, expected {:g} to {:g})",
+        "no height scale is given, so heights are read in texels, which is almost certainly wrong: the surface would "
+        "be {:.1f} degrees steep (rms slope {:.3g} is too steep, expected {:g} to {:g})",
         std::atan(slope_rms) * 180.0 / std::numbers::pi, slope_rms, kSlopeMin, kSlopeMax);
   else if (is_odd(slope_rms))
     text +=
@@ -173,14 +173,13 @@ void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const Heig
                    const NormalMapSettings& settings) {
   const auto scale = static_cast<double>(settings.height_scale);
   if (settings.dequantize && steps.step == 0.0)
-    report.warnings.push_back("settings without effect on heights that come in no steps" +
-                              names_as_advice({"dequantize"}));
+    report.warnings.push_back("settings without effect on heights without steps" + names_as_advice({"dequantize"}));
   if (settings.dequantize || !steps.are_terraces(scale)) return;
-  report.warnings.push_back(fmt::format(
-      "its heights come in steps of {}: at a height scale of {:g} one step tilts a texel by {:.1f} degrees, "
-      "and smooth slopes become terraces. Heights of more bits have none{}",
-      step_text(steps, surface), settings.height_scale, steps.degrees(scale),
-      advice("; <dequantize> smooths these within half a step")));
+  report.warnings.push_back(
+      fmt::format("its heights have steps of {}: at a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "
+                  "so smooth slopes become terraces. Heights with more bits avoid this{}",
+                  step_text(steps, surface), settings.height_scale, steps.degrees(scale),
+                  advice("; <dequantize> smooths them within half a step")));
 }
 
 // Returns "height field, Terrarium elevation in metres, -12 to 1830, no data on 3.2 % of the texels, scale 30 texels,

@@ -155,8 +155,8 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
   if (share > kUnusedShareMax && settings.bump_format != BumpFormat::kNormal)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: {}; expected at most {:.0f} %{}", path, found, 100.0 * kUnusedShareMax,
-                            advice(" (if it is a normal map all the same, give <bumpformat normal>)")));
-  map.report.warnings.push_back(found + "; they are taken as never written, and as flat");
+                            advice(" (if it is a normal map, use <bumpformat normal>)")));
+  map.report.warnings.push_back(found + "; they are read as never written, and as flat");
 }
 
 }  // namespace
@@ -175,7 +175,7 @@ void check_repair_share(const std::string& path, const NormalMapRows& map, const
           "the horizon; expected at most {:.2f} %{}{}",
           path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
           report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max),
-          advice(" (raise <repair_max> to repair them all the same)"), hint));
+          advice(" (use <repair_max> to allow more repairs)"), hint));
 }
 
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,

@@ -76,11 +76,11 @@ WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncodi
 // Warns about one or both directions in one warning.
 void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& found) {
   if (doubtful.empty()) return;
-  std::string text = "it is taken to repeat, but does not seem to:";
+  std::string text = "it is assumed to repeat, but does not seem to:";
   for (const Direction& one : doubtful)
     text += fmt::format("{} along {} {}", &one == &doubtful.front() ? "" : ";", one.name, step_text(one.step));
   text += advice(fmt::format(
-      ". <{0} clamp> ends it at its border, <{0} auto> lets the map decide, <{0} periodic> says that it repeats",
+      ". <{0} clamp> ends it at its border, <{0} auto> lets the map decide, <{0} periodic> confirms that it repeats",
       doubtful.size() > 1 ? "wrap" : doubtful.front().option));
   found.warnings.push_back(text);
 }

@@ -30,9 +30,9 @@ struct NormalMapSettings {
   std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are the vector, false: 0..1
   std::optional<bool> two_channel = std::nullopt;  // unset: from statistics; true: z = sqrt(1 - x^2 - y^2)
   std::optional<ZRange> z_range = std::nullopt;    // unset: from statistics; for unsigned files that store z
-  float height_scale = 1.0f;  // height in texels of a value difference of 1; finite, != 0
-  bool dequantize = false;    // heights of few bits: use the smoothest surface that rounds to them
-  float normal_scale = 1.0f;  // scales x and y of a normal map, as glTF scales normal textures; finite
+  float height_scale = 1.0f;                       // height in texels of a value difference of 1; finite, != 0
+  bool dequantize = false;                         // heights of few bits: use the smoothest surface that rounds to them
+  float normal_scale = 1.0f;              // scales x and y of a normal map, as glTF scales normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // for height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
   WrapOrigin wrap_s_origin = WrapOrigin::kDefault;  // kFound: wrap_s has no meaning
