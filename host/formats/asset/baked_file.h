@@ -57,7 +57,7 @@ struct BakedHeader {
   int format_version() const;
 };
 
-/// What a reader does with texels whose checksums do not match: kRefuse throws, kReport lists their places for `multum
+/// Treatment of texels whose checksums do not match: kRefuse throws, kReport lists their places for `multum
 /// verify`.
 enum class TexelCheck { kRefuse, kReport };
 

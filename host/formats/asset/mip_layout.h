@@ -34,8 +34,7 @@ struct MipLayout {
     return l;
   }
   /// Calls visit(parent, texel) for every texel of `level`, row by row. `level` must not be the coarsest. The parent
-  /// is the texel above in the next coarser level; if an odd side leaves the last texel without one, its neighbour's
-  /// parent.
+  /// is the texel above in the next coarser level; the last texel of an odd side takes the parent of its neighbour.
   template <typename Visit>
   void for_each_child(std::size_t level, const Visit& visit) const {
     const MipLevelPlace &fine = levels[level], &coarse = levels[level + 1];

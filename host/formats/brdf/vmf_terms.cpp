@@ -136,7 +136,7 @@ double fit_all(std::vector<Fitted>& channels, const std::vector<double>& kappas)
   return sum;
 }
 
-// Where f is smaller than the fit's error, the error becomes the tolerance. Otherwise the region beyond the end of a
+// Uses the fit's error as the tolerance where f is smaller than the error. Otherwise the region beyond the end of a
 // density would dominate the fit; some measured densities end at an angle.
 void widen(Fitted& one) {
   for (std::size_t k = 0; k < one.samples.size(); ++k) {

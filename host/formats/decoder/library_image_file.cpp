@@ -176,7 +176,7 @@ class OiioImageFile : public LibraryImageFile {
     int& checked = exr_rows_checked_[index];
     const int end = std::min(block.y_end - part.y, part.height);
     if (end > checked) exr_chunks_->check_rows(index, checked, end, threads_);
-    // check_rows() checks the last chunk to its end.
+    // check_rows() also checks the rest of the last chunk.
     checked =
         std::max(checked, std::min(part.height, (end + part.chunk_height - 1) / part.chunk_height * part.chunk_height));
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes sure that compiled kernels can be kept: PoCL offers no device if its cache cannot be written. If a folder is
-// not writable (a read-only home, or another user's), a private folder replaces it until the program ends.
+// not writable (a read-only home, or another user's folder), a private folder replaces it until the program ends.
 #pragma once
 
 #include <string>

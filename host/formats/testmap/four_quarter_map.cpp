@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every quarter is size/2 texels wide (or size, if it fills the map). (x, y) are texel centres counted from its top
-// left corner, with rows downwards. The second slope is used for y without a sign change, although rows grow
-// downwards, so as a surface the map has green down, and a reader's statistics say so. The figures in
+// left corner, with rows downwards. The second slope is used for y without a sign change, although rows grow downwards.
+// As a surface, the map therefore has green down, and a reader's statistics say so. The figures in
 // docs/evidence/ACCURACY.md were measured with these numbers.
 //   armour   unit hemispheres clipped at r^2 = 0.9025 (slope 3.04), rows shifted by half a period
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Relative to the square of the mean. Rounding of floats alone gives smaller variances (level 0: 2^-24; averages: a
+// Relative to the square of the mean. The rounding of floats gives smaller variances (level 0: 2^-24; averages: a
 // few times that).
 constexpr double kVarianceZero = 1e-6;
 

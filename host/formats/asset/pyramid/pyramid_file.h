@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// What the averaged numbers mean.
+/// Meaning of the averaged numbers.
 enum class PyramidKind {
   kColour,       // linear RGB, or three numbers with another meaning
   kReflectance,  // radiance towards the eye, RGB, over the normals of a surface (reflectance_mapping.h)

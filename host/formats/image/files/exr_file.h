@@ -25,7 +25,7 @@ class ExrFile {
   /// Returns the names of all channels. If the file has several parts, adds the names with the part's name in front:
   /// "CryptoObject00.R" for channel "R" of part "CryptoObject00". has_channel() and read() know these names too.
   std::vector<std::string> all_names() const;
-  /// String attributes of all parts; if several parts have the same one, the first part's.
+  /// String attributes of all parts; if several parts have the same one, the value in the first part.
   const std::map<std::string, std::string>& attributes() const { return attributes_; }
 
   /// Returns width * height floats, row 0 at the top. Throws Error(kInput) for a missing channel (naming the existing

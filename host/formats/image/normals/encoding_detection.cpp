@@ -53,8 +53,8 @@ struct Evidence {
 // not noise, but short normals around mid-grey.
 bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
-// Returns whether a finite value of the first channel is farther than `margin` from both ends of its range. In most
-// images the first rows decide.
+// Returns whether a finite value of the first channel differs by more than `margin` from both ends of its range. In
+// most images the first rows decide.
 bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, double margin) {
   const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
   RawRows rows;
@@ -144,9 +144,9 @@ double filler_noise(const RawImageInfo& info) {
   return info.base_type == number_type::kHalf ? 1.0 / 512.0 : 2 * 2.5 / 65535.0;
 }
 
-// Returns whether a constant blue differs more than that from the z of unit vectors. Such a blue is filler, as in
-// two-channel maps saved with three channels. A tilt of 11 degrees changes z by 0.02; there (x, y, 1) and the rebuilt
-// vector differ by 0.2 degrees, half a code of 8 bits. For flat maps both readings are flat.
+// Returns whether a constant blue differs from the z of unit vectors by more than filler_noise(). Such a blue is
+// filler, as in two-channel maps saved with three channels. A tilt of 11 degrees changes z by 0.02; there (x, y, 1) and
+// the rebuilt vector differ by 0.2 degrees, half a code of 8 bits. For flat maps both readings are flat.
 bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.tilted_share == 0.0) return false;
@@ -267,7 +267,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
-// Returns whether x and y alone are plausible: they are the slopes of a surface, and their lengths leave room for z.
+// Returns whether x and y are plausible without z: they are the slopes of a surface, and their lengths leave room for
+// z.
 bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
   if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
   VectorEncoding encoding = reading.encoding;
@@ -464,7 +465,7 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      green_name(encoding.green), green_note);
 }
 
-// Warns if a set's green differs from the green that this map alone suggests.
+// Warns if a set's green differs from the green that the map suggests by itself.
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(

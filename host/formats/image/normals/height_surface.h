@@ -13,9 +13,9 @@
 
 namespace multum {
 
-/// How the colour channels hold a height. kGrey is their mean. The others have 8 bits per channel, and V is the number
-/// with these bytes, red the highest. kPacked16: V / 65535 of red and green. kPacked24: V / 16777215 of all three.
-/// kTerrarium: V / 256 - 32768 metres. kMapbox: V / 10 - 10000 metres.
+/// Ways in which the colour channels hold a height. kGrey is their mean. The others have 8 bits per channel, and V is
+/// the number with these bytes, red the highest. kPacked16: V / 65535 of red and green. kPacked24: V / 16777215 of all
+/// three. kTerrarium: V / 256 - 32768 metres. kMapbox: V / 10 - 10000 metres.
 enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
 
 /// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres"; empty for kGrey.

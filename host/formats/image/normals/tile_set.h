@@ -51,7 +51,7 @@ class TileSet {
   std::string path(const std::string& tile) const;
   TileBeside beside(const std::string& tile, TileSide side) const;
 
-  /// How to read borders.
+  /// Settings for reading borders.
   struct BorderReading {
     HeightCoding coding = HeightCoding::kGrey;
     int depth = 1;
