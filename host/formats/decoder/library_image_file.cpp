@@ -201,7 +201,7 @@ class OiioImageFile : public LibraryImageFile {
   std::unique_ptr<ExrChunks> exr_chunks_;  // only for OpenEXR
   std::vector<int> exr_rows_checked_;      // [part]: number of checked rows, from the top
   OpenImage open_;
-  bool inverts_integers_;  // ImageContainer's
+  bool inverts_integers_;  // as in ImageContainer
 };
 
 }  // namespace

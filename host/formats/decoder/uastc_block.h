@@ -9,7 +9,7 @@ namespace multum {
 
 constexpr int kUastcBlockBytes = 16, kUastcBlockSide = 4;
 
-/// Writes 16 texels of RGBA, row by row. Returns false, and writes nothing, if the mode is not one of UASTC's.
+/// Writes 16 texels of RGBA, row by row. Returns false, and writes nothing, if the mode is not a UASTC mode.
 bool decode_uastc_block(const std::uint8_t* block, std::uint8_t* rgba);
 
 }  // namespace multum

@@ -36,7 +36,7 @@ struct ColourRows {
   PlaneStore planes;
   int channel_count = 0;                // of the file, 1 or 3; with 1, all planes are equal
   std::string format;                   // "png uint8, 3 channels, sRGB"
-  std::int64_t clamped_count = 0;       // as ColourMap's
+  std::int64_t clamped_count = 0;       // as in ColourMap
   float largest = 0.0f;                 // largest value of all
   std::vector<std::string> notes = {};  // RawImageInfo::notes
 };

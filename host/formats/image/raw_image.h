@@ -35,8 +35,8 @@ struct RawImageInfo {
   std::vector<std::string> channel_names;  // of the channels that are read
   std::string format;                      // "png uint8, 4 channels (alpha not read)"
   std::vector<std::string> notes = {};     // ImageContainer::notes
-  double texel_metres = 0.0;               // ImageContainer's
-  std::optional<double> no_data = {};      // the same
+  double texel_metres = 0.0;               // as in ImageContainer
+  std::optional<double> no_data = {};      // as in ImageContainer
 
   std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
 };

@@ -10,7 +10,7 @@ namespace multum {
 
 struct ExrCompression {
   Imf::Compression compression;
-  int zip_level;  // -1: the library's
+  int zip_level;  // -1: the library's default
 };
 
 /// Throws Error(kUsage) for an unknown name.

@@ -21,7 +21,7 @@
 namespace multum {
 namespace {
 
-constexpr int kQuickLevelMax = 3;  // ISA-L's
+constexpr int kQuickLevelMax = 3;  // levels above use libdeflate
 constexpr int kDefaultLevel = 6;   // zlib's for -1
 
 struct FreeCompressor {

@@ -40,12 +40,12 @@ struct ImagePart {
 };
 
 struct ImageDescription {
-  std::string format;  // as ImageContainer's
+  std::string format;  // as in ImageContainer
   std::int64_t file_size = 0;
   std::vector<ImagePart> parts;
-  std::vector<std::string> notes = {};  // ImageContainer's
-  double texel_metres = 0.0;            // the same
-  std::optional<double> no_data = {};   // the same
+  std::vector<std::string> notes = {};  // as in ImageContainer
+  double texel_metres = 0.0;            // as in ImageContainer
+  std::optional<double> no_data = {};   // as in ImageContainer
 };
 
 /// Rows of some channels, interleaved, as numbers of one type.

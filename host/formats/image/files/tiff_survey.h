@@ -31,7 +31,7 @@ struct TiffSurvey {
   ByteRange rows_per_strip_at = {0, 0};  // its bytes
   ByteRange colour_map = {0, 0};
   double texel_metres = 0.0;                     // along x; 0: unknown or not in metres
-  std::optional<double> no_data = std::nullopt;  // GDAL's: the value of texels without data
+  std::optional<double> no_data = std::nullopt;  // GDAL_NODATA: value of texels without data
 };
 
 /// Examines the directories whose header is at `base`: 0 in a TIFF file.
