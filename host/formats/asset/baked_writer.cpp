@@ -3,8 +3,8 @@
 //
 //     rows of any count --> queue (16 MiB) --> row of tiles per part and level --> SHA-256, halfs, OpenEXR's writeTiles
 //
-//  writeTiles distributes its tiles over OpenEXR's own threads. The file stores tiles in the order of these calls
-//  (RANDOM_Y). Readers find tiles by the tables that OpenEXR writes last.
+// writeTiles distributes its tiles over OpenEXR's own threads. The file stores tiles in the order of these calls
+// (RANDOM_Y). Readers find tiles by the tables that OpenEXR writes last.
 #include "host/formats/asset/baked_writer.h"
 
 #include <ImfMultiPartOutputFile.h>

@@ -9,9 +9,9 @@
 //   S(t)                         facets end at the horizon, and a lobe blurs the end: smoothstep(-w, w, t),
 //                                w^2 = 4.5 d / (1.001 - d), d / (1 - d) near 1 / kappa
 //
-//  P, B, delta and gamma depend smoothly on alpha / s (1 for a single normal, 0 for a mirror) and on s (how close the
-//  horizon is). The build fits them to quadrature once (ggx_lobe_fit); tests/gl/ggx_lobe_test bounds the error. The
-//  form is our own.
+// P, B, delta and gamma depend smoothly on alpha / s (1 for a single normal, 0 for a mirror) and on s (how close the
+// horizon is). The build fits them to quadrature once (ggx_lobe_fit); tests/gl/ggx_lobe_test bounds the error. This
+// form is not from a paper.
 #pragma once
 
 #include <cstdint>

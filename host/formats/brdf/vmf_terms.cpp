@@ -3,10 +3,10 @@
 // projection: Golub and Pereyra 1973). Minimizes the sum over e of (sum_i w_i vMF_i - f)^2 / f, weighted by solid
 // angle. This relative error covers the peak and the tail of GGX, is close to relative L1, and is smooth.
 //
-//  Below the horizon of h, f is 0 but a vMF is not. There, the squared error is divided by f(horizon) and multiplied
-//  by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but leak below it and
-//  reappear under a lobe of kappa 3. A larger weight makes the rim worse. Largest relative L1 over GGX with alpha 0.05
-//  to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for 0.3, 5.9 % for 1.
+// Below the horizon of h, f is 0 but a vMF is not. There, the squared error is divided by f(horizon) and multiplied
+// by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but leak below it and
+// reappear under a lobe of kappa 3. A larger weight makes the rim worse. Largest relative L1 over GGX with alpha 0.05
+// to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for 0.3, 5.9 % for 1.
 #include "host/formats/brdf/vmf_terms.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 //   | trits or quints of the endpoints, 5 or 3 per number | their lower bits
 //   | weights; the first weight of a subset has one bit less
 //
-//  Endpoints and weights then have the meaning of ASTC's ("Khronos Data Format Specification", 23.15 to 23.21).
+// Endpoints and weights then have the meaning of ASTC's ("Khronos Data Format Specification", 23.15 to 23.21).
 #include "host/formats/decoder/uastc_block.h"
 
 #include <algorithm>

@@ -3,18 +3,18 @@
 // al. 2007, section 7.3). Their numbers are data, never sRGB. Integers stand for 0 to 1, floats are used unchanged,
 // and values outside 0 to 1 are refused.
 //
-//  Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe of mean vector
-//  c n, where c is the mean cosine of those half vectors. Averages of c n over a texel then hold the spread of normals
-//  and BRDFs together, because mean cosines multiply under convolution. Perceptual roughness r stands for alpha = r^2
-//  and a lobe with the mean cosine
+// Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe of mean vector
+// c n, where c is the mean cosine of those half vectors. Averages of c n over a texel then hold the spread of normals
+// and BRDFs together, because mean cosines multiply under convolution. Perceptual roughness r stands for alpha = r^2
+// and a lobe with the mean cosine
 //
 //     c = 1 - alpha^2 / 2        kappa = 2 / alpha^2 where c > 0.9
 //
-//  This is normalised Blinn-Phong with s = 2 / alpha^2 - 2, the exponent that matches the peaks of Beckmann and GGX (c
-//  = (s + 1) / (s + 2)). Beckmann's slopes have the variance alpha^2 / 2 = 1 - c in each direction. GGX's own mean
-//  cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. It is not used, because GGX's tail, which no
-//  single lobe has, would widen the peak: at alpha 0.1, c = 0.971 and kappa 34, where the peak has 200. At alpha 1
-//  both are 1/2, the uniform hemisphere.
+// This is normalised Blinn-Phong with s = 2 / alpha^2 - 2, the exponent that matches the peaks of Beckmann and GGX (c
+// = (s + 1) / (s + 2)). Beckmann's slopes have the variance alpha^2 / 2 = 1 - c in each direction. GGX's own mean
+// cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. It is not used, because GGX's tail, which no
+// single lobe has, would widen the peak: at alpha 0.1, c = 0.971 and kappa 34, where the peak has 200. At alpha 1
+// both are 1/2, the uniform hemisphere.
 #pragma once
 
 #include <optional>

@@ -9,8 +9,8 @@
 //   texels of one of level 1     (+, s)  (-, -s)     s alternates between 1 and -1 along x
 //                                (-, s)  (+, -s)
 //
-//  Each of the four occurs once. Points are distributed along x and y like centres. Between any two columns or rows of
-//  texels there are equally many points, so edges along the axes have the right width.
+// Each of the four occurs once. Points are distributed along x and y like centres. Between any two columns or rows of
+// texels there are equally many points, so edges along the axes have the right width.
 #pragma once
 
 #include "host/formats/image/plane_store.h"

@@ -12,8 +12,8 @@
 namespace multum {
 namespace {
 
-// Returns a map whose texels are means of the source, weighted by the lobe and by solid angle. Dividing by the sum of
-// weights keeps a constant constant. Ignores texels beyond four standard deviations.
+// Returns a map whose texels are means of the source, weighted by the lobe and by solid angle. The division by the sum
+// of weights leaves a constant map unchanged. Ignores texels beyond four standard deviations.
 EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, int height) {
   EnvironmentMap result{width, height, std::vector<glm::vec3>(static_cast<std::size_t>(width * height))};
   const double reach = std::min(4.0 / std::sqrt(kappa), std::numbers::pi);

@@ -9,9 +9,9 @@
 //                   projected to the plane across n; normalised. Its handedness w is the group's orientation.
 //   fragment        bitangent = w cross(n, t) of the interpolated normal and tangent
 //
-//  Vertices are equal if position, normal and texture coordinates are equal bit by bit. There are two departures.
-//  Quadrangles come as two triangles, whereas MikkTSpace weighs their four corners at once. The angle between faces
-//  never splits a group, as with MikkTSpace's usual threshold of 180 degrees.
+// Vertices are equal if position, normal and texture coordinates are equal bit by bit. There are two departures.
+// Quadrangles come as two triangles, whereas MikkTSpace weighs their four corners at once. The angle between faces
+// never splits a group, as with MikkTSpace's usual threshold of 180 degrees.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes all options for the OpenCL compiler. No option relaxes mathematics: on PoCL, -cl-fast-relaxed-math and
-//  -cl-finite-math-only delete the kernels' guards and gain nothing.
+// -cl-finite-math-only delete the kernels' guards and gain nothing.
 #pragma once
 
 #include <string>

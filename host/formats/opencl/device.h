@@ -39,7 +39,7 @@ struct DeviceInfo {
   std::uint64_t buffer_bytes_max;
 };
 
-/// Copies between host and device since the device was opened; none if they share memory.
+/// Counts of copies between host and device since the device was opened; 0 if they share memory.
 struct TransferCounts {
   std::uint64_t uploads = 0, upload_bytes = 0;
   std::uint64_t downloads = 0, download_bytes = 0;

@@ -13,7 +13,7 @@
 //   copies                   none: buffers are mapped          at most 32 MiB each, while the host makes the next
 //   rows fitted at once      as many as caches hold            an eighth of the device's memory: few, large launches
 //
-//  Measured on an NVIDIA H100 (docs/evidence/GPU.md) and on PoCL with two cores (docs/evidence/BENCHMARKS.md).
+// Measured on an NVIDIA H100 (docs/evidence/GPU.md) and on PoCL with two cores (docs/evidence/BENCHMARKS.md).
 #pragma once
 
 #include <cstddef>

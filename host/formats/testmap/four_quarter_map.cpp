@@ -7,7 +7,7 @@
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius
 //   grooves  slope -1, +1, 0 for 40, 40, 20 % of a period of 12, along (cos 30, sin 30)
 //   noise    host/formats/testmap/noise_quarter
-//  Here slope means n_xy / n_z.
+// Here slope means n_xy / n_z.
 #include "host/formats/testmap/four_quarter_map.h"
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 // the normals n of each texel, with slopes b = -(n_x, n_y) / n_z, it stores
 //   E[b], E[b b^T]   a Gaussian of slopes (LEAN: Olano and Baker 2010), in the layout of maketx --bumpslopes
 //   E[n]             whose length gives the spread in Toksvig's rule (Toksvig 2005)
-//  If a BRDF's width is included (BakedHeader::has_roughness), both describe microfacets: the diagonal of E[b b^T] is
-//  larger by 1 - c, and n is scaled to c n.
+// If a BRDF's width is included (BakedHeader::has_roughness), both describe microfacets: the diagonal of E[b b^T] is
+// larger by 1 - c, and n is scaled to c n.
 #pragma once
 
 #include <string>

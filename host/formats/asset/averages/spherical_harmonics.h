@@ -2,15 +2,15 @@
 // Real spherical harmonics Y_lm up to a given order, as kernels and shaders compute them, and the coefficients of
 // BRDFs of one angle (Han et al. 2007, sections 4 and 5).
 //
-//  Convention: Y_1,-1, Y_10, Y_11 are y, z, x times sqrt(3 / 4 pi), without the Condon-Shortley phase. For unit (x, y,
-//  z):
+// Convention: Y_1,-1, Y_10, Y_11 are y, z, x times sqrt(3 / 4 pi), without the Condon-Shortley phase. For unit (x, y,
+// z):
 //
 //     Y_lm = p_lm(z) Re (x + iy)^m,  Y_l,-m = p_lm(z) Im (x + iy)^m     m >= 0
 //     p_mm constant,  p_lm = a_lm z p_l-1,m - b_lm p_l-2,m
 //
-//  The p_lm are normalized in each step, so that nothing overflows. The factor sin^m is part of (x + iy)^m, so that
-//  poles need no special case. In single precision, Y is within 4e-6 of its bound sqrt((2l+1)/4pi) up to order 20
-//  (tests/kernels).
+// The p_lm are normalized in each step, so that nothing overflows. The factor sin^m is part of (x + iy)^m, so that
+// poles need no special case. In single precision, Y is within 4e-6 of its bound sqrt((2l+1)/4pi) up to order 20
+// (tests/kernels).
 #pragma once
 
 #include <vector>

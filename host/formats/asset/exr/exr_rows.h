@@ -11,7 +11,8 @@
 
 namespace multum {
 
-/// Stores half values in HALF channels, exactly because they were rounded before, and all other values in FLOAT.
+/// Stores half values in HALF channels, which is exact because they were rounded before. Stores all other values in
+/// FLOAT channels.
 inline Imf::PixelType vector_type(StorageEncoding encoding) {
   return encoding == StorageEncoding::kHalf ? Imf::HALF : Imf::FLOAT;
 }

@@ -3,8 +3,8 @@
 // and neither have filtered texels that share the direction, because their projections add up
 // (host/formats/asset/lobes/movmf_quantize.cpp).
 //
-//  Where z is small, it is ill-conditioned. If a normal is tilted by t, an error of x along the tilt turns the normal
-//  by 1/cos(t) times the error. FinestTest.TurnsDirectionsByLittle has the figures.
+// Where z is small, it is ill-conditioned. If a normal is tilted by t, an error of x along the tilt turns the normal
+// by 1/cos(t) times the error. FinestTest.TurnsDirectionsByLittle has the figures.
 #include "host/formats/asset/lobes/movmf_finest.h"
 
 #include <half.h>

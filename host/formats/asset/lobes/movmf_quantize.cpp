@@ -8,8 +8,8 @@
 //      the lobe's direction that is closest to a |r|. For a single direction (|r| = 1), the projection must be at least
 //      a, so rounding never adds spread. Filtering adds none either, because projections of texels that share a
 //      direction add up.
-//  Using the length |a r| instead would let a lobe of one step turn by 60 degrees at full length. Filtered with a
-//  neighbouring lobe of 0.7, that lost 4 % of the peak (QuantizeTest). Readers clamp |r| to 1.
+// Using the length |a r| instead would let a lobe of one step turn by 60 degrees at full length. Filtered with a
+// neighbouring lobe of 0.7, that lost 4 % of the peak (QuantizeTest). Readers clamp |r| to 1.
 #include <half.h>
 
 #include <algorithm>

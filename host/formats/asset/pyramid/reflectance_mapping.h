@@ -13,8 +13,8 @@
 //      |  '-.....-'  |     his map ends at the circle, where the solid angle of a texel is unbounded. This map goes
 //      +-------------+     on behind the circle, so that filters at a silhouette find the right values.
 //
-//  Distortion at angle a from the centre: lengths along the radius are scaled by cos(a/2), lengths across by 1 /
-//  cos(a/2). On the circle these factors are 1 / sqrt 2 and sqrt 2.
+// Distortion at angle a from the centre: lengths along the radius are scaled by cos(a/2), lengths across by 1 /
+// cos(a/2). On the circle these factors are 1 / sqrt 2 and sqrt 2.
 #pragma once
 
 #include <string>

@@ -4,13 +4,13 @@
 //   cryptomatte/KEY/hash          MurmurHash3_32
 //   cryptomatte/KEY/conversion    uint32_to_float32: an identifier is the bits of a float
 //   cryptomatte/KEY/manifest      JSON: {"name": "identifier in hexadecimal", ...}
-//  and its channels hold ranks of (identifier, coverage) per pixel, largest coverage first:
+// and its channels hold ranks of (identifier, coverage) per pixel, largest coverage first:
 //   NAME00.r .g | NAME00.b .a | NAME01.r .g | NAME01.b .a | ...
-//  Departure: some renderers, and programs that repack files, write R, red or Red for r. They omit the view layer from
-//  the metadata's name or from the channels' names, or add it, lose the metadata, or truncate manifests. So the
-//  channels decide which layer it is, metadata are matched to them by name or by KEY, and names missing in a manifest
-//  are matched by their hash. A manifest in a separate file (manif_file) is not read; hashing the names gives the same
-//  identifiers.
+// Departure: some renderers, and programs that repack files, write R, red or Red for r. They omit the view layer from
+// the metadata's name or from the channels' names, or add it, lose the metadata, or truncate manifests. So the
+// channels decide which layer it is, metadata are matched to them by name or by KEY, and names missing in a manifest
+// are matched by their hash. A manifest in a separate file (manif_file) is not read; hashing the names gives the same
+// identifiers.
 #include <algorithm>
 #include <array>
 #include <bit>

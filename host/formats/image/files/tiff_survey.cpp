@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Directories: [count 2][entry 12]...[next 4]; in BigTIFF [count 8][entry 20]...[next 8].
 //   entry   [tag 2][type 2][count 4 or 8][value or its position: 4 or 8]
-//  GeoTIFF 1.1 (OGC 19-008): ModelPixelScale is three doubles. GeoKeyDirectory is words: [header 4], then [key, 0, 1,
-//  value] for each value stored in it. GDAL_NODATA is a text (gdal.org/drivers/raster/gtiff.html).
+// GeoTIFF 1.1 (OGC 19-008): ModelPixelScale is three doubles. GeoKeyDirectory is words: [header 4], then [key, 0, 1,
+// value] for each value stored in it. GDAL_NODATA is a text (gdal.org/drivers/raster/gtiff.html).
 #include "host/formats/image/files/tiff_survey.h"
 
 #include <bit>

@@ -19,8 +19,8 @@ namespace {
 
 constexpr int kStepRowsMax = 512;
 
-// Checks whether values are multiples of 1 / unit, within a tolerance. With Step::kFound, also finds the greatest
-// common multiple of 1 / unit.
+// Checks whether values are multiples of 1 / unit, within a tolerance. With Step::kFound, also finds the largest step,
+// as a multiple of 1 / unit.
 class Lattice {
  public:
   enum class Step { kOne, kFound };

@@ -6,8 +6,8 @@
 //   high       5   5   6   6          256 high + low   1430 1480 1536 1590
 //   low      150 200   0  54          bends            by 6; 256 high bends by 256
 //
-//  Colours never do that: their channels vary together, so the sum bends as much as the higher byte. Measured ratio:
-//  0.02 to 0.4 for smooth heights, 0.97 and more for the normal maps and colours of shared/data.
+// Colours never do that: their channels vary together, so the sum bends as much as the higher byte. Measured ratio:
+// 0.02 to 0.4 for smooth heights, 0.97 and more for the normal maps and colours of shared/data.
 #include "host/formats/image/normals/packed_heights.h"
 
 #include <algorithm>

@@ -3,10 +3,10 @@
 // next finer one. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009, "A fast
 // iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest eigenvalue of the energy is 64.
 //
-//  Measured on smooth 8-bit surfaces with a step of 45 degrees: the mean error of normals falls from 17 degrees to 0.8
-//  with 64 steps at the finest level, to 2.3 with 16, and to 0.2 with 300. Ramps, which plates represent exactly, have
-//  errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More steps at coarse levels
-//  would not help: the bounds of their means are too wide to determine a plate.
+// Measured on smooth 8-bit surfaces with a step of 45 degrees: the mean error of normals falls from 17 degrees to 0.8
+// with 64 steps at the finest level, to 2.3 with 16, and to 0.2 with 300. Ramps, which plates represent exactly, have
+// errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More steps at coarse levels
+// would not help: the bounds of their means are too wide to determine a plate.
 #include "host/formats/image/normals/thin_plate.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A thin plate between bounds. Minimises the bending energy of heights h on a grid,
 //   E(h) = 1/2 sum (h_xx^2 + h_yy^2 + 2 h_xy^2)   subject to   |h - code| <= 1/2,
-//  over the second differences that no cut crosses.
+// over the second differences that no cut crosses.
 #pragma once
 
 #include <vector>

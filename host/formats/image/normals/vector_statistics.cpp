@@ -6,9 +6,9 @@
 // compression destroys it at 1. Of 36 real normal maps, 29 are beyond +-0.31, and the others (random facets, hard
 // edges, lossy or hand-painted) within 0.15. 19 colour images are within 0.14, all except one within 0.09.
 //
-//  Two statistics tell whether blue is z. One is the share of its variance that the tilt explains (correlation ratio
-//  in bins of the tilt). The other is the scatter of lengths averaged over 4 x 4 texels: lossy compression scatters
-//  lengths at single texels, but another map in blue scatters them at every scale.
+// Two statistics tell whether blue is z. One is the share of its variance that the tilt explains (correlation ratio
+// in bins of the tilt). The other is the scatter of lengths averaged over 4 x 4 texels: lossy compression scatters
+// lengths at single texels, but another map in blue scatters them at every scale.
 #include "host/formats/image/normals/vector_statistics.h"
 
 #include <algorithm>
