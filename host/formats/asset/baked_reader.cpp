@@ -172,7 +172,8 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
   }
 }
 
-// Checks the one checksum of a file without checksums of rows: files of older programs, and files tiled anew.
+// Checks the checksum of the whole file. Older files, and files that another program tiled again, have no checksums of
+// rows.
 void BakedReader::check_content_hash() {
   is_content_checked_ = true;
   const std::string& stated = header_.provenance.content_hash;

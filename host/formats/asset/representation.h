@@ -39,7 +39,7 @@ struct RepresentationInfo {
   bool has_order;                          // an order sets the number of values per texel (--sh-order)
   bool has_slopes;                         // moments of slopes, which several models shade (--moments)
   bool takes_every_brdf;                   // false: only one highlight of one width (Tan's) under directional light
-  // Number of four-channel textures, without those of colours and weights.
+  // Number of four-channel textures, without textures for colours and weights.
   int (*value_textures)(const TexelCounts& counts);
   int (*mean_count)(const TexelCounts& counts);  // numbers that one pass over the map averages, without features
   // Header, findings and GPU bytes of a file. All throw Error(kInput) for a broken file.

@@ -24,7 +24,7 @@ class RowChecksums {
   /// The attribute's text: the height of tiles, as in "  128 ", then 16 digits per row of tiles. Parts, levels and
   /// rows come in order.
   const std::string& text() const { return text_; }
-  /// Takes the text of a file. Returns false if it is for other tiles, as after a program that tiled the file anew.
+  /// Takes the text of a file. Returns false if it is for other tiles, as after a program has tiled the file again.
   bool take(const std::string& text);
 
   /// Sets the checksum of one row of tiles; `values` are all its rows of texels, interleaved.

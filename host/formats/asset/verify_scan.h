@@ -59,7 +59,7 @@ void for_each_rows(Reader& reader, const Seen& seen) {
 }
 
 /// Verifies a file of averages: scans every row with `scan` and passes it to `seen`, if set. Lists the findings on
-/// structure, checksum and header, and those of the scan. `kind` is, for example, "moments".
+/// structure, checksum and header, and the findings of the scan. `kind` is, for example, "moments".
 template <typename Reader, typename Scan, typename Seen>
 std::vector<VerifyFinding> verify_by_scan(const std::string& path, Reader& reader, Scan& scan, const std::string& kind,
                                           const Seen& seen) {

@@ -80,7 +80,7 @@ constexpr double kColourDifferenceMin = 0.01;
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
 
-/// Maps of a material of one lobe; an empty path means no map. The default channels are those of glTF: red of an
+/// Maps of a material of one lobe; an empty path means no map. The default channels are as in glTF: red of an
 /// occlusion map, green of a roughness map, blue of a metalness map.
 struct LobeMaterialFiles {
   ChannelFile roughness, occlusion, metalness;

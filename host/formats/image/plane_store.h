@@ -14,8 +14,8 @@
 
 namespace multum {
 
-/// Planes in a file from byte `begin` on. Each plane consists of blocks of `rows` rows, of which the last may be
-/// smaller, with `gap` bytes after each block. rows = 0: one block per plane.
+/// Planes in a file from byte `begin` on. Each plane consists of blocks of `rows` rows (the last may have fewer), with
+/// `gap` bytes after each block. rows = 0: one block per plane.
 struct PlaneBlocks {
   std::uint64_t begin = 0, gap = 0;
   int rows = 0;

@@ -24,7 +24,7 @@ struct EnvironmentLight {
 
 std::shared_ptr<const EnvironmentLight> make_environment_light(EnvironmentMap map);
 
-/// Returns what make_environment_light() makes of (1 - share) a + share b, but only mixes the two results. This is
+/// Equals make_environment_light() of (1 - share) a + share b, but only mixes the two results. This is
 /// exact because levels, harmonics and sums are linear in the light (Han et al. 2007, section 8, changing light). `a`
 /// and `b` must have equal size; at shares of 0 and 1 the result is `a` or `b`.
 std::shared_ptr<const EnvironmentLight> mix_environments(const std::shared_ptr<const EnvironmentLight>& a,

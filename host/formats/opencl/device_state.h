@@ -16,7 +16,7 @@
 
 namespace multum {
 
-/// Host memory from which the device copies while the host goes on.
+/// Host memory from which the device copies while the host continues.
 struct StagingBuffer {
   cl::Buffer memory;
   unsigned char* bytes = nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks a baked file of spherical harmonics without its source: structure, checksum, finite values, and bands no
-// stronger than those of one direction.
+// stronger than the bands of one direction.
 #pragma once
 
 #include <functional>

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// A smaller 2 sigma^2 cannot be told from a single direction in floats: 8 roundings of 2^-24.
+// In floats, a smaller 2 sigma^2 is indistinguishable from a single direction: 8 roundings of 2^-24.
 constexpr double kSpreadZero = 5e-7;
 
 float clamped_step_value(double steps) { return static_cast<float>(std::clamp(steps, -32767.0, 32767.0) * kSnormStep); }

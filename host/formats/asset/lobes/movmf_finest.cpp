@@ -82,7 +82,7 @@ void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
   }
 }
 
-// Rounds lobes of amplitude 1 like those of other levels.
+// Rounds lobes of amplitude 1, as in other levels.
 void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, const LobeFamily& family, StorageEncoding encoding) {
   MovmfLevel lobe{static_cast<int>(count), 1, {{}}, {}};
   for (std::size_t i = 0; i < count; ++i) lobe.lobes[0].emplace_back(normals[i], 1.0f);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads the attributes that only movmf files have; host/formats/asset/baked_header.h handles those of all
-// baked files. Only host/formats/asset uses this header.
+// Writes and reads the attributes that only movmf files have; host/formats/asset/baked_header.h handles the attributes
+// of all baked files. Only host/formats/asset uses this header.
 #pragma once
 
 #include <ImfHeader.h>

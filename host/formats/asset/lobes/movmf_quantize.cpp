@@ -29,7 +29,7 @@
 namespace multum {
 namespace {
 
-// A smaller spread cannot be told from a single direction in fp32 sums: 8 roundings of 2^-24.
+// In fp32 sums, a smaller spread is indistinguishable from a single direction: 8 roundings of 2^-24.
 constexpr double kSpreadZero = 5e-7;
 
 // The two grid neighbours of a value: `inner` is not larger in magnitude, `outer` not smaller.

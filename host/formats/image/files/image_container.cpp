@@ -202,8 +202,8 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   keep(container, 0, file.size());
 }
 
-// Refuses baked files, by the attributes of their first part (docs/reference/file_format.md): their channels are not
-// those of a map.
+// Refuses baked files, by the attributes of their first part (docs/reference/file_format.md): their channels do not
+// hold a map.
 void refuse_baked_file(const std::string& path, ByteFile& file) {
   std::string representation, source;
   walk_exr_headers(path, file, [&](const ExrAttribute& attribute) {

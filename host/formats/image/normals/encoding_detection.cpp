@@ -438,7 +438,7 @@ void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) 
                   s.length_mean));
 }
 
-// Warns about green that cannot be told, or that was set against the evidence. A wrong green swaps bumps and dents
+// Warns if the direction of green is unknown, or was set against the evidence. A wrong green swaps bumps and dents
 // along y.
 void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
                    std::vector<std::string>& warnings) {
@@ -465,7 +465,7 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      green_name(encoding.green), green_note);
 }
 
-// Warns if a set's green differs from the green that the map suggests by itself.
+// Warns if a set's green differs from the green found in the map.
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(

@@ -32,7 +32,7 @@ std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const Nor
 /// Returns whether an image is grey, up to compression noise.
 bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey);
 
-/// Returns the green of a set of tiles, given the green of this map by itself; nullopt if it cannot be told.
+/// Returns the green of a set of tiles, given the green found in this map; nullopt if unknown.
 using GreenOfSet = std::function<std::optional<GreenAxis>(std::optional<GreenAxis> own)>;
 
 /// Follows the overrides in `settings`. Throws Error(kInput) with the reason if the file is neither a normal map nor a

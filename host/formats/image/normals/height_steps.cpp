@@ -104,7 +104,7 @@ double HeightSteps::degrees(double height_scale) const {
   return std::atan(0.5 * std::abs(height_scale) * step) * 180.0 / std::numbers::pi;
 }
 
-// A step of 1 degree is twice that of an 8-bit normal map. On steep heights, neighbours are several steps apart, so
+// A step of 1 degree is twice the step of an 8-bit normal map. On steep heights, neighbours are several steps apart, so
 // one step matters little.
 bool HeightSteps::are_terraces(double height_scale) const {
   constexpr double kDegreesMin = 1.0, kEdgeShareMin = 0.5;

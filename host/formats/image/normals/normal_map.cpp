@@ -104,7 +104,7 @@ Direction direction_t(const MapSeams& seams, const NormalMapSettings& settings, 
   return {"t (y)", "twrap", seams.t, settings.wrap_t_origin, has_neighbour};
 }
 
-// If a map that decides by itself continues in another tile, it does not repeat, whatever its other end looks like.
+// With wrap "auto", a map that continues in another tile does not repeat, whatever its other end looks like.
 void report_wrap(const NormalMapSettings& wrapped, const Direction& s, const Direction& t, NormalMapReport& report) {
   const auto mode = [](const Direction& direction, WrapMode resolved) {
     return direction.has_neighbour && direction.origin == WrapOrigin::kFound ? WrapMode::kClamp : resolved;
@@ -133,8 +133,8 @@ ReadImage read_image(const std::string& path, const NormalMapSettings& settings,
   return read;
 }
 
-// Returns the green of one tile by itself; nullopt if it cannot be told, or if the tile is not a normal map or cannot
-// be read. The bake of that tile reports such a fault.
+// Returns the green found in one tile; nullopt if unknown, or if the tile is not a normal map or cannot be read. The
+// bake of that tile reports such a fault.
 std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSettings& settings,
                                       const SpillPolicy& spill, int threads, Progress* progress) {
   std::optional<GreenAxis> green;

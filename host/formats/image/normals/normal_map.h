@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads normal maps and height fields. Statistics tell what the file's numbers mean; the meaning is printed and can be
-// overridden. A file that holds neither normals nor heights is refused with the reason. If a single property, above
-// all green, cannot be told, the usual value is taken with a warning (docs/reference/input_maps.md has the rules).
+// overridden. A file that holds neither normals nor heights is refused with the reason. If a single property is
+// unclear, above all green, the usual value is used with a warning (docs/reference/input_maps.md has the rules).
 #pragma once
 
 #include <cstdint>

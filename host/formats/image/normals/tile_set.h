@@ -63,8 +63,8 @@ class TileSet {
   /// Returns the SHA-256 of a tile's file; reads the file once.
   std::string file_hash(const std::string& tile);
 
-  /// Returns the green of the first tile that decides. `of_tile` returns the green of one tile by itself, or nullopt
-  /// if undecided; it is called in the order of the tiles, at most once for each.
+  /// Returns the green of the first tile that decides. `of_tile` returns the green found in one tile, or nullopt if
+  /// unknown; it is called in the order of the tiles, at most once for each.
   struct Green {
     std::optional<GreenAxis> axis;
     std::vector<std::string> asked;  // the last one decided
