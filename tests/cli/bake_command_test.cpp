@@ -63,7 +63,7 @@ TEST_F(BakeCommandTest, WhatWasBakedIsNoMap) {
       for (const char* command : {"bake", "mip", "tradeoff"}) {
         const ProgramResult refused = multum({command, path(file), "-o", path("b.exr")});
         EXPECT_EQ(refused.exit_code, 3) << refused.err;
-        expect_says(refused.err, {path(file), "multum baked from map_normal.png", "Give map_normal.png itself",
+        expect_says(refused.err, {path(file), "multum baked from map_normal.png", "Use map_normal.png itself",
                                   "multum export", "multum-view", "multum info"});
       }
   }

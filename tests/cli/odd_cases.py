@@ -166,7 +166,7 @@ class Generator:
         self.add("two channels", data, "png", read_png(data), Meaning(is_two_channel=True), ("--two-channel",))
 
     def png_heights(self):
-        grey = ("a grey image, taken for a height field",)
+        grey = ("a grey image, read as a height field",)
         for bits in (2, 4, 8, 16):
             for colour_type in (0, 4, 2) if bits >= 8 else (0,):
                 for interlace in (False, True):
@@ -198,7 +198,7 @@ class Generator:
             data = self.png(down(SIZES), 2)
             self.add("green", data, "png", read_png(data), Meaning(green=-1), ("--green", "down"))
         data = self.png(down(LARGE), 2)
-        self.add("green", data, "png", read_png(data), Meaning(), ("--green", "up"), ("green is read as up",))
+        self.add("green", data, "png", read_png(data), Meaning(), ("--green", "up"), ("green was set to up",))
         for size in ((5, 7), (8, 8)):  # too small to tell: up
             data = self.png(down((size,)), 2)
             self.add("green", data, "png", read_png(data), Meaning(), (), ("--green up or --green down",))
@@ -261,7 +261,7 @@ class Generator:
                     decoded = read_tiff(data)
                     scale = 2.0
                     self.add("TIFF depths", data, "tif", decoded, Meaning(height_scale=scale),
-                             ("--height-scale", str(scale)), ("a grey image, taken for a height field",),
+                             ("--height-scale", str(scale)), ("a grey image, read as a height field",),
                              tolerance={6: 2 * scale / 255, 10: 1e-4, 12: 1e-4, 14: 1e-4}.get(bits, 1e-5))
         for order in "<>":
             for tile in ((), (16, 16)):
@@ -651,7 +651,7 @@ class Generator:
         add(bytes(damaged), "png", "damaged")
         mask = Picture(9, 13, 1, "uint", 1, [self.random.randrange(2) for _ in range(9 * 13)])
         add(self.png(mask, 0), "png", "mask", "expected")
-        add(self.png(Picture(9, 13, 1, "uint", 8, [7] * 9 * 13), 0), "png", "tells nothing", "expected")
+        add(self.png(Picture(9, 13, 1, "uint", 8, [7] * 9 * 13), 0), "png", "holds no information", "expected")
         colours = Picture(33, 17, 3, "uint", 8, [self.random.randrange(256) for _ in range(33 * 17 * 3)])
         add(self.png(colours, 2), "png", "neither a normal map nor", "expected")
         blue = Picture(33, 17, 3, "uint", 8, [v + self.random.randrange(3) for _ in range(33 * 17)

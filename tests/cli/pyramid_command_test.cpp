@@ -204,7 +204,8 @@ TEST_F(PyramidCommandTest, MaterialsRefuseWhatTheyCannotCarry) {
           {"bad.gltf", "normalTexture/index is 3", "length of textures"});
   refused(R"({"materials":[{"pbrMetallicRoughness":{"metallicFactor":7}}]})", {"bad.gltf", "factor of 7", "0 to 1"});
   refused(R"({"images":[{"uri":"data:image/png;base64,AAAA"}],"materials":[]})", {"bad.gltf", "PNG", "JPEG", "WebP"});
-  refused(R"({"images":[{"uri":"http://x/y.png"}],"materials":[]})", {"bad.gltf", "http://x/y.png", "file beside it"});
+  refused(R"({"images":[{"uri":"http://x/y.png"}],"materials":[]})",
+          {"bad.gltf", "http://x/y.png", "file in its folder"});
   for (const std::string uri : {"../map_normal.png", "%2e%2e/secret.png", "a/../../secret.png", "/etc/passwd", ".."})
     refused(R"({"images":[{"uri":")" + uri + R"("}],"materials":[]})", {"bad.gltf", "folder"});
   refused(R"({"images":[{"bufferView":1}],"bufferViews":[],"materials":[]})", {"bad.gltf", "images/0/bufferView is 1"});

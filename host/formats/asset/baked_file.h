@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Common part of all baked files, whatever their representation: a multi-part, tiled, mip-mapped OpenEXR file whose
-// header says where it comes from (docs/reference/file_format.md).
+// Types that all baked files share, whatever their representation: a multi-part, tiled, mip-mapped OpenEXR file whose
+// header names its source (docs/reference/file_format.md).
 #pragma once
 
 #include <cstddef>
@@ -12,78 +12,79 @@
 
 namespace multum {
 
-/// Exponent of the Blinn-Phong that shades files with roughness in them, the sharpest that the formulas are tested
-/// with: it adds no width to what is rougher than 0.1, and keeps mirrors finite.
+/// Blinn-Phong exponent that shades files with roughness, the sharpest that the formulas are tested with. It adds no
+/// width to roughness above 0.1, and keeps mirrors finite.
 constexpr float kRoughnessExponent = 1e5f;
 
 constexpr int kWeightCountMax = 4;  // channels of a texture
 
-/// Origin of a file, as its header states it beside the pixels.
+/// Origin of a file, stored in its header.
 struct BakedProvenance {
   std::string software;       // "multum 0.1.0"
   std::string source_name;    // file name of the normal map, without folder
-  std::string source_hash;    // SHA-256 of the normal map's file, or of it and what others of its set gave to it
+  std::string source_hash;    // SHA-256 of the normal map's file and of what other tiles gave to it
   std::string settings;       // JSON: every setting that changes the file
   std::string settings_hash;  // SHA-256 of `settings`
   std::string
       measured_error;        // JSON: relative L1 error of file against source (docs/evidence/ACCURACY.md); may be empty
-  std::string content_hash;  // of every channel value in the file (docs/reference/file_format.md, "Checksum"); filled
-                             // by write, read
-  std::string reading = {};  // JSON: what was found in the source's files; empty in files of earlier programs
-  std::string source_file_hash = "";  // SHA-256 of the normal map's file, where source_hash is of more; else empty
-  std::string source_tiles = "";      // JSON: what other tiles of the map's set gave to it; empty: nothing
+  std::string content_hash;  // of all channel values (docs/reference/file_format.md, "Checksum"); set
+                             // by write and read
+  std::string reading = {};  // JSON: what was found in the source's files; empty in files of older programs
+  std::string source_file_hash = "";  // SHA-256 of the normal map's file if source_hash covers more; otherwise empty
+  std::string source_tiles = "";      // JSON: what other tiles of the map's set gave to this tile; may be empty
 
   const std::string& file_hash() const { return source_file_hash.empty() ? source_hash : source_file_hash; }
 };
 
-/// Header that files of every representation have.
+/// Header fields of files of every representation.
 struct BakedHeader {
   Representation representation = Representation::kMovmf;
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   BakedProvenance provenance;
-  int width = 0, height = 0;  // of the map, that is, of level 0
-  int first_level = 0;        // the finest level that is stored, 0..level_count() - 1
+  int width = 0, height = 0;  // of the map (level 0)
+  int first_level = 0;        // the finest stored level, 0..level_count() - 1
   bool has_colours = false;
   int weight_count = 0;  // linear blend weights of basis BRDFs, 0..kWeightCountMax
-  // A BRDF's width is in the normals' lengths: each of level 0 is c(roughness) n (host/formats/image/material_maps.h).
+  // The lengths of normals include a BRDF's width: each normal of level 0 is c(roughness) n
+  // (host/formats/image/material_maps.h).
   bool has_roughness = false;
-  float mean_cosine = 1.0f;  // mean of c over the map: diffuse light divides by it what roughness took of the lengths
+  float mean_cosine = 1.0f;  // mean of c over the map; diffuse light is divided by it
 
   int level_count() const;
-  /// multum:formatVersion: programs that know neither weights nor roughness refuse the file.
+  /// Value of multum:formatVersion. Programs that know neither weights nor roughness refuse the file.
   int format_version() const;
 };
 
-/// What a reader does with texels that are not those that were baked, by the file's checksums: refuses them, or lists
-/// where they are, as `multum verify` does.
+/// Treatment of texels whose checksums do not match: kRefuse throws, kReport lists their places for `multum
+/// verify`.
 enum class TexelCheck { kRefuse, kReport };
 
 struct BakedWriteOptions {
-  // docs/reference/file_format.md, "Size and speed", has the measurements behind these two.
+  // docs/reference/file_format.md, "Size and speed", has the measurements behind the next two defaults.
   std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
   int tile_size = 128;
   int threads = 2;
-  // Room in the header for provenance.measured_error, which is known when all rows are written (MovmfWriter::commit()).
-  // That of 16 levels, the most that a bake makes, with colours, takes 28 KiB (test
+  // Room in the header for provenance.measured_error, which is known only after all rows are written
+  // (MovmfWriter::commit()). A bake makes at most 16 levels; with colours their errors take 28 KiB (test
   // AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
   int measured_error_bytes = 32 * 1024;
-  bool is_checked = true;  // false: what `multum verify` would refuse is written all the same, as its tests need it
+  bool is_checked = true;  // false: writes files that `multum verify` refuses, for tests of it
 };
 
-/// Compressions that BakedWriteOptions may name, in words.
+/// Lists the compressions that BakedWriteOptions accepts.
 constexpr char kCompressionsInWords[] =
-    "none, rle, zips, zip or piz (every one is lossless), and for zip and zips an optional level such as zip:4";
+    "none, rle, zips, zip or piz (all lossless); zip and zips take an optional level, such as zip:4";
 
-/// Throws Error(kUsage) for an unknown compression: before a bake, not after it.
+/// Throws Error(kUsage) for an unknown compression, so that a bake fails before it starts.
 void validate(const BakedWriteOptions& options);
 
 /// Number of ROUND_DOWN levels of a width x height map: 1 + floor(log2(max(width, height))).
 int mip_level_count(int width, int height);
 inline int mip_level_size(int size, int level) { return (size >> level) > 1 ? size >> level : 1; }
 
-/// Some texels' worth of `values`, which lie `texel_count` texels in all: as many values a texel as there are.
+/// Copies the values of some texels. `values` holds `texel_count` texels with equally many values each.
 template <typename Value>
 std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel_count, std::size_t first,
                              std::size_t end) {
@@ -93,18 +94,18 @@ std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel
   return {at(first), at(end)};
 }
 
-/// "7 levels" where all are stored, else "levels 1 to 6 of 0 to 6", "level 6 of 0 to 6".
+/// Returns "7 levels" if all are stored; otherwise "levels 1 to 6 of 0 to 6" or "level 6 of 0 to 6".
 std::string levels_text(int first_level, int level_count);
 
-/// " with colours, 2 weights and roughness": what texels hold beside normals; empty for none.
+/// Lists what texels hold in addition to normals, as in " with colours, 2 weights and roughness"; may be empty.
 std::string materials_text(const BakedHeader& header);
 
-/// The header of a file of any representation. Cheap for files of any size. Throws Error(kInput) naming the file, what
-/// was found and what was expected.
+/// Reads the header of a file of any representation, which is cheap for files of any size. Throws Error(kInput) naming
+/// the file, what was found and what was expected.
 BakedHeader read_baked_header(const std::string& path);
 
-/// What lies between the texels of the map that a file was baked from: `--surface` of the bake, "texels" or
-/// "interpolated". Files from before the option have texels.
+/// Returns the bake's option `--surface`, "texels" or "interpolated": the surface between the texels of the source
+/// map. Files written before that option existed have "texels".
 std::string baked_surface(const BakedHeader& header);
 
 }  // namespace multum

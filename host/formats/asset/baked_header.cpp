@@ -29,7 +29,7 @@ Imath::Box2i window_of(const BakedHeader& header, int level) {
   return {{0, 0}, {mip_level_size(header.width, level) - 1, mip_level_size(header.height, level) - 1}};
 }
 
-// The layout of pixels: windows, tiles, channels. OpenEXR wants one display window for all parts.
+// Makes the layout of pixels: windows, tiles, channels. OpenEXR requires one display window for all parts.
 Imf::Header make_layout(const BakedHeader& baked, const BakedPart& part, const BakedWriteOptions& options) {
   const ExrCompression choice = parse_compression(options.compression);
   Imf::Header header(window_of(baked, baked.first_level), window_of(baked, part.first_level));
@@ -37,7 +37,7 @@ Imf::Header make_layout(const BakedHeader& baked, const BakedPart& part, const B
   header.setType(Imf::TILEDIMAGE);
   header.compression() = choice.compression;
   if (choice.zip_level > 0) header.zipCompressionLevel() = choice.zip_level;
-  header.lineOrder() = Imf::RANDOM_Y;  // tiles are written as they become ready: OpenEXR holds none back
+  header.lineOrder() = Imf::RANDOM_Y;  // OpenEXR writes tiles as they become ready and holds none back
   const auto tile = static_cast<unsigned>(options.tile_size);
   const auto levels = part.is_one_level ? Imf::ONE_LEVEL : Imf::MIPMAP_LEVELS;
   header.setTileDescription(Imf::TileDescription(tile, tile, levels, Imf::ROUND_DOWN));
@@ -58,7 +58,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   header.insert("multum:mapHeight", Imf::IntAttribute(baked.height));
   header.insert("multum:firstLevel", Imf::IntAttribute(baked.first_level));
   header.insert("multum:hasColours", Imf::IntAttribute(baked.has_colours ? 1 : 0));
-  if (baked.format_version() > info.version) {  // others have neither: their bytes are those of programs before
+  if (baked.format_version() > info.version) {  // otherwise, bytes as older programs wrote them
     header.insert("multum:weightCount", Imf::IntAttribute(baked.weight_count));
     header.insert("multum:roughness", Imf::IntAttribute(baked.has_roughness ? 1 : 0));
     header.insert("multum:meanCosine", Imf::FloatAttribute(baked.mean_cosine));
@@ -78,10 +78,10 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   return header;
 }
 
-// Without the spaces that stand for room that was not needed.
+// Removes the trailing spaces that fill unused room.
 std::string trimmed(const std::string& text) { return text.substr(0, text.find_last_not_of(' ') + 1); }
 
-// "snorm16, half or float".
+// Joins names, as in "snorm16, half or float".
 std::string in_words(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
@@ -126,7 +126,7 @@ StoredLevels parse_stored_levels(const Imf::Header& header, const std::string& p
   const auto is_side = [](int side) { return side >= 1 && side <= kMapSideMax; };
   if (!is_side(stored.map_width) || !is_side(stored.map_height))
     refuse_file(path, fmt::format("a map of {} x {}", stored.map_width, stored.map_height),
-                fmt::format("1 to {} texels a side", kMapSideMax));
+                fmt::format("1 to {} texels per side", kMapSideMax));
   const int level_max = mip_level_count(stored.map_width, stored.map_height) - 1;
   if (stored.first_level < 0 || stored.first_level > level_max)
     refuse_file(path, fmt::format("first level {}", stored.first_level), fmt::format("0 to {}", level_max));
@@ -179,7 +179,7 @@ float float_attribute(const Imf::Header& header, const char* name, const std::st
   return attribute->value();
 }
 
-// What a version more says.
+// Reads the attributes of the newer format version.
 void read_materials(const Imf::Header& header, const RepresentationInfo& info, const std::string& path,
                     BakedHeader& baked) {
   baked.weight_count = int_attribute(header, "multum:weightCount", path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts what a file says of itself to the attributes of its parts' headers, and back. For host/formats/asset alone.
+// Converts a file's header to the attributes of its parts, and back. Only host/formats/asset uses this header.
 #pragma once
 
 #include <ImfHeader.h>
@@ -13,8 +13,8 @@
 
 namespace multum {
 
-// What headers say that is known when the pixels are written: filled in at the end.
-constexpr char kMeasuredErrorAttribute[] = "multum:measuredError";  // in the first part alone: it is long
+// Attributes whose values are known only after the pixels are written; filled in at the end.
+constexpr char kMeasuredErrorAttribute[] = "multum:measuredError";  // only in the first part, because it is long
 constexpr char kContentHashAttribute[] = "multum:contentHash";      // in every part
 constexpr int kContentHashDigits = 64;
 
@@ -23,11 +23,11 @@ struct BakedChannel {
   Imf::PixelType type;
 };
 
-/// A part as writer, reader and checksum agree on it (docs/reference/file_format.md, "Parts and channels").
+/// A part: writer, reader and checksum share this description (docs/reference/file_format.md, "Parts and channels").
 struct BakedPart {
   std::string name;
-  std::vector<BakedChannel> channels;  // as values lie in memory, interleaved, and as they are hashed
-  int first_level;                     // of the map's levels
+  std::vector<BakedChannel> channels;  // in the order of values in memory (interleaved) and in the checksum
+  int first_level;                     // a level of the map
   int level_count;
   bool is_one_level;  // tiles of one level, no mip levels
   std::string channels_text;
@@ -35,30 +35,30 @@ struct BakedPart {
   bool has_level(int level) const { return level >= first_level && level < first_level + level_count; }
 };
 
-/// One header a part, with spaces where the measured error, the content hash and the header's own will be. A
-/// representation adds attributes of its own.
+/// Makes one header per part, with spaces as room for the measured error, the content hash and the header's own hash.
+/// A representation adds its own attributes.
 std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
                                             const BakedWriteOptions& options);
 
 /// Reads everything but pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
 /// what was expected.
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path);
-/// The same for a file that must be of one representation.
+/// Reads the header of a file that must have one representation.
 BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path);
 
-/// Mean colours, mean weights of basis BRDFs: parts of those representations whose texels are averages.
+/// Parts of mean colours and of mean weights of basis BRDFs, for representations whose texels are averages.
 BakedPart mean_colour_part(const BakedHeader& header);
 BakedPart mean_weights_part(const BakedHeader& header);
 
-/// Checks that every part is there and as `parts` says.
+/// Checks that every part exists and matches `parts`.
 void check_baked_parts(const Imf::MultiPartInputFile& file, const BakedHeader& header,
                        const std::vector<BakedPart>& parts, const std::string& path);
 
-/// Reads what files of every kind state: sizes, wrap modes, encoding (one of `encodings`) and where it comes from.
+/// Reads the attributes of files of every kind: sizes, wrap modes, encoding (one of `encodings`) and provenance.
 BakedHeader parse_map_header(const Imf::Header& header, const std::vector<StorageEncoding>& encodings,
                              const std::string& path);
 
-/// For attributes of one representation.
+/// Reads a text attribute of one representation.
 std::string text_attribute(const Imf::Header& header, const char* name, const std::string& path);
 int int_attribute(const Imf::Header& header, const char* name, const std::string& path);
 [[noreturn]] void refuse_file(const std::string& path, const std::string& found, const std::string& expected);

@@ -21,7 +21,7 @@ constexpr char kDamaged[] = "damaged baked file";
 
 int thread_count(int threads) { return threads > 0 ? threads : processor_count(); }
 
-// A channel of a tile's row, `stride` values apart.
+// Copies one channel of a tile's row. Values in the output are `stride` apart.
 void put_row(const unsigned char* from, bool is_half, std::size_t width, float* to, std::size_t stride) {
   for (std::size_t x = 0; x < width; ++x) {
     if (is_half) {
@@ -38,10 +38,10 @@ void put_row(const unsigned char* from, bool is_half, std::size_t width, float* 
 
 }  // namespace
 
-// Whole rows of tiles of a part's level.
+// Whole rows of tiles of one level of a part.
 struct BakedReader::TileRows {
   std::size_t part;
-  int level;  // of the map
+  int level;  // a level of the map
   int width;
   int tile_first, tile_last;  // rows of tiles
   int row_begin, row_end;     // their texels
@@ -55,7 +55,7 @@ BakedReader::BakedReader(const std::string& path, int threads, TexelCheck check)
   check_exr_headers(path, "not a readable baked file");
   guarded([&] {
     stream_ = std::make_unique<ExrInputStream>(path);
-    file_ = std::make_unique<Imf::MultiPartInputFile>(*stream_, threads_, false);  // expect() looks at its tables
+    file_ = std::make_unique<Imf::MultiPartInputFile>(*stream_, threads_, false);  // expect() checks the tables
   });
 }
 
@@ -89,7 +89,7 @@ void BakedReader::read_values(std::size_t part_index, int level, int first_row, 
     rows.row_end =
         static_cast<int>(std::min<std::int64_t>(height, (rows.tile_last + 1) * std::int64_t{rows.tile_height}));
     if (rows.row_begin == first_row && rows.row_end == first_row + row_count) return read_tile_rows(rows, values);
-    // Tiles are read whole: where those are more rows, they go by way of a buffer.
+    // Only whole tiles can be read. If they hold more rows than wanted, they go through a buffer.
     const std::size_t row_values = static_cast<std::size_t>(width) * part.channels.size();
     std::vector<float> whole(static_cast<std::size_t>(rows.row_end - rows.row_begin) * row_values);
     read_tile_rows(rows, whole.data());
@@ -133,7 +133,7 @@ void BakedReader::unpack_tile(const TileRows& rows, std::size_t chunk, float* va
     }
 }
 
-// Of files that another program compressed, by what only the library knows.
+// Reads files that another program compressed in a way that only OpenEXR can unpack.
 void BakedReader::read_by_library(const TileRows& rows, float* values) {
   use_exr_threads(threads_);
   const BakedPart& part = parts_[rows.part];
@@ -149,8 +149,8 @@ void BakedReader::read_by_library(const TileRows& rows, float* values) {
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {
-      throw Error(ErrorCode::kInput, fmt::format("{}: {}: part {}, level {}, a tile of row {}: {}. {}", path_, kDamaged,
-                                                 part.name, rows.level, y, error.what(), kWriteAnew));
+      throw Error(ErrorCode::kInput, fmt::format("{}: {}: cannot read part {}, level {}, a tile of row {}: {}. {}",
+                                                 path_, kDamaged, part.name, rows.level, y, error.what(), kWriteAnew));
     }
 }
 
@@ -166,13 +166,14 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
                                           parts_[rows.part].name, rows.level, tile_row, begin, end - 1);
     if (check_ == TexelCheck::kRefuse)
       throw Error(ErrorCode::kInput,
-                  fmt::format("{}: {}: {}: their texels are not those that were baked: their checksum differs. {}",
+                  fmt::format("{}: {}: {}: the checksum of the texels differs, so they are not the baked ones. {}",
                               path_, kDamaged, place, kWriteAnew));
     changed_rows_.push_back(place);
   }
 }
 
-// Of files of earlier programs, and of those whose tiles were cut anew.
+// Checks the checksum of the whole file. Older files, and files that another program tiled again, have no checksums of
+// rows.
 void BakedReader::check_content_hash() {
   is_content_checked_ = true;
   const std::string& stated = header_.provenance.content_hash;
@@ -191,9 +192,9 @@ void BakedReader::check_content_hash() {
     }
   const std::string found = hash.finish();
   if (found == stated) return;
-  throw Error(ErrorCode::kInput, fmt::format("{}: {}: its texels are not those that were baked: found checksum {}, "
-                                             "expected {} ({}). {}",
-                                             path_, kDamaged, found, stated, kContentHashAttribute, kWriteAnew));
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: {}: its texels are not the baked ones: found checksum {}, expected {} ({}). {}", path_,
+                          kDamaged, found, stated, kContentHashAttribute, kWriteAnew));
 }
 
 BakedRowHash::BakedRowHash(const std::vector<BakedPart>& parts) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows of a baked file of any representation, and hashes what it read. For host/formats/asset alone: MovmfReader,
-// MomentReader and ShReader are what others use.
+// Reads rows of a baked file of any representation, and hashes them. Only host/formats/asset uses this header; others
+// use MovmfReader, MomentReader and ShReader.
 #pragma once
 
 #include <ImfMultiPartInputFile.h>
@@ -18,29 +18,30 @@
 
 namespace multum {
 
-/// Calls come from one thread at a time; each uses several.
+/// Reads rows with several threads. Only one thread may call it at a time.
 class BakedReader {
  public:
-  /// Throws Error(kInput) naming the file. `threads` decompress; 0: as many as the machine has.
+  /// Throws Error(kInput) naming the file. `threads` decompress; 0: one per core.
   BakedReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse);
 
   const std::string& path() const { return path_; }
   int threads() const { return threads_; }
   const Imf::MultiPartInputFile& file() const { return *file_; }
-  /// Rows are decompressed by rows of tiles of this height: multiples of it, from a multiple on, cost no row twice.
+  /// Height of one row of tiles. Reads that begin at a multiple of it and take a multiple of it decompress no row
+  /// twice.
   int tile_size() const { return tile_size_; }
 
-  /// Once, before rows are read: what the file has, by its header. Throws Error(kInput) where it has something else,
-  /// and where a tile is not where it should be, or its bytes cannot be all of it.
+  /// Tells the reader what the file holds, by its header; call it once, before reading rows. Throws Error(kInput) if
+  /// the parts differ, or if a tile is misplaced or cut short.
   void expect(const BakedHeader& header, std::vector<BakedPart> parts);
-  /// Interleaved floats of some rows of a level that the part has: every one is written, or Error(kInput) is thrown. It
-  /// names the tile that does not unpack, and the row of tiles whose texels are not those that were baked. A file
-  /// without checksums of rows, of an earlier program, is read whole for its one checksum before the first rows.
+  /// Reads some rows of a level of a part as interleaved floats. Writes every value or throws Error(kInput), naming
+  /// the tile that cannot be unpacked or the row of tiles whose checksum differs. A file of an older program has only
+  /// one checksum, so the first call reads the whole file.
   void read_values(std::size_t part, int level, int first_row, int row_count, float* values);
-  /// "part lobe.1, level 3, texel rows 0 to 127", of TexelCheck::kReport.
+  /// Rows found by TexelCheck::kReport, as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const { return changed_rows_; }
 
-  /// Library exceptions become Errors.
+  /// Converts exceptions of OpenEXR to Error.
   template <typename Body>
   void guarded(const Body& body) const {
     try {
@@ -66,23 +67,23 @@ class BakedReader {
   const std::string path_;
   const int threads_;
   const TexelCheck check_;
-  std::unique_ptr<ExrInputStream> stream_;  // of the file, and outlives it
+  std::unique_ptr<ExrInputStream> stream_;  // of the file; outlives `file_`
   std::unique_ptr<Imf::MultiPartInputFile> file_;
   int tile_size_ = 1;
   BakedHeader header_;
   std::vector<BakedPart> parts_;
   std::unique_ptr<ExrChunks> chunks_;
-  std::unique_ptr<RowChecksums> row_checksums_;  // none: the file has none
-  bool is_content_checked_ = false;              // of such a file, whole
+  std::unique_ptr<RowChecksums> row_checksums_;  // null: the file has no checksums of rows
+  bool is_content_checked_ = false;              // the only checksum of a file without row checksums
   std::vector<std::string> changed_rows_;
 };
 
-/// The checksum of docs/reference/file_format.md of a file whose rows come level by level, from the top.
+/// Computes the checksum of docs/reference/file_format.md from rows that come level by level, from the top.
 class BakedRowHash {
  public:
   explicit BakedRowHash(const std::vector<BakedPart>& parts);
 
-  /// The next rows of a part's level, interleaved. Different parts and levels may be added from different threads.
+  /// Adds the next rows of a level of a part, interleaved. Several threads may add different parts and levels.
   void add(std::size_t part, int level, const float* values, std::size_t value_count);
   std::string finish();
 

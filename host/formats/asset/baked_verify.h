@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks a baked file of any representation by itself, without its source.
+// Checks a baked file of any representation without its source.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ struct VerifyFinding {
   std::string detail;  // what was found, where, and what was expected
 };
 
-/// verify_movmf(), verify_moments(), verify_sh() or verify_pyramid(), by what the file says it is. Throws Error(kInput)
-/// when it cannot be read at all.
+/// Calls verify_movmf(), verify_moments(), verify_sh() or verify_pyramid(), according to the file's header. Throws
+/// Error(kInput) if the file cannot be read at all.
 std::vector<VerifyFinding> verify_baked(const std::string& path, int threads);
 
 }  // namespace multum

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows wait in a queue for the writer's thread. Of every part and level it holds the row of tiles that is being filled:
+// Rows wait in a queue for the writer's thread. The thread holds one unfinished row of tiles per part and level:
 //
-//     rows of any count --> queue (16 MiB) --> a row of tiles a part and level --> SHA-256, halfs, OpenEXR's writeTiles
+//     rows of any count --> queue (16 MiB) --> row of tiles per part and level --> SHA-256, halfs, OpenEXR's writeTiles
 //
-// writeTiles shares its tiles out to OpenEXR's own threads; tiles lie in the file in the order of these calls
-// (RANDOM_Y), and readers find them by the tables that OpenEXR writes last.
+// writeTiles distributes its tiles over OpenEXR's own threads. The file stores tiles in the order of these calls
+// (RANDOM_Y). Readers find tiles by the tables that OpenEXR writes last.
 #include "host/formats/asset/baked_writer.h"
 
 #include <ImfMultiPartOutputFile.h>
@@ -37,10 +37,10 @@ constexpr std::size_t kQueueBytesMax = std::size_t{16} << 20;
 
 using Portion = std::unique_ptr<const BakedRows>;
 
-// First in, first out, for one that puts and one that takes.
+// First-in-first-out queue for one producer and one consumer.
 class PortionQueue {
  public:
-  /// Waits for room; one portion always has room.
+  /// Waits for room. An empty queue takes a portion of any size.
   void put(Portion portion) {
     const std::size_t bytes = portion->bytes();
     std::unique_lock<std::mutex> lock(mutex_);
@@ -49,7 +49,7 @@ class PortionQueue {
     bytes_ += bytes;
     filled_.notify_one();
   }
-  /// Waits for a portion; false when there will be no more.
+  /// Waits for a portion; returns false when no more will come.
   bool take(Portion& portion) {
     std::unique_lock<std::mutex> lock(mutex_);
     filled_.wait(lock, [&] { return !portions_.empty() || closed_; });
@@ -75,7 +75,7 @@ class PortionQueue {
   bool closed_ = false;
 };
 
-// One level of one part: the row of tiles that is being filled, and the digest of what came before it.
+// One level of one part: its unfinished row of tiles, and the digest of earlier rows.
 struct PartLevel {
   const BakedPart* part;
   int part_index;
@@ -85,8 +85,8 @@ struct PartLevel {
 
 struct Level {
   int width, height;
-  int rows_accepted = 0;  // by the caller's thread
-  int rows_written = 0;   // by the writer's thread, as rows_waiting
+  int rows_accepted = 0;  // counted by the caller's thread
+  int rows_written = 0;   // counted by the writer's thread, like rows_waiting
   int rows_waiting = 0;   // in PartLevel::values
   std::vector<std::unique_ptr<PartLevel>> parts;
 };
@@ -122,7 +122,7 @@ class BakedWriter::Work {
     rethrow_failure();
     MULTUM_CHECK(portion->level() >= 0 && portion->level() < static_cast<int>(levels_.size()));
     Level& level = levels_[static_cast<std::size_t>(portion->level())];
-    MULTUM_CHECK(!level.parts.empty());  // a level that is stored
+    MULTUM_CHECK(!level.parts.empty());  // a stored level
     MULTUM_CHECK(first_row == level.rows_accepted && first_row + portion->height() <= level.height);
     portion->check_sizes(level.width);
     level.rows_accepted += portion->height();
@@ -145,7 +145,7 @@ class BakedWriter::Work {
     const int with_error = fill_in_attribute(file_, kMeasuredErrorAttribute, measured_error);
     const int with_hash = fill_in_attribute(file_, kContentHashAttribute, content_hash_);
     const int with_rows = fill_in_attribute(file_, kRowChecksumsAttribute, row_checksums_.text());
-    // Last: it is of all other attributes, as they lie in the file.
+    // Comes last, because it covers all other attributes as the file stores them.
     const int with_header = fill_in_attribute(file_, kHeaderHashAttribute, header_hash_text(file_.open_path()));
     MULTUM_CHECK(with_error == 1 && with_hash == static_cast<int>(parts_.size()) && with_rows == 1 && with_header == 1);
     progress_advance(progress, 0);  // the last chance to cancel
@@ -155,7 +155,7 @@ class BakedWriter::Work {
   const std::string& content_hash() const { return content_hash_; }
 
  private:
-  // What OpenEXR throws, as what it means to the caller.
+  // Converts exceptions of OpenEXR to Error.
   template <typename Body>
   void guarded(const Body& body) const {
     try {
@@ -167,18 +167,19 @@ class BakedWriter::Work {
     }
   }
 
-  // A file that its reader would refuse is not published.
+  // Refuses to publish a file that its reader would refuse.
   void check(const std::vector<VerifyFinding>& findings) const {
     for (const VerifyFinding& finding : findings)
       if (!finding.passed && options_.is_checked)
-        throw Error(ErrorCode::kEnvironment, fmt::format("{}: was not written, since it would not verify: {}: {}",
-                                                         file_.path(), finding.check, finding.detail));
+        throw Error(ErrorCode::kEnvironment,
+                    fmt::format("{}: was not written, because it would fail verification: {}: {}", file_.path(),
+                                finding.check, finding.detail));
   }
 
   void run() {
     Portion portion;
     while (queue_.take(portion)) {
-      if (has_failed()) continue;  // the caller must not wait for room for ever
+      if (has_failed()) continue;  // otherwise the caller would wait for room forever
       try {
         guarded([&] { gather(*portion); });
         portion.reset();
@@ -192,7 +193,7 @@ class BakedWriter::Work {
     finished_changed_.notify_one();
   }
 
-  // Puts the portion's rows to those that wait; writes every row of tiles that becomes full.
+  // Adds the portion's rows to the waiting rows, and writes every full row of tiles.
   void gather(const BakedRows& portion) {
     Level& level = levels_[static_cast<std::size_t>(portion.level())];
     portion.scan(level.rows_written + level.rows_waiting);
@@ -228,8 +229,8 @@ class BakedWriter::Work {
     for (const auto& at : level.parts) at->values = std::vector<float>();
   }
 
-  // Channels that are stored as floats are taken from where they lie; halfs, channel by channel, from `halfs_`. Values
-  // are rounded with them: what is hashed is what is stored.
+  // Describes the channels to OpenEXR: floats directly from memory, halfs through `halfs_`, one channel at a time. The
+  // values are rounded first, so the checksum covers exactly the stored values.
   Imf::FrameBuffer slices(PartLevel& at, const Level& level) {
     Imf::FrameBuffer buffer;
     const std::size_t channels = at.part->channels.size(), texels = at.values.size() / channels;
@@ -272,7 +273,7 @@ class BakedWriter::Work {
     if (failure_) std::rethrow_exception(failure_);
   }
 
-  // For the thread, listening for a cancel meanwhile.
+  // Waits for the thread, and cancels when asked to.
   void wait(Progress* progress) {
     constexpr std::chrono::milliseconds kListenInterval(50);
     std::unique_lock<std::mutex> lock(mutex_);
@@ -288,18 +289,18 @@ class BakedWriter::Work {
     if (thread_.joinable()) thread_.join();
   }
 
-  // In this order: the thread ends first, then what it writes to, then the temporary file goes.
+  // The order matters: first the thread ends, then its output closes, then the temporary file is removed.
   AtomicFile file_;
   const BakedWriteOptions options_;
   const std::vector<BakedPart> parts_;
   std::vector<Level> levels_;
-  RowChecksums row_checksums_;  // the writer's thread's, until it ends
+  RowChecksums row_checksums_;  // only for the writer's thread, until it ends
   std::vector<half> halfs_;
   std::string content_hash_;
   std::unique_ptr<ExrOutputStream> stream_;
   std::unique_ptr<Imf::MultiPartOutputFile> out_;
   PortionQueue queue_;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable finished_changed_;
   bool finished_ = false;
   std::exception_ptr failure_;

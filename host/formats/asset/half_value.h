@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Largest half float, and rounding to the nearest one. For host/formats/asset alone.
+// Largest half float, and rounding to the nearest half. Only host/formats/asset uses this header.
 #pragma once
 
 #include <half.h>
@@ -8,7 +8,7 @@ namespace multum {
 
 constexpr float kHalfMax = 65504.0f;
 
-/// The nearest half.
+/// Rounds to the nearest half.
 inline float as_half(float value) { return static_cast<float>(half(value)); }
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The attributes are taken from the file's bytes, not from what OpenEXR makes of them: of a type that it does not know,
-// and of bits that it ignores, every one counts.
+// Reads the attributes from the file's bytes, not through OpenEXR. The hash therefore covers types that OpenEXR does
+// not know and bits that it ignores.
 #include "host/formats/asset/header_hash.h"
 
 #include <algorithm>
@@ -20,14 +20,14 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kDigitsOfOne = 8;  // of an attribute's own digest: they tell which, the whole one tells that
+constexpr std::size_t kDigitsOfOne = 8;  // of one attribute's digest, to name what changed
 
 struct HeaderAttribute {
   int part;
   std::string name, type, value;
 };
 
-// By part, then by name. Of the same name, which no writer makes, in the order of the file.
+// Returns attributes sorted by part, then by name. Equal names, which no writer makes, stay in the file's order.
 std::vector<HeaderAttribute> header_attributes(const std::string& path) {
   ByteFile file(path);
   std::vector<HeaderAttribute> attributes;
@@ -40,12 +40,13 @@ std::vector<HeaderAttribute> header_attributes(const std::string& path) {
   return attributes;
 }
 
-// Compression changes no value: a file that was compressed anew stays whole, as for the checksum of pixels.
+// Compression changes no value: the checksum, like that of the pixels, stays valid for a recompressed file.
 bool is_covered(const HeaderAttribute& attribute) {
   return attribute.name != "compression" && (attribute.part > 0 || attribute.name != kHeaderHashAttribute);
 }
 
-// "PART 0 NAME 0 TYPE 0 SIZE 0 VALUE", numbers as decimal text: no two attributes have the same.
+// Adds "PART 0 NAME 0 TYPE 0 SIZE 0 VALUE", with numbers as decimal text, so that different attributes give different
+// bytes.
 void add(const HeaderAttribute& attribute, ContentHash& hash) {
   hash.update(fmt::format("{}{}{}{}{}{}{}{}", attribute.part, '\0', attribute.name, '\0', attribute.type, '\0',
                           attribute.value.size(), '\0'));
@@ -65,7 +66,7 @@ std::string hash_text_of(const std::vector<HeaderAttribute>& attributes) {
   return text;
 }
 
-// Those whose digests the two texts do not share.
+// Returns the names whose digests differ between the two texts.
 std::set<std::string> differing_names(const std::string& found, const std::string& stated) {
   const auto entries = [](const std::string& text) {
     std::istringstream words(text);
@@ -82,7 +83,8 @@ std::set<std::string> differing_names(const std::string& found, const std::strin
   return names;
 }
 
-// A damaged name or type must not pass for a file of before: which other attribute would hold such a text?
+// Recognizes the checksum even if its name or type is damaged; otherwise such a file would pass for one without
+// checksum. No other attribute holds such text.
 bool looks_like_it(const HeaderAttribute& attribute) {
   return attribute.name == kHeaderHashAttribute || attribute.value.find(" multum:representation=") != std::string::npos;
 }
@@ -96,10 +98,10 @@ VerifyFinding header_finding(const std::string& path) {
   const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
   if (stated == attributes.end())
     return {"header", true,
-            fmt::format("no {}, as in files of earlier programs: attributes are not checked", kHeaderHashAttribute)};
+            fmt::format("no {}, as in files of older programs; attributes are not checked", kHeaderHashAttribute)};
   if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
     return {"header", false,
-            fmt::format("its checksum is attribute '{}' of part {}, type {}, expected {} of part 0", stated->name,
+            fmt::format("checksum '{}' is in part {} (type {}), expected {} in part 0 (type string)", stated->name,
                         stated->part, stated->type, kHeaderHashAttribute)};
   const std::string found = hash_text_of(attributes);
   const std::string expected = stated->value.substr(0, stated->value.find_last_not_of(' ') + 1);
@@ -107,7 +109,7 @@ VerifyFinding header_finding(const std::string& path) {
   const std::set<std::string> names = differing_names(found, expected);
   if (names.empty()) return {"header", false, fmt::format("{} itself was changed", kHeaderHashAttribute)};
   return {"header", false,
-          fmt::format("changed: {}; expected as {} says", fmt::join(names, ", "), kHeaderHashAttribute)};
+          fmt::format("changed attributes: {}; they no longer match {}", fmt::join(names, ", "), kHeaderHashAttribute)};
 }
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checksum of a baked file's headers: that of its pixels covers no attribute, and an attribute with other values
-// (the sharpest kappa, the source's hash, the measured errors) would be believed. docs/reference/file_format.md,
-// "Header checksum", describes it. For host/formats/asset alone.
+// Checksum of a baked file's headers (docs/reference/file_format.md, "Header checksum"). The checksum of pixels covers
+// no attribute, so a damaged attribute (the sharpest kappa, the source's hash, the measured errors) would be believed.
+// Only host/formats/asset uses this header.
 #pragma once
 
 #include <string>
@@ -10,16 +10,17 @@
 
 namespace multum {
 
-// In the first part alone: it is of all parts.
+// Only in the first part, because it covers all parts.
 constexpr char kHeaderHashAttribute[] = "multum:headerHash";
-// Room for its text: 64 digits, and for each attribute its name and 10 bytes; a file of lobes takes 880.
+// Room for the checksum's text: 64 digits, and 10 bytes plus the name for each attribute. A file of lobes takes 880.
 constexpr int kHeaderHashBytes = 2048;
 
-/// Text that the attribute has to hold, by the file's headers as they are. Throws Error(kInput) where they are cut.
+/// Returns the text for the attribute, computed from the file's headers. Throws Error(kInput) if the headers are cut
+/// short.
 std::string header_hash_text(const std::string& path);
 
-/// Passed when the headers are as the attribute says, and when there is none: files written before it was there. Names
-/// the attributes that are not. Throws as header_hash_text() does.
+/// Compares the headers with the attribute. Passes if they match, and for older files without the attribute; otherwise
+/// names the changed attributes. Throws as header_hash_text() does.
 VerifyFinding header_finding(const std::string& path);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places the texels of a mip pyramid in one list: finest level first, each from its top row. Levels are ROUND_DOWN:
-// level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1, as the GL has them.
+// Places the texels of a mip pyramid in one list: finest level first, each level from its top row. Levels are
+// ROUND_DOWN, as in OpenGL: level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace multum {
 
 struct MipLevelPlace {
   int width = 1, height = 1;
-  int offset = 0;  // of its first texel
+  int offset = 0;  // of the level's first texel
 };
 
 struct MipLayout {
@@ -27,14 +27,14 @@ struct MipLayout {
     }
   }
   int level_count() const { return static_cast<int>(levels.size()); }
-  /// The level that a texel belongs to.
+  /// Returns the level that contains a texel.
   int level_of(int texel) const {
     int l = level_count() - 1;
     while (levels[static_cast<std::size_t>(l)].offset > texel) --l;
     return l;
   }
-  /// Calls visit(parent, texel) for every texel of a level but the coarsest, row by row: the parent is the texel of the
-  /// next coarser level over it, where an odd side has left the last without one its neighbour's.
+  /// Calls visit(parent, texel) for every texel of `level`, row by row. `level` must not be the coarsest. The parent
+  /// is the texel above in the next coarser level; the last texel of an odd side takes the parent of its neighbour.
   template <typename Visit>
   void for_each_child(std::size_t level, const Visit& visit) const {
     const MipLevelPlace &fine = levels[level], &coarse = levels[level + 1];

@@ -29,7 +29,7 @@ const char* storage_encoding_name(StorageEncoding encoding) { return choice_name
 const std::vector<RepresentationInfo>& representations() {
   static const std::vector<StorageEncoding> every = {StorageEncoding::kSnorm16, StorageEncoding::kHalf,
                                                      StorageEncoding::kFloat};
-  // Slopes reach 20, their products 400, coefficients more than 1: no snorm.
+  // Slopes reach 20, their products 400, and coefficients exceed 1, so snorm16 cannot store them.
   static const std::vector<StorageEncoding> wide = {StorageEncoding::kHalf, StorageEncoding::kFloat};
   static const std::vector<RepresentationInfo> all = {
       {.representation = Representation::kMovmf,
@@ -54,7 +54,7 @@ const std::vector<RepresentationInfo>& representations() {
        .name = "gmm",
        .version = 1,
        .encodings = every,
-       .help = "planar Gaussians (Tan 2005), for the BRDF of that paper alone and worse near the rim",
+       .help = "planar Gaussians (Tan 2005), only for that paper's BRDF; less accurate near the rim",
        .contents = "planar Gaussians",
        .lobes = &kPlanarLobes,
        .has_kappa = false,
@@ -79,7 +79,7 @@ const std::vector<RepresentationInfo>& representations() {
        .has_slopes = true,
        .takes_every_brdf = true,
        .value_textures = [](const TexelCounts&) { return 2; },
-       .mean_count = [](const TexelCounts&) { return 8; },  // the mean normal, and five moments
+       .mean_count = [](const TexelCounts&) { return 8; },  // the mean normal and five moments
        .read_header = read_moment_header,
        .verify = [](const std::string& path, int threads) { return verify_moments(path, threads); },
        .gpu_bytes = [](const std::string& path) { return moment_gpu_bytes(read_moment_header(path)); }},
@@ -88,7 +88,7 @@ const std::vector<RepresentationInfo>& representations() {
        .name = "sh",
        .version = 1,
        .encodings = wide,
-       .help = "spherical harmonics (Han 2007), for diffuse and broad highlights, nothing fitted",
+       .help = "spherical harmonics (Han 2007), for diffuse and broad highlights; needs no fitting",
        .contents = "spherical harmonics",
        .lobes = nullptr,
        .has_kappa = false,

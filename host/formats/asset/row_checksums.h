@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checksums of rows of tiles, as a baked file's header holds them: whoever reads some rows alone knows whether they are
-// what was baked, and where they are not (docs/reference/file_format.md, "Checksum"). For host/formats/asset alone.
+// Checksums of rows of tiles in a baked file's header. They show whether some rows are intact without reading the
+// others, and which rows are damaged (docs/reference/file_format.md, "Checksum"). Only host/formats/asset uses this
+// header.
 #pragma once
 
 #include <cstddef>
@@ -12,21 +13,21 @@
 
 namespace multum {
 
-// In the first part alone: it is of all parts.
+// Only in the first part, because it covers all parts.
 constexpr char kRowChecksumsAttribute[] = "multum:rowChecksums";
 
 class RowChecksums {
  public:
-  /// Of a file with tiles of this height; digits are spaces until they are set.
+  /// For a file with tiles of this height. Digits are spaces until they are set.
   RowChecksums(const BakedHeader& header, const std::vector<BakedPart>& parts, int tile_size);
 
-  /// The attribute: "  128 ", which is the tiles' height, then 16 digits a row of tiles; parts, levels and rows in
-  /// order.
+  /// The attribute's text: the height of tiles, as in "  128 ", then 16 digits per row of tiles. Parts, levels and
+  /// rows come in order.
   const std::string& text() const { return text_; }
-  /// Takes what a file says; false where it is of other tiles, as after a program that cut them anew.
+  /// Takes the text of a file. Returns false if it is for other tiles, as after a program has tiled the file again.
   bool take(const std::string& text);
 
-  /// `values`: all rows of the row of tiles, interleaved.
+  /// Sets the checksum of one row of tiles; `values` are all its rows of texels, interleaved.
   void set(std::size_t part, int level, int tile_row, const float* values, std::size_t count);
   bool is_same(std::size_t part, int level, int tile_row, const float* values, std::size_t count) const;
 
@@ -35,7 +36,7 @@ class RowChecksums {
 
   std::string text_;
   std::vector<int> first_levels_;                 // [part]
-  std::vector<std::vector<std::size_t>> places_;  // [part][level of the part]: of its first row's digits
+  std::vector<std::vector<std::size_t>> places_;  // [part][level of the part]: position of the first row's digits
 };
 
 }  // namespace multum

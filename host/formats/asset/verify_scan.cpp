@@ -31,7 +31,7 @@ VerifyFinding checksum_finding(const std::string& hash, const std::string& expec
   std::string detail = hash == expected ? hash : "found " + hash + ", expected " + expected + " as the header says";
   if (!changed.empty())
     detail += fmt::format("; changed: {}{}", changed.front(),
-                          changed.size() > 1 ? fmt::format(" and {} more rows of tiles", changed.size() - 1) : "");
+                          changed.size() > 1 ? fmt::format(" and in {} more rows of tiles", changed.size() - 1) : "");
   return {"checksum", false, detail};
 }
 
@@ -40,7 +40,7 @@ VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what) 
 }
 
 VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const std::string& high) {
-  return excess_finding("weights", worst, fmt::format("{} a texel, each from 0 to 1", weight_count),
+  return excess_finding("weights", worst, fmt::format("{} per texel, each from 0 to 1", weight_count),
                         "a weight is outside 0 to " + high);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares between verify_moments(), verify_sh() and verify_movmf() the search for the worst texel and the words for it.
+// Finds the worst texel and describes it, for verify_moments(), verify_sh() and verify_movmf().
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct TexelPlace {
   int band = -1;  // of spherical harmonics; < 0: none
 };
 
-/// The texel that exceeds what is allowed by most; at or below 0: none does.
+/// The texel with the largest excess over the tolerance. `value` <= 0: no texel exceeds it.
 struct WorstTexel {
   double value = 0.0;
   TexelPlace place;
@@ -28,26 +28,26 @@ struct WorstTexel {
   void offer(double candidate, const TexelPlace& at) {
     if (candidate > value) *this = {candidate, at};
   }
-  /// "level 2, texel (3, 4)".
+  /// Returns "level 2, texel (3, 4)".
   std::string text() const;
 };
 
-/// `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
+/// Its detail is `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
 VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, const std::string& good,
                              const std::string& bad);
 VerifyFinding structure_finding(const BakedHeader& header, const std::string& kind);
-/// `changed`: rows whose own checksum differs, as BakedReader names them.
+/// `changed` lists the rows whose own checksum differs, as BakedReader names them.
 VerifyFinding checksum_finding(const std::string& hash, const std::string& expected,
                                const std::vector<std::string>& changed);
 VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what);
-/// `high`: "1", or what else a weight may be at most.
+/// `high` names a weight's upper limit, such as "1".
 VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const std::string& high);
 
-/// Weights of texel `index`, `count` of them, each 0 to `high` but for a tolerance.
+/// Checks the `count` weights of texel `index`: each must be 0 to `high`, within a tolerance.
 void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double high, double tolerance,
                   const TexelPlace& place, WorstTexel& worst, std::size_t& nonfinite);
 
-/// Hands out every row of every stored level, by bands of a tile's rows: `seen(level, first row, rows)`.
+/// Calls `seen(level, first row, rows)` for every row of every stored level, in bands of a tile's height.
 template <typename Reader, typename Seen>
 void for_each_rows(Reader& reader, const Seen& seen) {
   const BakedHeader& header = reader.header();
@@ -58,8 +58,8 @@ void for_each_rows(Reader& reader, const Seen& seen) {
   }
 }
 
-/// Verifies a file of averages: scans every row by `scan`, hands it to `seen` where that is set, and lists structure,
-/// checksum, header and what the scan found. `kind`: "moments".
+/// Verifies a file of averages: scans every row with `scan` and passes it to `seen`, if set. Lists the findings on
+/// structure, checksum and header, and the findings of the scan. `kind` is, for example, "moments".
 template <typename Reader, typename Scan, typename Seen>
 std::vector<VerifyFinding> verify_by_scan(const std::string& path, Reader& reader, Scan& scan, const std::string& kind,
                                           const Seen& seen) {

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Nothing where one of them is no number.
+// Returns the numbers in `text`, or an empty list if any word is not a number.
 std::vector<float> numbers_of(std::string_view text) {
   std::vector<float> numbers;
   for (;;) {
@@ -30,7 +30,7 @@ std::vector<float> numbers_of(std::string_view text) {
   }
 }
 
-// Its width, then F0 where it has one; false: not so.
+// Reads the family's width, then F0 if the family has one; returns false if the text does not match.
 bool read_members(const BrdfFamily& family, std::string_view text, Brdf& brdf) {
   const BrdfMember& width = family.members[0];
   const std::vector<float> n = numbers_of(text);
@@ -44,7 +44,7 @@ bool read_members(const BrdfFamily& family, std::string_view text, Brdf& brdf) {
   return true;
 }
 
-// Of a text that names one: a name alone, or "NAME:".
+// Returns the family that a text names: only the name, or "NAME:" and members.
 const BrdfFamily* family_of_text(std::string_view text) {
   const std::size_t name = text.find(':');
   const BrdfFamily* const family = find_brdf_family(text.substr(0, name));
@@ -62,13 +62,14 @@ std::string measuring_refusal(const Brdf& brdf) {
   const BrdfFamily& family = family_of(brdf);
   if (!is_vmf_sum(brdf) || width_of(brdf) >= static_cast<float>(family.sum_from)) return "";
   return fmt::format(
-      "found {}, which no sum of vMFs is near, as errors are measured with: expected {} of at least {:g}",
+      "found {}, whose highlight cannot be fitted by a sum of vMFs, so errors cannot be measured: expected {} of at "
+      "least {:g}",
       brdf_text(brdf, ""), family.members[0].symbol, family.sum_from);
 }
 
 std::string environment_refusal(const Brdf& brdf) {
   if (!family_of(brdf).lights_alone) return "";
-  return fmt::format("found {} and an environment: expected lights, or another BRDF", brdf_text(brdf, ""));
+  return fmt::format("found {} with an environment: expected lights only, or another BRDF", brdf_text(brdf, ""));
 }
 
 void set_family(const BrdfFamily& family, Brdf& brdf) {

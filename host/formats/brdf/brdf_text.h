@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses a BRDF as options name it: lambert, blinn-phong:100, torrance-sparrow:0.1, cook-torrance:0.1,0.04, ggx:0.4,
-// ggx:0.4,0.04, or a measured BRDF's file.
+// ggx:0.4,0.04, or the file of a measured BRDF.
 #pragma once
 
 #include <string>
@@ -9,24 +9,25 @@
 
 namespace multum {
 
-/// Diffuse and specular as the family has them where nothing else is said: of a measurement its own, of those with
-/// Schlick's F a specular of 1, of Lambert none. Throws Error(kUsage) naming `option`, Error(kInput) for a file.
+/// Sets the family's default diffuse and specular parts: a measurement has its own diffuse part, families with
+/// Schlick's F have a specular part of 1, and Lambert has none. Throws Error(kUsage) naming `option`, and
+/// Error(kInput) for a file.
 Brdf parse_brdf(const std::string& option, const std::string& text, int term_count);
 
-/// Does `text` name a file?
+/// Returns whether `text` names a file.
 bool is_brdf_file(const std::string& text);
 
-/// What parse_brdf() reads, F0 in it where the family has one; `measured_file`: the text of a measurement.
+/// Returns text that parse_brdf() reads, with F0 if the family has it. `measured_file` is the text for a measurement.
 std::string brdf_text(const Brdf& brdf, const std::string& measured_file);
 
-/// Why errors of it cannot be measured, or an environment cannot light it: what was found and what was expected; empty
-/// where they can.
+/// Say why errors of the BRDF cannot be measured, or why an environment cannot light it: what was found and what was
+/// expected. Empty if possible.
 std::string measuring_refusal(const Brdf& brdf);
 std::string environment_refusal(const Brdf& brdf);
 
-/// The family, and the specular part that it has where nothing else is said.
+/// Sets the family and its default specular part.
 void set_family(const BrdfFamily& family, Brdf& brdf);
-/// A measurement, and its diffuse part. Throws Error(kInput).
+/// Reads a measurement and sets its diffuse part. Throws Error(kInput).
 void set_measured(const std::string& path, Brdf& brdf);
 
 }  // namespace multum

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// The nodes and weights of Gauss and Legendre on [-1, 1], 8 points, one half of them.
+// Nodes and weights of Gauss-Legendre quadrature on [-1, 1] with 8 points; one half of each.
 constexpr double kNodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr double kWeights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
 
@@ -26,7 +26,7 @@ double equivalent_exponent(const Brdf& brdf) {
   const BrdfFamily& family = family_of(brdf);
   if (family.exponent != nullptr) return family.exponent(width_of(brdf));
   if (family.fit == BrdfFit::kNone) return 1.0;
-  // Of equal peak: (s + 1) / (2 pi) = f(0) / integral of f.
+  // Equates the peaks: (s + 1) / (2 pi) = f(0) / integral of f.
   return std::max(2.0 * std::numbers::pi * mean_channel(facet_density(brdf, 0.0)) /
                           std::max(mean_channel(facet_total(brdf)), 1e-30) -
                       1.0,
@@ -38,8 +38,8 @@ glm::dvec3 facet_total(const Brdf& brdf) {
   return integrate_zonal([&](double e) { return facet_density(brdf, e); });
 }
 
-// Panels that double in width from e = 1e-12 on find every f of a width above that, wherever its tail goes; e = 1,
-// where a density of the hemisphere ends, is a border of two of them.
+// Panels start at e = 1e-12 and double in width, so they resolve every wider f, wherever its tail goes. Densities of
+// the hemisphere end at e = 1, where two panels meet.
 glm::dvec3 integrate_zonal(const std::function<glm::dvec3(double)>& f) {
   glm::dvec3 sum(0.0);
   double begin = 0.0;

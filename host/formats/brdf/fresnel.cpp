@@ -23,9 +23,9 @@ glm::dvec3 fresnel(const Brdf& brdf, double v_h) {
   return f0 + (glm::dvec3(1.0) - f0) * schlick_part(v_h);
 }
 
-// |F - c| / F is the same at both ends for c = 2 low high / (low + high).
+// For c = 2 low high / (low + high), |F - c| / F is equal at both ends.
 FixedFresnel fixed_fresnel(const Brdf& brdf, double v_h_min) {
-  constexpr int kSteps = 256;  // measured factors are no monotone functions
+  constexpr int kSteps = 256;  // measured factors need not be monotone
   glm::dvec3 low(fresnel(brdf, 1.0)), high(low);
   for (int i = 0; i < kSteps; ++i) {
     const glm::dvec3 f = fresnel(brdf, v_h_min + (1.0 - v_h_min) * i / kSteps);

@@ -18,13 +18,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kSide = kGgxLobeTableSide;
-constexpr double kPull = 0.06;      // of a logarithm's difference from the neighbours' mean
-constexpr int kSweepCount = 3;      // after the first, in which a cell has but two neighbours
-constexpr double kWidthMin = 0.01;  // s that stands for all below: shapes there no longer depend on it
+constexpr double kPull = 0.06;      // weight of a logarithm's difference from the neighbours' mean
+constexpr int kSweepCount = 3;      // after the first sweep, in which a cell has only two neighbours
+constexpr double kWidthMin = 0.01;  // smallest s: below, shapes no longer depend on s
 constexpr double kSpreadMin = 1e-9, kSpreadMax = 1.0 - 1e-5;
-constexpr double kLeastPart = 1e-6;  // of the largest value: below, differences count no more
+constexpr double kLeastPart = 1e-6;  // of the largest value; smaller values get no more weight
 
-// Gauss and Legendre on [-1, 1].
+// Gauss-Legendre quadrature on [-1, 1].
 struct Rule {
   std::vector<double> nodes, weights;
 };
@@ -33,7 +33,7 @@ Rule gauss_legendre(int count) {
   Rule rule;
   for (int i = 0; i < count; ++i) {
     double x = std::cos(kPi * (i + 0.75) / (count + 0.5)), slope = 0.0;
-    for (int step = 0; step < 50; ++step) {  // Newton; converges in five
+    for (int step = 0; step < 50; ++step) {  // Newton; converges in five steps
       double p = 1.0, before = 0.0;
       for (int j = 0; j < count; ++j) before = std::exchange(p, ((2 * j + 1) * x * p - j * before) / (j + 1));
       slope = count * (x * p - before) / (x * x - 1.0);
@@ -50,14 +50,14 @@ double versine(double angle) {  // 1 - cos
   return 2.0 * half * half;
 }
 
-// begin, begin q, ... end.
+// Appends the geometric sequence begin, begin q, ... end.
 void add_geometric(double begin, double end, int count, std::vector<double>& values) {
   for (int i = 0; i < count; ++i) values.push_back(begin * std::pow(end / begin, i / (count - 1.0)));
 }
 
 struct Cell {
   double alpha, spread;
-  std::vector<double> e, exact, scale;  // scale: square root of solid angle over what is exact
+  std::vector<double> e, exact, scale;  // scale: sqrt(solid angle / exact value)
 };
 
 using Vector = Eigen::VectorXd;
@@ -76,7 +76,7 @@ Cell cell_of(std::size_t row, std::size_t column) {
   static const Rule rule = gauss_legendre(6);
   const double s = std::max(std::numbers::sqrt3 * static_cast<double>(row) / (kSide - 1), kWidthMin);
   const double part = static_cast<double>(column) / (kSide - 1);
-  // Beyond alpha = 1 and d = 1 there is nothing, but a filter reaches there.
+  // alpha and d end at 1, but a filter also reads the texels beyond.
   const double alpha = std::min(part * s, 1.0);
   Cell cell{std::max(alpha, 1e-4 * s), std::clamp(0.5 * (s * s - alpha * alpha), kSpreadMin, kSpreadMax), {}, {}, {}};
   const double kappa = vmf_kappa(cell.spread);
@@ -102,7 +102,7 @@ Cell cell_of(std::size_t row, std::size_t column) {
   return cell;
 }
 
-/// What Eigen asks of a function to be made small.
+/// Residuals in the form that Eigen's solver requires.
 struct CellResiduals {
   using Scalar = double;
   using InputType = Eigen::VectorXd;
@@ -127,7 +127,7 @@ struct CellResiduals {
   Vector pulled_to;
 };
 
-// From whichever start ends lower.
+// Fits a cell from each start and returns the best result.
 GgxLobeShape fit_cell(const Cell& cell, const Vector& pulled_to, const std::vector<Vector>& starts) {
   const CellResiduals residuals{cell, pulled_to};
   Vector best = pulled_to;
@@ -145,7 +145,7 @@ GgxLobeShape fit_cell(const Cell& cell, const Vector& pulled_to, const std::vect
 
 }  // namespace
 
-// In rings about h; what runs around a ring of the vMF is Bessel's I_0.
+// Integrates over rings about h; the integral of the vMF around a ring is the Bessel function I_0.
 double convolved_ggx_facets(double alpha, double kappa, double theta) {
   static const Rule rule = gauss_legendre(10);
   const double width = 1.0 / std::sqrt(kappa + 1.0);
@@ -189,7 +189,7 @@ std::vector<GgxLobeShape> fit_ggx_lobe_table() {
     add(column + 1 < kSide, i + 1);
     return Vector(sum / count);
   };
-  // From single normals, whose shape is known, to ever broader lobes.
+  // Starts at single normals, whose shape is known, and goes on to ever broader lobes.
   for (int sweep = 0; sweep <= kSweepCount; ++sweep)
     for (std::size_t row = 0; row < kSide; ++row)
       for (std::size_t column = kSide; column-- > 0;) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks a shape up in the embedded table; apart from ggx_lobe.cpp, which the program that makes the table is built of.
+// Looks shapes up in the embedded table. Separate from ggx_lobe.cpp, which is linked into the program that makes the
+// table.
 #include <algorithm>
 #include <array>
 #include <cmath>

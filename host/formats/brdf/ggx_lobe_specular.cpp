@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-constexpr double kAmplitudeMin = 1e-6;  // MULTUM_AMPLITUDE_MIN: below, no lobe
+constexpr double kAmplitudeMin = 1e-6;  // MULTUM_AMPLITUDE_MIN: lobes below it are empty
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The highlight of GGX over a vMF lobe of normals as renderers draw it, in double: multum_movmf_ggx_specular() of
-// runtime_gl/shaders/brdf/ggx_lobe.glsl, step by step (tests/gl/ggx_lobe_test holds both together).
+// Highlight of GGX over a vMF lobe of normals as renderers draw it, in double precision. Follows
+// multum_movmf_ggx_specular() of runtime_gl/shaders/brdf/ggx_lobe.glsl step by step (tests/gl/ggx_lobe_test compares
+// the two).
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,18 +11,19 @@
 
 namespace multum {
 
-/// The mean of max(n . w, 0) over a vMF of spread `d`, `t` the cosine of its mean direction and w:
-/// multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
+/// Returns the mean of max(n . w, 0) over a vMF of spread `d`; `t` is the cosine between its mean direction and w.
+/// Like multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
 double shaded_mean_cosine(double d, double t);
 
-/// One lobe under GGX of one roughness.
+/// One lobe under GGX with one roughness.
 class GgxOverLobe {
  public:
-  /// `lobe`: (a r_x, a r_y, a r_z, a) as baked files hold it (host/formats/asset/lobes/movmf_mipmap.h). `alpha`:
-  /// roughness^2, above 0 to 1.
+  /// `lobe`: (a r_x, a r_y, a r_z, a) as in baked files (host/formats/asset/lobes/movmf_mipmap.h). `alpha`:
+  /// roughness^2, greater than 0, at most 1.
   GgxOverLobe(const glm::dvec4& lobe, double alpha);
 
-  /// D V max(n . l, 0), the amplitude included. `light`, `view` and `half`, their half vector: unit, tangent space.
+  /// Returns D V max(n . l, 0), times the amplitude. `light`, `view` and their half vector `half` are unit vectors in
+  /// tangent space.
   double specular(const glm::dvec3& light, const glm::dvec3& view, const glm::dvec3& half) const;
 
  private:

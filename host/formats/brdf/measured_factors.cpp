@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alternating least squares: f given g, then g given f, each the weighted quotient that minimises the sum over cells
-// and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weight = solid angles of both angles times their
-// cosines: neither the peak nor the rest is left alone. f is held from growing with theta_h (the weighted means of
-// neighbours that would): facets do not, a sum of vMFs around h cannot, and a thousand scattered samples are smoothed
-// by it. g is one for all channels: three of a few samples each drew rainbows. k_d / pi is the mean of rho where no
-// highlight is: theta_h of 45 to 75 degrees, theta_d below 45, and at most the mean of everything.
+// Alternating least squares: f given g, then g given f, each as a weighted quotient. It minimizes the sum over cells
+// and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the solid angles of both angles
+// times their cosines. So neither the peak nor the rest is neglected. f may not grow with theta_h; growing neighbours
+// are replaced by their weighted mean. Facets do not grow, a sum of vMFs around h cannot, and pooling smooths a
+// thousand scattered samples. All channels share one g, because three g with few samples each drew rainbows. k_d / pi
+// is the mean of rho outside the highlight (theta_h of 45 to 75 degrees, theta_d below 45), and at most the mean of
+// all cells.
 #include "host/formats/brdf/measured_factors.h"
 
 #include <algorithm>
@@ -29,7 +30,7 @@ double theta_of_column(int column) { return kHalfPi * column / (kColumns - 1); }
 
 std::size_t index(int row, int column) { return static_cast<std::size_t>(row * kColumns + column); }
 
-// Entries that nothing was measured for: linear between their neighbours, constant beyond the last.
+// Fills entries without measurements: linear between neighbours, constant beyond the last.
 void fill(std::vector<double>& values, const std::vector<bool>& known) {
   int before = -1;
   const int count = static_cast<int>(values.size());
@@ -49,10 +50,10 @@ struct Cell {
   std::size_t row, column;
   glm::dvec3 rho;
   double area;        // solid angles times cosines
-  glm::dvec3 weight;  // area / rho, nearly
+  glm::dvec3 weight;  // about area / rho
 };
 
-// Non-increasing values nearest to these, by pooling neighbours (Barlow et al. 1972).
+// Replaces values by the nearest non-increasing sequence, by pooling neighbours (Barlow et al. 1972).
 void hold_from_growing(std::vector<double>& values, const std::vector<double>& weights) {
   struct Pool {
     double value, weight;
@@ -75,7 +76,7 @@ void hold_from_growing(std::vector<double>& values, const std::vector<double>& w
     for (std::size_t k = 0; k < pool.count; ++k) values[i++] = pool.value;
 }
 
-// What of the sums is a quotient; the rest from its neighbours. At least 0.
+// Returns quotients of the sums, at least 0. Entries without a quotient are interpolated from their neighbours.
 std::vector<double> quotients(const std::vector<double>& above, const std::vector<double>& below) {
   std::vector<double> values(above.size(), 0.0);
   std::vector<bool> known(above.size());
@@ -109,7 +110,7 @@ void improve_differences(const std::vector<Cell>& cells, MeasuredBrdf& brdf) {
     below[cell.column] += glm::dot(cell.weight * f, f);
   }
   brdf.differences = quotients(above, below);
-  // g is 1 on average over the difference angles that are measured well.
+  // Scales g to a mean of 1 over the difference angles that are measured well.
   double level = 0.0;
   for (int i = 0; i < 2 * kColumns / 3; ++i)
     level += brdf.differences[static_cast<std::size_t>(i)] / (2 * kColumns / 3);
@@ -160,7 +161,8 @@ MeasuredBrdf BrdfCells::factor(const std::string& name) const {
       const double count = counts_[index(row, column)];
       if (count == 0.0) continue;
       const double h = theta_of_row(row), d = theta_of_column(column);
-      // d theta_h of a row grows as its square root; half a cell at 0 and at the horizon would be 0.
+      // d theta_h of a row grows with the square root of theta_h. The lower limits avoid area 0 at theta_h = 0 and at
+      // the horizon.
       const double cell_area =
           std::max(std::sin(h) * std::cos(h) * std::sqrt(h), 1e-4) * std::max(std::sin(d) * std::cos(d), 1e-2);
       const glm::dvec3 rho = sums_[index(row, column)] / count;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Factors measurements: rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d), k_d and f a channel each.
+// Splits measurements into factors: rho(theta_h, theta_d) = k_d / pi + f(theta_h) g(theta_d). k_d and f have one value
+// per channel.
 #pragma once
 
 #include <string>
@@ -11,11 +12,11 @@
 
 namespace multum {
 
-/// Means of rho over cells of theta_h and theta_d; azimuths are averaged over: the factors do not have them.
+/// Means of rho over cells of theta_h and theta_d. Azimuths are averaged, because the factors do not depend on them.
 class BrdfCells {
  public:
   BrdfCells();
-  /// Radians. Ignored where an angle is beyond the horizon.
+  /// Adds a sample; angles in radians. Ignores samples with an angle beyond the horizon.
   void add(double theta_h, double theta_d, const glm::dvec3& rho);
   MeasuredBrdf factor(const std::string& name) const;
 
@@ -24,7 +25,7 @@ class BrdfCells {
   std::vector<double> counts_;
 };
 
-/// theta_h and theta_d of two unit directions, the normal along z.
+/// Computes theta_h and theta_d of two unit directions; the normal is along z.
 void half_angles(const glm::dvec3& l, const glm::dvec3& v, double* theta_h, double* theta_d);
 
 }  // namespace multum

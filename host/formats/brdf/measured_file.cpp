@@ -43,7 +43,7 @@ glm::dvec3 linear_srgb(const glm::dvec3& xyz) {
           0.0557 * xyz.x - 0.2040 * xyz.y + 1.0570 * xyz.z};
 }
 
-// A flat spectrum of 1 is white, (1, 1, 1).
+// A flat spectrum of 1 is white: (1, 1, 1).
 class SpectrumColour {
  public:
   explicit SpectrumColour(const std::vector<double>& wavelengths) {
@@ -68,7 +68,7 @@ glm::dvec3 direction(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
 
-// Every number of the text, comments left out.
+// Returns every number in the text, without comments.
 std::vector<double> numbers_of(const std::string& path, const std::string& text) {
   std::vector<double> numbers;
   std::istringstream lines(text);
@@ -81,7 +81,7 @@ std::vector<double> numbers_of(const std::string& path, const std::string& text)
       const double value = std::strtod(word.c_str(), &end);
       if (*end != '\0' || !std::isfinite(value))
         refuse_file(path,
-                    fmt::format("line {}: expected numbers, and # before comments; this is not a measured BRDF", row));
+                    fmt::format("line {}: expected numbers, with # before comments; this is not a measured BRDF", row));
       numbers.push_back(value);
     }
   }
@@ -100,7 +100,7 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
                                   numbers.size() - std::min(numbers.size(), 1 + count), count, width));
   const std::vector<double> wavelengths(numbers.begin() + 1, numbers.begin() + 1 + static_cast<std::ptrdiff_t>(count));
   const SpectrumColour colour(wavelengths);
-  if (!colour.is_usable()) refuse_file(path, "found no wavelengths of all three primaries, expected 400 to 700 nm");
+  if (!colour.is_usable()) refuse_file(path, "found no wavelengths for all three primaries, expected 400 to 700 nm");
   std::vector<double> values(count);
   for (std::size_t i = 1 + count; i < numbers.size(); i += width) {
     double theta_h = 0.0, theta_d = 0.0;
@@ -110,11 +110,11 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
   }
 }
 
-// ---- what is given in half and difference angles ----
+// ---- formats in half and difference angles ----
 
 constexpr int kThetaCount = 90, kPhiCount = 180;
 
-// Is neither direction below the horizon?
+// Returns whether both directions are above the horizon.
 bool is_above(double theta_h, double theta_d, double phi_d) {
   const glm::dvec3 d = direction(theta_d, phi_d), h = direction(theta_h, 0.0);
   // d turned by theta_h about y is the light's direction.
@@ -219,11 +219,11 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
   BrdfCells cells;
   if (sizes == std::array<std::int32_t, 3>{kThetaCount, kThetaCount, kPhiCount}) {
     if (size != kMerlBytes)
-      refuse_file(path, fmt::format("is cut: {} bytes, expected {} of MERL's format", size, kMerlBytes));
+      refuse_file(path, fmt::format("is cut: {} bytes, expected {} for MERL's format", size, kMerlBytes));
     read_merl(path, in, cells);
     return cells.factor(path);
   }
-  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text of samples or of a network");
+  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text of samples or a network");
   in.seekg(0);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t begin = text.find_first_not_of(" \t\r\n");

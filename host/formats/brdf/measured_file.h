@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured BRDFs from files, as factors. Three formats, told apart by content:
-//   text      .brdf as pbrt-v2 has it: a count of wavelengths, the wavelengths (nm), then samples theta_i phi_i theta_s
-//             phi_s (radians) and a value each wavelength; # begins a comment
+// Reads measured BRDFs from files, as factors. The content tells three formats apart:
+//   text      .brdf of pbrt-v2: a count of wavelengths, the wavelengths (nm), then samples: theta_i phi_i theta_s phi_s
+//             (radians) and one value per wavelength; # begins a comment
 //   MERL      binary (Matusik et al. 2003): int32 90, 90, 180, then doubles of red, green, blue over theta_h
-//   (sqrt-spaced),
-//             theta_d, phi_d; times 1/1500, 1.15/1500, 1.66/1500; negative: not measured
+//             (sqrt-spaced), theta_d, phi_d; times 1/1500, 1.15/1500, 1.66/1500; negative: not measured
 //   network   JSON of a fit: layers of {kernel, bias}, 6 -> n -> n -> 3, ReLU between them, exp(x) - 1 at the end
 #pragma once
 

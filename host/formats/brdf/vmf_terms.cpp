@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levenberg and Marquardt on the logarithms of kappas; the weights are the best for them, of either sign (variable
-// projection: Golub and Pereyra 1973). Minimised is the sum over e of (sum_i w_i vMF_i - f)^2 / f, weight = solid
-// angle: a relative error that neither the peak nor the tail of GGX escapes. It is near what relative L1 punishes, and
-// it bends no sign. Below the horizon of h, where f is 0 and a vMF is not, the same square is divided by
-// kHorizonWeight^-1 f(horizon): without it, broad terms fill the hemisphere's rim well and leak under it, which a lobe
-// of kappa 3 then brings back; with more of it the rim suffers. Measured over GGX, alpha 0.05 to 0.4, kappa 3 to 2000,
-// four terms, relative L1 at most: weight 0.1: 2.9 %, 0.3: 3.2, 1: 5.9.
+// Levenberg-Marquardt on the logarithms of the kappas; the weights are optimal for them and may be negative (variable
+// projection: Golub and Pereyra 1973). Minimizes the sum over e of (sum_i w_i vMF_i - f)^2 / f, weighted by solid
+// angle. This relative error covers the peak and the tail of GGX, is close to relative L1, and is smooth.
+//
+// Below the horizon of h, f is 0 but a vMF is not. There, the squared error is divided by f(horizon) and multiplied
+// by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but leak below it and
+// reappear under a lobe of kappa 3. A larger weight makes the rim worse. Largest relative L1 over GGX with alpha 0.05
+// to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for 0.3, 5.9 % for 1.
 #include "host/formats/brdf/vmf_terms.h"
 
 #include <algorithm>
@@ -21,28 +22,29 @@ namespace multum {
 namespace {
 
 constexpr double kHorizonWeight = 0.1;
-constexpr double kKappaMin = 0.05;  // nearly the same in all directions
+constexpr double kKappaMin = 0.05;  // almost uniform over directions
 constexpr double kKappaMax = 1e7;
 constexpr int kRoundCountMax = 80;
 constexpr int kWidenCount = 4;
-constexpr double kRidge = 1e-6;  // of the weights' squares: keeps terms from being large and of opposite signs
+constexpr double kRidge = 1e-6;  // relative to the squared weights: avoids large terms of opposite signs
 constexpr std::array kLadderRatios = {0.2, 0.07};
 
-// Where f is compared: e evenly in its logarithm, then evenly under the horizon. f of it, and 1 / tolerance.
+// A point where f is compared: `value` is f, `scale` is 1 / tolerance. e is even in its logarithm above the horizon,
+// even in e below.
 struct Sample {
   double e, value, scale;
-  double angle;  // solid angle; under the horizon times kHorizonWeight
+  double angle;  // solid angle; below the horizon times kHorizonWeight
 };
 
 constexpr int kUpperCount = 240, kLowerCount = 24, kCountMax = kBrdfTermCountMax;
 constexpr double kLeast = 1e-8;
 
-// Up to just above the horizon, where densities of a hemisphere end.
+// Ends just above the horizon, where densities of a hemisphere end.
 double node(int i) {
   return (1.0 - 1e-9) * std::exp(std::log(kLeast) * (1.0 - static_cast<double>(i) / (kUpperCount - 1)));
 }
 
-// `value(i)` of the upper nodes.
+// `value(i)` returns f at upper node i.
 template <typename Value>
 std::vector<Sample> make_samples(const Value& value) {
   std::vector<Sample> samples;
@@ -65,7 +67,7 @@ double unit_vmf(double kappa, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// For all samples [sample * terms + i]: the terms' vMFs times the sample's scale.
+// Returns the terms' vMFs times the sample's scale, as [sample * terms + i].
 std::vector<double> scaled_terms(const std::vector<Sample>& samples, const std::vector<double>& kappas) {
   std::vector<double> rows;
   rows.reserve(samples.size() * kappas.size());
@@ -77,7 +79,7 @@ std::vector<double> scaled_terms(const std::vector<Sample>& samples, const std::
 using Vector = std::array<double, kCountMax>;
 using Matrix = std::array<Vector, kCountMax>;
 
-// Gaussian elimination of a symmetric positive matrix; `n` unknowns.
+// Solves a symmetric positive system with `n` unknowns by Gaussian elimination.
 Vector solve(Matrix a, Vector b, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t i = k + 1; i < n; ++i) {
@@ -94,8 +96,8 @@ Vector solve(Matrix a, Vector b, std::size_t n) {
   return x;
 }
 
-// The best weights for kappas that stand, of either sign: a density that ends at the horizon, or rises towards it, is
-// a broad vMF less another.
+// Returns the best weights for fixed kappas. Weights may be negative: a density that ends at the horizon, or rises
+// towards it, is a broad vMF minus another.
 Vector fit_weights(const std::vector<Sample>& samples, const std::vector<double>& rows, std::size_t n) {
   Matrix gram{};
   Vector right{};
@@ -109,14 +111,14 @@ Vector fit_weights(const std::vector<Sample>& samples, const std::vector<double>
   return solve(gram, right, n);
 }
 
-// One density, or one channel of it.
+// One density, or one channel of a density.
 struct Fitted {
   std::vector<Sample> samples;
   Vector weights;
   std::vector<double> residuals;
 };
 
-// Fits the weights of each to these kappas; returns the sum of squares.
+// Fits the weights of each channel to these kappas; returns the sum of squares.
 double fit_all(std::vector<Fitted>& channels, const std::vector<double>& kappas) {
   const std::size_t n = kappas.size();
   double sum = 0.0;
@@ -134,8 +136,8 @@ double fit_all(std::vector<Fitted>& channels, const std::vector<double>& kappas)
   return sum;
 }
 
-// Where f is less than what a fit is off by, that becomes the tolerance: a density that ends at an angle, as some that
-// were measured do, must not be fitted by what lies beyond it alone.
+// Uses the fit's error as the tolerance where f is smaller than the error. Otherwise the region beyond the end of a
+// density would dominate the fit; some measured densities end at an angle.
 void widen(Fitted& one) {
   for (std::size_t k = 0; k < one.samples.size(); ++k) {
     Sample& s = one.samples[k];
@@ -148,8 +150,8 @@ double step_kappa(double kappa, double log_step) {
   return std::clamp(kappa * std::exp(std::clamp(log_step, -1.0, 1.0)), kKappaMin, kKappaMax);
 }
 
-// Variable projection: the weights follow from the kappas, so that Levenberg and Marquardt see the kappas alone.
-// Leaves the weights of the best in `channels`; returns its sum of squares.
+// Variable projection: the weights follow from the kappas, so Levenberg-Marquardt varies only the kappas. Leaves the
+// best weights in `channels`; returns the sum of squares.
 double fit_kappas(std::vector<Fitted>& channels, std::vector<double>& kappas) {
   constexpr double kDifference = 1e-4;  // of log kappa
   const std::size_t n = kappas.size();
@@ -198,7 +200,7 @@ double fit_kappas(std::vector<Fitted>& channels, std::vector<double>& kappas) {
   return fit_all(channels, kappas);
 }
 
-// Relative L1 over solid angle, summed over the channels: of fits with tolerances of their own.
+// Returns the relative L1 error over solid angle, summed over the channels, for fits with different tolerances.
 double relative_difference(const std::vector<Fitted>& channels) {
   double sum = 0.0;
   for (const Fitted& one : channels) {
@@ -212,11 +214,11 @@ double relative_difference(const std::vector<Fitted>& channels) {
   return sum;
 }
 
-// A ladder of kappas below that of the peak, each `ratio` of the one before. A density that is 0 at e = 0, as sheens
-// are, has no peak: differences of broad terms make its rise.
+// Returns kappas that start near the peak's kappa; each is `ratio` times the previous. A density with f(0) = 0, such
+// as a sheen, has no peak; differences of broad terms make it rise.
 std::vector<double> ladder(const std::vector<Sample>& samples, int count, double ratio) {
   double total = 0.0;
-  for (const Sample& s : samples) total += s.value * s.value * s.scale * s.scale;  // the integral of f
+  for (const Sample& s : samples) total += s.value * s.value * s.scale * s.scale;  // integral of f
   const double peak = 2.0 * std::numbers::pi * samples[0].value / total;
   double largest = 0.0;
   for (const Sample& s : samples) largest = std::max(largest, s.value);

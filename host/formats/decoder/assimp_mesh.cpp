@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All meshes of a file as one list of triangles.
+// Reads all meshes of a file as one list of triangles.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>
@@ -17,12 +17,12 @@
 namespace multum {
 namespace {
 
-// Neither tangents nor joined vertices from assimp: it averages tangents without weights, mirrored charts with the
-// others, and takes positions closer than 1e-5 for one, whatever the unit.
+// assimp must not compute tangents or join vertices. It averages tangents without weights, also across mirrored
+// charts, and merges positions closer than 1e-5, whatever the unit.
 constexpr unsigned kMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                 aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 
-// The corners of a part's triangles, with the file's own tangents where it has some.
+// Corners of a part's triangles, with the file's own tangents if it has any.
 struct PartCorners {
   TriangleCorners corners;
   std::vector<glm::vec4> tangents;
@@ -43,7 +43,7 @@ class PartReader {
 
   PartCorners read() {
     if (!part_.HasTextureCoords(uv_set_))
-      refuse_file(path_, fmt::format("mesh '{}' has no texture coordinates{}, so no map can be put on it",
+      refuse_file(path_, fmt::format("mesh '{}' has no texture coordinates{}, so a map cannot be applied",
                                      part_.mName.C_Str(), uv_set_ == 0 ? "" : fmt::format(" of set {}", uv_set_)));
     for (unsigned f = 0; f < part_.mNumFaces; ++f)
       for (unsigned k = 0; k < part_.mFaces[f].mNumIndices; ++k) append(f, part_.mFaces[f].mIndices[k]);
@@ -56,7 +56,7 @@ class PartReader {
     const char* const name = part_.mName.C_Str();
     if (i >= part_.mNumVertices)
       refuse_file(path_,
-                  fmt::format("triangle {} of mesh '{}' names vertex {} of {}", face, name, i, part_.mNumVertices));
+                  fmt::format("triangle {} of mesh '{}' refers to vertex {} of {}", face, name, i, part_.mNumVertices));
     const glm::vec3 position = to_vec3(part_.mVertices[i]);
     if (!is_finite(position)) refuse_file(path_, fmt::format("vertex {} of mesh '{}' is not finite", i, name));
     glm::vec3 normal = part_.HasNormals() ? to_vec3(part_.mNormals[i]) : glm::vec3(0.0f);
@@ -78,7 +78,7 @@ class PartReader {
   PartCorners result_;
 };
 
-// Corners that are the same in everything become one vertex.
+// Appends a part; corners with identical attributes become one vertex.
 void append_part(TriangleMesh& mesh, const PartCorners& part) {
   using Vertex = std::array<float, 12>;
   std::map<Vertex, std::uint32_t> numbers;
@@ -103,7 +103,7 @@ void append_part(TriangleMesh& mesh, const PartCorners& part) {
 
 TriangleMesh import_mesh(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
-    refuse_file(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
+    refuse_file(path, fmt::format("texture coordinate set is {}, expected 0 to {}", uv_set,
                                   AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
   const MeshImport import(path, kMeshSteps);
   const aiScene& scene = import.scene();

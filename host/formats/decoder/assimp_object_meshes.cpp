@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// assimp's node tree, flattened to one object a node that has triangles. Vertices are not joined by assimp, which takes
-// positions closer than 1e-5 for one, whatever the unit; those that are equal are joined here.
+// Flattens assimp's node tree to one object per node with triangles. Joins only equal vertices here, because assimp
+// merges positions closer than 1e-5, whatever the unit.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>
@@ -61,20 +61,21 @@ class ObjectReader {
     vertices_.clear();
     for (unsigned i = 0; i < node.mNumMeshes; ++i) append(object, *scene_.mMeshes[node.mMeshes[i]]);
     if (object.indices.empty()) return;
-    if (!is_finite(node_to_world)) refuse(object, "is placed by a matrix that is not finite");
-    if (!names_.insert(object.name).second) refuse(object, "is there twice; expected names that tell objects apart");
+    if (!is_finite(node_to_world)) refuse(object, "has a transform matrix that is not finite");
+    if (!names_.insert(object.name).second) refuse(object, "occurs twice; expected unique object names");
     objects.push_back(std::move(object));
   }
 
   void append(ObjectMesh& object, const aiMesh& part) {
     if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) return;  // points and lines are not drawn
     if (!part.HasTextureCoords(uv_set_))
-      refuse(object, fmt::format("has no texture coordinates of set {0} (TEXCOORD_{0})", uv_set_));
+      refuse(object, fmt::format("has no texture coordinates in set {0} (TEXCOORD_{0})", uv_set_));
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       for (unsigned k = 0; k < face.mNumIndices; ++k) {
         if (face.mIndices[k] >= part.mNumVertices)
-          refuse(object, fmt::format("has a triangle that names vertex {} of {}", face.mIndices[k], part.mNumVertices));
+          refuse(object,
+                 fmt::format("has a triangle that refers to vertex {} of {}", face.mIndices[k], part.mNumVertices));
         object.indices.push_back(index_of(object, part, face.mIndices[k]));
       }
     }
@@ -90,7 +91,7 @@ class ObjectReader {
                                                        static_cast<std::uint32_t>(object.positions.size()));
     if (is_new) {
       object.positions.push_back(position);
-      object.uvs.emplace_back(uv.x, uv.y);  // assimp turns glTF's v, which grows downwards, round
+      object.uvs.emplace_back(uv.x, uv.y);  // assimp flips glTF's v, which grows downwards
     }
     return place->second;
   }
@@ -98,7 +99,7 @@ class ObjectReader {
   const std::string& path_;
   const aiScene& scene_;
   unsigned uv_set_;
-  std::map<Vertex, std::uint32_t> vertices_;  // of the object that is read
+  std::map<Vertex, std::uint32_t> vertices_;  // of the object being read
   std::set<std::string> names_;
 };
 
@@ -106,7 +107,7 @@ class ObjectReader {
 
 std::vector<ObjectMesh> import_object_meshes(const std::string& path, int uv_set) {
   if (uv_set < 0 || uv_set >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
-    refuse_file(path, fmt::format("texture coordinate set {} is asked for, expected 0 to {}", uv_set,
+    refuse_file(path, fmt::format("texture coordinate set is {}, expected 0 to {}", uv_set,
                                   AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
   const MeshImport import(path, kObjectMeshSteps);
   ObjectReader reader(path, import.scene(), uv_set);

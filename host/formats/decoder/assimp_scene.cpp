@@ -18,8 +18,8 @@
 namespace multum {
 namespace {
 
-/// assimp drops triangles whose indices are out of range, and only its log says so. One import at a time may listen:
-/// the log belongs to the process.
+/// Listens to assimp's log, because only the log says that assimp dropped triangles with indices out of range. The log
+/// belongs to the process, so only one import at a time may listen.
 class ImportLog {
  public:
   ImportLog() {
@@ -43,27 +43,27 @@ class ImportLog {
   std::string warnings_;
 };
 
-// assimp catches what its readers throw; that there was no memory is nothing against the file.
+// Reports lack of memory, which is not the file's fault. assimp catches the exceptions of its readers.
 void rethrow_hunger(const std::string& path, const std::exception_ptr& thrown) {
   try {
     std::rethrow_exception(thrown);
   } catch (const std::bad_alloc&) {
     throw NotEnoughMemory(path);
-  } catch (...) {  // its message says it
+  } catch (...) {  // the error string says it
   }
 }
 
 }  // namespace
 
 MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std::make_unique<Assimp::Importer>()) {
-  open_regular_file(path);  // assimp would only say that it cannot open it
+  open_regular_file(path);  // assimp's message would only be that it cannot open the file
   check_gltf_file(path);
-  importer_->SetIOHandler(new ModelFiles(path));  // which it owns
+  importer_->SetIOHandler(new ModelFiles(path));  // the importer owns it
   static std::mutex log_mutex;
   const std::lock_guard<std::mutex> lock(log_mutex);
   const ImportLog log;
   scene_ = importer_->ReadFile(path, steps);
-  if (log.dropped_triangles()) refuse_file(path, "has triangles whose indices are out of range");
+  if (log.dropped_triangles()) refuse_file(path, "has triangles with indices out of range");
   if (scene_ == nullptr && importer_->GetException()) rethrow_hunger(path, importer_->GetException());
   if (scene_ == nullptr) refuse_file(path, std::string("cannot be read as a mesh: ") + importer_->GetErrorString());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Imports a scene by assimp for every reader of meshes: hears the library's complaints and checks its numbers.
+// Imports a scene by assimp for every reader of meshes; watches the library's warnings and checks its numbers.
 #pragma once
 
 #include <memory>
@@ -18,11 +18,11 @@ class Importer;
 
 namespace multum {
 
-/// A file as assimp understands it.
+/// A file as imported by assimp.
 class MeshImport {
  public:
-  /// `steps`: aiProcess_ flags. Throws Error(kInput) naming the file: what check_gltf_file() refuses, what assimp
-  /// cannot read, indices out of range.
+  /// `steps`: aiProcess_ flags. Throws Error(kInput) naming the file if check_gltf_file() refuses it, assimp cannot
+  /// read it, or indices are out of range.
   MeshImport(const std::string& path, unsigned steps);
   ~MeshImport();
   MeshImport(const MeshImport&) = delete;

@@ -46,7 +46,8 @@ std::size_t FileRanges::pread(void* data, std::size_t byte_count, std::int64_t o
   return static_cast<std::size_t>(to - static_cast<char*>(data));
 }
 
-// Bytes [begin, end) of the file lie at `data`. The other byte of a word at their ends is read by itself.
+// Changes bytes [begin, end) of the file, which are at `data`. If the other byte of a word is outside, reads it
+// separately.
 void FileRanges::fill_words(std::int64_t begin, std::int64_t end, char* data) {
   for (const ByteRange& words : byte_words_) {
     for (std::int64_t at = std::max(begin, words.begin); at < std::min(end, words.end); ++at) {
@@ -64,7 +65,7 @@ void FileRanges::fill_words(std::int64_t begin, std::int64_t end, char* data) {
   }
 }
 
-// Bytes [begin, end) of the file lie at `data`.
+// Changes bytes [begin, end) of the file, which are at `data`.
 void FileRanges::apply_patches(std::int64_t begin, std::int64_t end, char* data) const {
   for (const BytePatch& patch : patches_) {
     const auto patch_end = patch.position + static_cast<std::int64_t>(patch.bytes.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Byte ranges of a file, presented to OpenImageIO as if they were the whole file: a picture without its metadata, read
-// as it is needed. (OpenImageIO 2.4's PNG reader takes it; its JPEG reader takes files and memory alone.)
+// Presents byte ranges of a file to OpenImageIO as if they were the whole file: a picture without its metadata, read
+// on demand. OpenImageIO 2.4's PNG reader accepts this; its JPEG reader accepts only files and memory.
 //   file       |signature IHDR|XMP ......|IDAT ........|text|IEND|
 //   presented  |signature IHDR|IDAT ........|IEND|
 #pragma once
@@ -19,8 +19,8 @@ namespace multum {
 
 class FileRanges : public OIIO::Filesystem::IOProxy {
  public:
-  /// `byte_words`: 16-bit words v * 256 of the file, presented as v * 257: both bytes are the larger of the two.
-  /// `patches`: presented in place of what the file has there.
+  /// `byte_words`: ranges with 16-bit words v * 256, presented as v * 257 (both bytes are the larger of the two).
+  /// `patches`: bytes presented instead of the file's bytes.
   FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words = {},
              std::vector<BytePatch> patches = {});
 
@@ -34,11 +34,11 @@ class FileRanges : public OIIO::Filesystem::IOProxy {
   void apply_patches(std::int64_t begin, std::int64_t end, char* data) const;
 
   struct Piece {
-    std::int64_t offset;  // where it is presented
-    ByteRange range;      // where it lies in the file
+    std::int64_t offset;  // where the range is presented
+    ByteRange range;      // where the range is in the file
   };
   RegularFileStream stream_;
-  std::mutex mutex_;  // of the stream
+  std::mutex mutex_;  // guards the stream
   std::vector<Piece> pieces_;
   std::int64_t size_ = 0;
   std::vector<ByteRange> byte_words_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes images in the child process, and answers host/formats/image/files/decoding_messages.h.
+// Decodes images in the child process; answers the requests of host/formats/image/files/decoding_messages.h.
 #pragma once
 
 #include <memory>
@@ -11,10 +11,10 @@
 
 namespace multum {
 
-/// One open file at a time.
+/// Decodes one open file at a time.
 class ImageDecoder {
  public:
-  /// Throws Error where it cannot do as asked.
+  /// Throws Error if the request fails.
   std::string answer(std::string_view request, SharedMemory& memory);
   void close() { file_.reset(); }
 

@@ -36,7 +36,7 @@ class Ktx2ImageFile : public LibraryImageFile {
   }
 
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
-    if (block.base_type != survey_.base_type) return "its texels cannot be converted to other numbers";
+    if (block.base_type != survey_.base_type) return "cannot convert its texels to this type of numbers";
     const std::size_t value_bytes = survey_.base_type == number_type::kHalf ? 2 : 1;
     const auto channels = static_cast<std::size_t>(survey_.channel_count);
     const std::size_t texel_bytes = channels * value_bytes;
@@ -66,11 +66,11 @@ class Ktx2ImageFile : public LibraryImageFile {
     level_.resize(size);
     const std::size_t found = ZSTD_decompress(level_.data(), size, stored.data(), stored.size());
     if (found != size)
-      refuse_file(path_, fmt::format("damaged KTX2: level 0 is no Zstandard frame of {} bytes: {}", size,
+      refuse_file(path_, fmt::format("damaged KTX2: level 0 is not a Zstandard frame of {} bytes: {}", size,
                                      ZSTD_isError(found) != 0 ? ZSTD_getErrorName(found) : "it has fewer"));
   }
 
-  // Rows of blocks are decoded when their first row is wanted, and kept until another is.
+  // Decodes a row of blocks when its first row of texels is needed, and keeps it until another is needed.
   const std::uint8_t* row_of(int y) {
     const auto width = static_cast<std::size_t>(survey_.width);
     if (!survey_.is_uastc)
@@ -88,7 +88,8 @@ class Ktx2ImageFile : public LibraryImageFile {
     const std::uint8_t* from = level_.data() + static_cast<std::size_t>(block_row) * columns * kUastcBlockBytes;
     for (std::size_t column = 0; column < columns; ++column, from += kUastcBlockBytes) {
       if (!decode_uastc_block(from, texels))
-        refuse_file(path_, fmt::format("damaged KTX2: block ({}, {}) of level 0 is no UASTC block", column, block_row));
+        refuse_file(path_,
+                    fmt::format("damaged KTX2: block ({}, {}) of level 0 is not a UASTC block", column, block_row));
       const std::size_t x = 4 * column, count = std::min<std::size_t>(4, width - x);
       for (std::size_t row = 0; row < kUastcBlockSide; ++row)
         std::memcpy(&decoded_[(row * width + x) * 4], texels + 16 * row, 4 * count);
@@ -99,7 +100,7 @@ class Ktx2ImageFile : public LibraryImageFile {
   std::string path_;
   Ktx2Survey survey_;
   std::vector<std::uint8_t> level_;    // decompressed: texels or blocks
-  std::vector<std::uint8_t> decoded_;  // a row of blocks, as rows of RGBA
+  std::vector<std::uint8_t> decoded_;  // a row of blocks as rows of RGBA
   int decoded_row_ = -1;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes level 0 of KTX2 files (host/formats/image/files/ktx2_survey.h): OpenImageIO knows none.
+// Decodes level 0 of KTX2 files (host/formats/image/files/ktx2_survey.h), which OpenImageIO cannot read.
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One reader named by the file's first bytes is opened (never "try all of them"), after
-// host/formats/image/files/image_container has looked at the sizes; PNG and JPEG are read without their metadata.
+// Opens only the reader that the file's first bytes name, after host/formats/image/files/image_container has checked
+// the sizes. PNG and JPEG are read without their metadata.
 #include "host/formats/decoder/library_image_file.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -23,7 +23,7 @@
 namespace multum {
 namespace {
 
-// The codes of host/formats/image/files/number_type.h are OpenImageIO's.
+// host/formats/image/files/number_type.h uses OpenImageIO's codes.
 static_assert(number_type::kUint8 == OIIO::TypeDesc::UINT8 && number_type::kInt8 == OIIO::TypeDesc::INT8);
 static_assert(number_type::kUint16 == OIIO::TypeDesc::UINT16 && number_type::kInt16 == OIIO::TypeDesc::INT16);
 static_assert(number_type::kUint32 == OIIO::TypeDesc::UINT32 && number_type::kInt32 == OIIO::TypeDesc::INT32);
@@ -31,7 +31,7 @@ static_assert(number_type::kUint64 == OIIO::TypeDesc::UINT64 && number_type::kIn
 static_assert(number_type::kHalf == OIIO::TypeDesc::HALF && number_type::kFloat == OIIO::TypeDesc::FLOAT);
 static_assert(number_type::kDouble == OIIO::TypeDesc::DOUBLE);
 
-// The byte ranges of a file, joined: the file without its metadata.
+// Joins byte ranges of a file: the file without its metadata.
 std::vector<unsigned char> joined_ranges(const std::string& path, const std::vector<ByteRange>& ranges) {
   std::vector<unsigned char> bytes;
   RegularFileStream stream(path);
@@ -51,7 +51,7 @@ struct OpenImage {
   std::unique_ptr<OIIO::ImageInput> input;
 };
 
-// In memory for JPEG, whose reader takes no file of ours.
+// Presents the file without metadata; in memory for JPEG, whose reader accepts no other source.
 void leave_out_metadata(OpenImage& image, const std::string& path, const ImageContainer& container) {
   if (container.format == "jpeg") {
     image.bytes = joined_ranges(path, container.ranges);
@@ -71,15 +71,15 @@ OpenImage open_image(const std::string& path, const ImageContainer& container) {
   const bool is_changed = container.has_metadata || !container.byte_words.empty() || !container.patches.empty();
   if (is_changed && image.input->supports("ioproxy")) leave_out_metadata(image, path, container);
   OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);  // PNG alpha may hold a height; colour times height is no normal
+  config.attribute("oiio:UnassociatedAlpha", 1);  // keeps colour apart from PNG alpha, which may hold a height
   OIIO::ImageSpec spec;
   if (!image.input->open(path, spec, config))
     refuse_file(path, fmt::format("damaged {}: {}", container.format, image.input->geterror()));
   return image;
 }
 
-// Workaround "PNG gamma": OpenImageIO 2.4.7 names a gAMA with two digits, "Gamma1.9" of 1.85
-// (tests/cli/odd_cases.py, albedos).
+// Workaround "PNG gamma": OpenImageIO 2.4.7 rounds a gAMA to two digits: "Gamma1.9" for 1.85 (tests/cli/odd_cases.py,
+// albedos).
 std::string colour_space_of(const OIIO::ImageSpec& spec, double gamma) {
   std::string name = spec.get_string_attribute("oiio:ColorSpace");
   return gamma > 0.0 && name.starts_with("Gamma") ? fmt::format("Gamma{:.9g}", gamma) : name;
@@ -125,7 +125,7 @@ void invert_every(std::byte* memory, std::size_t count, std::size_t stride, Numb
   }
 }
 
-// Grey is the first channel; alpha may follow.
+// Inverts grey, the first channel; alpha may follow.
 void invert_first_channel(const ImagePart& part, const PixelBlock& block, std::byte* memory) {
   if (block.channel_begin > 0) return;
   const auto count = static_cast<std::size_t>(part.width) * static_cast<std::size_t>(block.y_end - block.y_begin);
@@ -156,7 +156,7 @@ class OiioImageFile : public LibraryImageFile {
     }
     for (int part = 0; open_.input->seek_subimage(part, 0); ++part)
       description_.parts.push_back(part_of(open_.input->spec(), container.gamma, true));
-    open_.input->geterror();  // the end of the parts is no error
+    open_.input->geterror();  // clears the error at the last part, which is none
   }
 
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
@@ -167,7 +167,7 @@ class OiioImageFile : public LibraryImageFile {
   }
 
  private:
-  // Rows are mostly read from the top and once: what is checked is told by the last one.
+  // Checks each row only once. Rows are mostly read once, from the top, so the last checked row says what was checked.
   void check_exr_rows(const PixelBlock& block) {
     const auto index = static_cast<std::size_t>(block.part);
     if (index >= exr_chunks_->parts().size()) return;
@@ -176,7 +176,7 @@ class OiioImageFile : public LibraryImageFile {
     int& checked = exr_rows_checked_[index];
     const int end = std::min(block.y_end - part.y, part.height);
     if (end > checked) exr_chunks_->check_rows(index, checked, end, threads_);
-    // The rest of the last chunk is checked too.
+    // check_rows() also checks the rest of the last chunk.
     checked =
         std::max(checked, std::min(part.height, (end + part.chunk_height - 1) / part.chunk_height * part.chunk_height));
   }
@@ -190,18 +190,18 @@ class OiioImageFile : public LibraryImageFile {
                                       block.channel_begin, block.channel_end, type, memory)
             : open_.input->read_scanlines(block.part, 0, block.y_begin, block.y_end, 0, block.channel_begin,
                                           block.channel_end, type, memory);
-    // The TIFF reader calls a band read that is cut; its message is the only sign.
+    // The TIFF reader reports success for a truncated band; only its message reveals the fault.
     const std::string message = open_.input->geterror();
     if (inverts_integers_) invert_first_channel(from, block, memory);
-    return is_read || !message.empty() ? message : "the reader does not say why";
+    return is_read || !message.empty() ? message : "the reader gives no reason";
   }
 
   std::string path_;
   int threads_;
-  std::unique_ptr<ExrChunks> exr_chunks_;  // of OpenEXR alone
-  std::vector<int> exr_rows_checked_;      // [part]: so many from the top
+  std::unique_ptr<ExrChunks> exr_chunks_;  // only for OpenEXR
+  std::vector<int> exr_rows_checked_;      // [part]: number of checked rows, from the top
   OpenImage open_;
-  bool inverts_integers_;  // ImageContainer's
+  bool inverts_integers_;  // as in ImageContainer
 };
 
 }  // namespace

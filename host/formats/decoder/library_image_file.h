@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens image files by OpenImageIO in this process: for multum-decode, which a broken file may end, and for tests.
+// Opens image files by OpenImageIO in this process: for multum-decode, which a broken file may crash, and for tests.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ class LibraryImageFile : public ImageFile {
   std::vector<std::byte> memory_;
 };
 
-/// Throws as open_image_file() does. Fits set_image_opener().
+/// Throws as open_image_file() does. Can be passed to set_image_opener().
 std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes meshes in the child process, and answers host/formats/mesh/mesh_messages.h.
+// Decodes meshes in the child process; answers the requests of host/formats/mesh/mesh_messages.h.
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@
 
 namespace multum {
 
-/// One file at a time.
+/// Decodes one file at a time.
 class MeshDecoder {
  public:
-  /// Throws Error where it cannot do as asked.
+  /// Throws Error if the request fails.
   std::string answer(std::string_view request, SharedMemory& memory);
   void close() { meshes_ = {}; }
 

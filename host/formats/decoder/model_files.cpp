@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// assimp's own stream asks for the size by name.
+// Gets the size from the open file; assimp's own stream asks for it by name.
 class ModelStream : public Assimp::IOStream {
  public:
   explicit ModelStream(std::FILE* file) : file_(file) {}

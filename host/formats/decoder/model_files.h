@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that assimp may open for a model: the model itself, and regular files beneath its folder. What a model
-// names otherwise - by "..", an absolute name, a link that leads out of the folder, a FIFO or a device - is not there
-// for assimp: it leaves out an OBJ file's materials, and refuses a model that needs the file.
+// Files that assimp may open for a model: the model itself, and regular files beneath its folder. Names with "..",
+// absolute names, links that lead out of the folder, FIFOs and devices do not exist for assimp. It then omits an OBJ
+// file's materials, and refuses a model that needs the file.
 #pragma once
 
 #include <string>

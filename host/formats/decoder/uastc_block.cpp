@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A block, from its lowest bit on:
+// Layout of a block, from its lowest bit:
 //
-//   code of the mode | hints for other encoders, passed over | [partition] [channel of the second plane]
-//   | trits or quints of the endpoints, 5 or 3 in a number | their lower bits | weights, the first of a subset a bit
-//   shorter
+//   code of the mode | hints for other encoders (ignored) | [partition] [channel of the second plane]
+//   | trits or quints of the endpoints, 5 or 3 per number | their lower bits
+//   | weights; the first weight of a subset has one bit less
 //
-// Endpoints and weights are then those of ASTC ("Khronos Data Format Specification", 23.15 to 23.21).
+// Endpoints and weights then have the meaning of ASTC's ("Khronos Data Format Specification", 23.15 to 23.21).
 #include "host/formats/decoder/uastc_block.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ constexpr std::size_t kTexels = 16;
 struct UastcMode {
   unsigned code, code_bits, hint_bits;
   unsigned components, subsets, planes, weight_bits;
-  unsigned endpoint_bits, endpoint_base;  // a value is below base << bits; base 1: bits alone, 3: trits, 5: quints
+  unsigned endpoint_bits, endpoint_base;  // values are below base << bits; base 1: only bits, 3: trits, 5: quints
 };
 
 constexpr unsigned kSolidMode = 8;
@@ -44,7 +44,7 @@ constexpr std::array<UastcMode, 19> kUastcModes = {{{0x01, 4, 15, 3, 1, 1, 4, 6,
                                                     {0x25, 6, 23, 2, 1, 2, 2, 8, 1},
                                                     {0x09, 4, 15, 3, 1, 1, 5, 5, 1}}};
 
-// Seeds of ASTC's partitions: of two subsets, of two subsets that BC7's modes of three have (mode 7), of three.
+// Seeds of ASTC's partitions: two subsets; the two subsets of mode 7, which BC7's three-subset modes also have; three.
 constexpr std::array<unsigned, 30> kSeedsOfTwo = {28,  20,  16,  29,  91,  9,   107, 72,  149, 204,
                                                   50,  114, 496, 17,  78,  39,  252, 828, 43,  156,
                                                   116, 210, 476, 273, 684, 359, 246, 195, 694, 524};
@@ -81,7 +81,7 @@ std::uint32_t hash52(std::uint32_t p) {
   return p;
 }
 
-// 23.21, "Partition pattern generation", of a block of few texels, two-dimensional.
+// 23.21, "Partition pattern generation", for a two-dimensional block with few texels.
 unsigned subset_of(unsigned seed, unsigned x, unsigned y, unsigned subsets) {
   x *= 2;
   y *= 2;
@@ -127,7 +127,7 @@ unsigned unquantized(unsigned value, const UastcMode& mode) {
   return repeated;
 }
 
-// 0 to 64, by the weight's number of bits (23.18).
+// Maps a weight with this number of bits to 0..64 (23.18).
 unsigned unquantized_weight(unsigned weight, unsigned bits) {
   unsigned six = weight << (6 - bits);
   for (unsigned filled = bits; filled < 6; filled *= 2) six |= six >> filled;
@@ -140,7 +140,7 @@ Endpoints read_endpoints(BitReader& bits, const UastcMode& mode) {
   Endpoints values{};
   const unsigned count = mode.components * 2 * mode.subsets;
   const unsigned together = mode.endpoint_base == 3 ? 5 : 3;
-  // Bits of a number of so many trits or quints.
+  // Number of bits that store 0 to 5 trits, or 0 to 3 quints.
   constexpr std::array<unsigned, 6> kTritBits = {0, 2, 4, 5, 7, 8}, kQuintBits = {0, 3, 5, 7, 0, 0};
   for (unsigned first = 0; mode.endpoint_base > 1 && first < count; first += together) {
     const unsigned here = std::min(together, count - first);
@@ -185,7 +185,7 @@ bool decode_uastc_block(const std::uint8_t* block, std::uint8_t* rgba) {
     seed = mode.subsets == 3 ? kSeedsOfThree[pattern] : number == 7 ? kSeedsOfMode7[pattern] : kSeedsOfTwo[pattern];
   }
   constexpr unsigned kNoChannel = 4, kAlpha = 3;
-  unsigned second_plane = kNoChannel;  // the channel with weights of its own
+  unsigned second_plane = kNoChannel;  // the channel with separate weights
   if (mode.planes == 2) second_plane = mode.components == 2 ? kAlpha : bits.take(2);
   const Endpoints endpoints = read_endpoints(bits, mode);
   std::array<bool, 3> is_begun{};
@@ -196,7 +196,7 @@ bool decode_uastc_block(const std::uint8_t* block, std::uint8_t* rgba) {
       weights[plane] = unquantized_weight(bits.take(mode.weight_bits - (is_begun[subset] ? 0 : 1)), mode.weight_bits);
     is_begun[subset] = true;
     for (unsigned c = 0; c < 4; ++c) {
-      // Of two components the first is grey, the second alpha.
+      // With two components, the first is grey and the second alpha.
       const unsigned component = mode.components == 2 ? (c == kAlpha ? 1 : 0) : c;
       const std::size_t at = (subset * mode.components + component) * 2;
       rgba[4 * i + c] =

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workaround "OpenEXR 3.1 inflates by zlib": multum-decode unpacks each chunk of an EXR map once more, to know that it
-// is whole (host/foundation/base/files/exr_chunks.h), which is a hundredth of a bake's processor time. libdeflate
-// inflates at twice zlib's speed, and so makes up for it. OpenEXR 3.1, Debian 12's, calls zlib's uncompress(), for
-// which a program that links this file provides its own; nothing else in it does. Goes when Debian's OpenEXR has an
-// inflater of its own.
+// Workaround "OpenEXR 3.1 inflates by zlib". multum-decode unpacks each chunk of an EXR map a second time, to check
+// that the chunk is whole (host/foundation/base/files/exr_chunks.h). The check takes a hundredth of a bake's processor
+// time. libdeflate inflates at twice zlib's speed, which makes up for the check. OpenEXR 3.1 (Debian 12) calls zlib's
+// uncompress(), and a program that links this file replaces that function; nothing else in it calls uncompress().
+// Remove this file when Debian's OpenEXR has an inflater of its own.
 #include "host/formats/decoder/zlib_uncompress.h"
 
 #include <libdeflate.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces the inflate that OpenEXR calls by a quicker library: see the .cpp.
+// Replaces the inflate that OpenEXR calls with a faster library; the .cpp file says why.
 #pragma once
 
 namespace multum {
 
-/// True. Programs that call it have the replacement linked in; what opens images does.
+/// Returns true. A call links the replacement into the program; the code that opens images makes that call.
 bool replaces_zlib_uncompress();
 
 }  // namespace multum

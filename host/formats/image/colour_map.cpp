@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers' meaning: integers follow the file's colour space ("Linear", "GammaX", else sRGB, which is what an
-// untagged texture is); floats are linear whatever the file says, as OpenEXR's are. NaN, infinities and negative values
-// hold no reflectance: they are read as 0 and counted. Texels do not depend on one another, so that every band that is
-// read becomes colours at once.
+// Interprets numbers as colours. Integers follow the file's colour space ("Linear", "GammaX", otherwise sRGB, as for
+// untagged textures). Floats are always linear, as in OpenEXR. NaN, infinities and negative values are not
+// reflectances: they become 0 and are counted. Texels are independent, so every band is converted as soon as it is
+// read.
 #include "host/formats/image/colour_map.h"
 
 #include <algorithm>
@@ -32,11 +32,11 @@ struct TransferFunction {
 TransferFunction transfer_function(const RawImageInfo& image, ColourEncoding encoding) {
   if (encoding == ColourEncoding::kSrgb) return {"sRGB", linear_from_srgb};
   if (encoding == ColourEncoding::kLinear) return {"linear", [](double v) { return v; }};
-  const bool is_linear = image.colour_space == "linear" || image.colour_space == "Linear";  // readers spell both
+  const bool is_linear = image.colour_space == "linear" || image.colour_space == "Linear";  // both occur
   if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
     const double gamma = std::strtod(image.colour_space.c_str() + 5, nullptr);
-    // 2.2 is how PNG's gAMA spells sRGB (1 / 0.45455); others are meant as they stand.
+    // 2.2 is how PNG's gAMA writes sRGB (1 / 0.45455); other exponents are used unchanged.
     if (gamma > 0.0 && std::abs(gamma - 2.2) > 0.05)
       return {fmt::format("gamma {:g}", gamma), [gamma](double v) { return std::pow(v, gamma); }};
   }
@@ -54,7 +54,7 @@ void check_albedo_size(const std::string& path, const RawImageInfo& info, int wi
                             info.width, info.height, width, height));
 }
 
-// From samples to linear colours; NaN where a sample holds no reflectance.
+// Converts samples to linear colours; NaN where a sample is not a reflectance.
 SampleConverter linear_converter(int base_type, const TransferFunction& transfer) {
   return SampleConverter(base_type, [linear = transfer.linear_from_encoded](float v) {
     return std::isfinite(v) && v >= 0.0f ? static_cast<float>(linear(static_cast<double>(v)))
@@ -62,13 +62,13 @@ SampleConverter linear_converter(int base_type, const TransferFunction& transfer
   });
 }
 
-// The numbers as they are; NaN where one is not finite.
+// Keeps the numbers; NaN where a sample is not finite.
 SampleConverter data_converter(int base_type) {
   return SampleConverter(base_type,
                          [](float v) { return std::isfinite(v) ? v : std::numeric_limits<float>::quiet_NaN(); });
 }
 
-// One row of interleaved colours to planes, what holds no reflectance to 0. Returns how many texels held any such.
+// Splits a row of interleaved colours into planes, and replaces NaN by 0. Returns the number of affected texels.
 std::int64_t separate_row(const std::vector<float>& values, const std::array<float*, 3>& row,
                           std::size_t channel_count) {
   std::int64_t clamped_count = 0;
@@ -133,8 +133,8 @@ ColourRows read_rows(ImageReader& reader, const std::string& path, ColourEncodin
   albedo.clamped_count = clamped_count;
   albedo.notes = info.notes;
   if (is_data && clamped_count > 0)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} texels that are not finite, expected numbers", path, albedo.clamped_count));
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {} texels that are not finite, expected finite numbers", path,
+                                               albedo.clamped_count));
   return albedo;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Albedo: linear RGB, so that averages over texels are averages of light.
+// Albedo maps as linear RGB, so that averages over texels are averages of light.
 #pragma once
 
 #include <cstdint>
@@ -13,39 +13,39 @@
 
 namespace multum {
 
-/// Linear RGB, planes of width * height floats.
+/// Linear RGB in planes of width * height floats.
 struct ColourMap {
   int width = 0;
   int height = 0;
   std::vector<float> r, g, b;
   std::string format;              // "png uint8, 3 channels, sRGB"
-  std::int64_t clamped_count = 0;  // texels with a negative or non-finite value, which was read as 0
+  std::int64_t clamped_count = 0;  // texels with a negative or non-finite value, read as 0
   std::vector<std::string> notes;  // RawImageInfo::notes
 };
 
-/// The map's planes, to be read by rows; the map must outlive it.
+/// Gives access to the map's planes by rows; the map must outlive the result.
 inline PlaneStore planes_of(const ColourMap& map) {
   return {map.width, map.height, {map.r.data(), map.g.data(), map.b.data()}};
 }
 
-/// Reads an albedo: 8- and 16-bit integers are sRGB unless the file says otherwise, floats are linear; grey becomes
-/// RGB; alpha is ignored. Throws Error(kInput); also when its size is not `width` x `height`.
+/// Reads an albedo. Integers of 8 and 16 bits are sRGB unless the file says otherwise, and floats are linear. Grey
+/// becomes RGB; alpha is ignored. Throws Error(kInput), also if the size is not `width` x `height`.
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
 
 struct ColourRows {
   PlaneStore planes;
-  int channel_count = 0;                // of the file, 1 or 3; of one all planes are the same
+  int channel_count = 0;                // of the file, 1 or 3; with 1, all planes are equal
   std::string format;                   // "png uint8, 3 channels, sRGB"
-  std::int64_t clamped_count = 0;       // as ColourMap's
-  float largest = 0.0f;                 // value of all
+  std::int64_t clamped_count = 0;       // as in ColourMap
+  float largest = 0.0f;                 // largest value of all
   std::vector<std::string> notes = {};  // RawImageInfo::notes
 };
 
-/// The same numbers, kept as `place` says; of the file a few bands of rows are in memory. Throws Error(kEnvironment)
-/// when scratch files cannot be written.
+/// Reads an albedo into a store made by `spill`; only a few bands of rows of the file are in memory. Throws
+/// Error(kEnvironment) if scratch files cannot be written.
 ColourRows read_albedo_rows(const std::string& path, int width, int height, const SpillPolicy& spill, int threads);
 
-/// An image of any size. Throws as read_albedo_rows() does.
+/// Reads an image of any size. Throws as read_albedo_rows() does.
 ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const SpillPolicy& spill, int threads,
                             Progress* progress);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows come in bands, so that no image need fit into memory, a cut file costs its bands and cancelling is quick.
+// Reads rows in bands, so that no image need fit into memory, a cut file costs only its bands, and cancelling is quick.
 #include "host/formats/image/image_reader.h"
 
 #include <algorithm>
@@ -33,22 +33,25 @@ SampleType sample_type_of(const std::string& path, const ImagePart& part) {
 }
 
 void check_flat(const std::string& path, const ImagePart& part) {
-  if (part.is_deep) refuse_file(path, "found a deep image, expected one value a texel");
+  if (part.is_deep) refuse_file(path, "found a deep image, expected one value per texel");
   if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
-// Brightness with differences of colour, as OpenEXR's own programs write them: neither vectors nor red, green, blue.
+// Refuses brightness with differences of colour, as OpenEXR's own programs write it: it is neither vectors nor RGB.
 void check_no_luminance(const std::string& path, const ImagePart& part) {
   for (const std::string& name : part.channel_names)
     if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")
-      refuse_file(path, fmt::format("found a channel {}, of brightness and differences of colour (Y, RY, BY), expected "
-                                    "red, green and blue",
-                                    name));
+      refuse_file(
+          path,
+          fmt::format(
+              "found channel {}, of brightness and differences of colour (Y, RY, BY), expected red, green and blue",
+              name));
 }
 
 constexpr int kColourChannelCountMax = 64;
 
-// How many leading channels are colour: all but alpha, 1 to 3; or the first three of many when their names say so.
+// Returns the number of leading colour channels: all except alpha, 1 to 3; or the first three of many if they are
+// named RGB or XYZ.
 int colour_channel_count(const std::string& path, const ImagePart& part) {
   const int without_alpha = part.channel_count() - (part.alpha_channel >= 0 ? 1 : 0);
   const bool alpha_last = part.alpha_channel < 0 || part.alpha_channel == part.channel_count() - 1;
@@ -58,18 +61,18 @@ int colour_channel_count(const std::string& path, const ImagePart& part) {
         fmt::format("{}{}{}", part.channel_names[0], part.channel_names[1], part.channel_names[2]);
     if (names == "RGB" || names == "XYZ") return 3;
   }
-  refuse_file(path, fmt::format("found {} channels ({}...), expected 1 to 3 and an alpha", part.channel_count(),
-                                part.channel_names[0]));
+  refuse_file(path, fmt::format("found {} channels ({}...), expected 1 to 3 and an optional alpha",
+                                part.channel_count(), part.channel_names[0]));
 }
 
-// Deflate reaches 1032:1 at best and DWA codes blocks of 64 texels by one number that is then deflated: no picture is
-// larger than that, so that a short file cannot ask for much memory. Small sizes are free.
+// Refuses sizes that the file cannot hold, so that a short file cannot demand much memory. Deflate reaches at most
+// 1032:1, and DWA codes blocks of 64 texels by one number, which is then deflated. Small sizes are always accepted.
 void check_plausible_size(const std::string& path, const ImagePart& part, std::int64_t file_size) {
   constexpr std::int64_t kExpansionMax = 1032 * 64;
   constexpr std::int64_t kFreeBytes = std::int64_t{64} << 20;
   const auto picture_bytes = std::int64_t{part.width} * part.height * static_cast<std::int64_t>(part.texel_bytes());
   if (picture_bytes / kExpansionMax > file_size + kFreeBytes / kExpansionMax)
-    refuse_file(path, fmt::format("declares {} x {} texels, which a file of {} bytes cannot hold", part.width,
+    refuse_file(path, fmt::format("declares {} x {} texels, more than a file of {} bytes can hold", part.width,
                                   part.height, file_size));
   constexpr std::int64_t kTileTexelsMax = 1 << 26;
   if (part.tile_width > 0 && std::int64_t{part.tile_width} * part.tile_height > kTileTexelsMax)
@@ -77,7 +80,7 @@ void check_plausible_size(const std::string& path, const ImagePart& part, std::i
                 fmt::format("found tiles of {} x {}, expected at most 2^26 texels", part.tile_width, part.tile_height));
 }
 
-// Workaround "WebP alpha": OpenImageIO 2.4.7's WebP reader multiplies colour by alpha whatever it is asked for
+// Workaround "WebP alpha": OpenImageIO 2.4.7's WebP reader always multiplies colour by alpha
 // (ImageReaderTest.WebpWithAlphaIsRefused), and 8 bits cannot be divided back. Opaque alpha changes nothing.
 void check_webp_opaque(const std::string& path, ImageFile& file) {
   constexpr int kRows = 64;
@@ -89,19 +92,18 @@ void check_webp_opaque(const std::string& path, ImageFile& file) {
     const std::string message =
         file.read({0, y, y_end, part.alpha_channel, part.alpha_channel + 1, number_type::kUint8}, 0);
     if (!message.empty())
-      refuse_file(path, fmt::format("damaged: rows from {} of {} cannot be read: {}", y, part.height, message));
+      refuse_file(path, fmt::format("damaged: cannot read rows from {} of {}: {}", y, part.height, message));
     const std::byte* const end = memory + width * static_cast<std::size_t>(y_end - y);
     const std::byte* const clear =
         std::find_if<const std::byte*>(memory, end, [](std::byte alpha) { return alpha < std::byte{255}; });
     if (clear != end)
-      refuse_file(path,
-                  fmt::format("found a WebP whose alpha is not 1 (row {}), expected an opaque one: its colours come "
-                              "multiplied by alpha; save it as PNG, or without alpha",
-                              y + static_cast<int>(static_cast<std::size_t>(clear - memory) / width)));
+      refuse_file(path, fmt::format("found a WebP whose alpha is not 1 (row {}), expected opaque texels, because its "
+                                    "colours are multiplied by alpha; save it as PNG, or without alpha",
+                                    y + static_cast<int>(static_cast<std::size_t>(clear - memory) / width)));
   }
 }
 
-// What is stored of a sample: the file's own type, or floats where the channels' types differ.
+// Returns the type for samples in memory: the file's own type, or floats if the channels' types differ.
 int stored_type(const ImagePart& part) { return part.channel_types.empty() ? part.base_type : number_type::kFloat; }
 
 RawImageInfo image_info(const std::string& path, const ImagePart& part, const std::string& container_format,
@@ -132,15 +134,15 @@ RawImageInfo image_info(const std::string& path, const ImagePart& part, const st
   return info;
 }
 
-// Rows that a band must not cut through: of tiles, and of strips of doubles. Workaround "TIFF doubles": OpenImageIO
-// 2.4.7's TIFF reader leaves 64-bit samples unread, without a word, unless whole strips of more than a row are asked
-// for (ImageReaderTest.DoublesOfTiffAreRead). A single row that is left over is read with the band before it.
+// Returns the rows of a block that bands must not split: a row of tiles, or a strip of doubles. Workaround "TIFF
+// doubles": OpenImageIO 2.4.7's TIFF reader silently leaves 64-bit samples unread, unless it is asked for whole strips
+// of more than one row (ImageReaderTest.DoublesOfTiffAreRead). A single last row is read with the band before it.
 int whole_block_rows(const ImagePart& part) {
   if (part.tile_width > 0) return part.tile_height;
   return part.base_type == number_type::kDouble ? std::max(1, part.rows_per_strip) : 1;
 }
 
-// Rows that are decoded together: a band that cuts through them may have them decoded twice.
+// Returns the rows that are decoded together: if a band splits them, they may be decoded twice.
 int preferred_block_rows(const ImagePart& part, const RawImageInfo& info) {
   constexpr std::size_t kStripBytesMax = std::size_t{4} << 20;
   const int whole = whole_block_rows(part);
@@ -152,7 +154,7 @@ int preferred_block_rows(const ImagePart& part, const RawImageInfo& info) {
 
 int band_rows(const ImagePart& part, const RawImageInfo& info, int asked_rows) {
   constexpr std::size_t kBandBytes = std::size_t{2} << 20;
-  constexpr std::size_t kRowsMin = 64, kRowsMax = 4096;  // at least: readers like to decode several blocks at once
+  constexpr std::size_t kRowsMin = 64, kRowsMax = 4096;  // kRowsMin: readers prefer to decode several blocks at once
   const std::size_t rows_of_size = std::clamp(kBandBytes / info.row_bytes, kRowsMin, kRowsMax);
   const int rows = asked_rows > 0 ? asked_rows : static_cast<int>(rows_of_size);
   const int block =
@@ -193,24 +195,24 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   if (format == "webp" && part.alpha_channel >= 0) check_webp_opaque(path, *file);
 }
 
-// Rows [row_begin, row_end) of the colour channels, interleaved, to the file's memory.
+// Reads rows [row_begin, row_end) of the colour channels, interleaved, to the file's memory.
 void ImageReader::State::read_band(int row_begin, int row_end, std::size_t offset, Progress* progress) {
   const int y = file->part().y;
   const std::string message = file->read({0, y + row_begin, y + row_end, 0, info.channel_count, info.base_type}, offset,
                                          [&] { progress_advance(progress, 0); });
   if (!message.empty())
-    refuse_file(path, fmt::format("damaged: rows {} to {} of {} cannot be read: {}", row_begin, row_end - 1,
-                                  info.height, message));
+    refuse_file(path, fmt::format("damaged: cannot read rows {} to {} of {}: {}", row_begin, row_end - 1, info.height,
+                                  message));
 }
 
-// Two bands: one is read while the other is consumed.
+// Uses two bands: one is read while the other is consumed.
 //   this thread    read 0 | read 1    | read 2    | ...
 //   other thread          | consume 0 | consume 1 | ...
 void ImageReader::State::read(const std::function<void(const RawBand&)>& consume, Progress* progress) {
   const auto launch = threads == 1 ? std::launch::deferred : std::launch::async;
   const std::size_t band_bytes = info.row_bytes * static_cast<std::size_t>(rows + 1);
   std::byte* const memory = file->reserve(2 * band_bytes);
-  std::future<void> consumed;  // its destructor waits, while the bands are still there
+  std::future<void> consumed;  // its destructor waits while the bands still exist
   std::size_t offset = 0;
   for (int row_begin = 0; row_begin < info.height; row_begin = band_end(row_begin), offset = band_bytes - offset) {
     const int row_end = band_end(row_begin);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads image files by bands of rows, through OpenImageIO: the numbers as the file holds them, with no colour
-// conversion, no multiplication by alpha, no resizing. What the numbers mean is decided elsewhere.
+// Reads image files by bands of rows, through OpenImageIO. Returns the file's own numbers, without colour conversion,
+// multiplication by alpha, or resizing; other code interprets them.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,15 @@ namespace multum {
 
 struct ImageReadSettings {
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  int threads = 1;            // <= 0: as many as the machine has
-  int band_rows = 0;          // rows of a band, up to whole tiles; 0: what suits the file
-  bool all_channels = false;  // alpha and all others too, for what is no picture
+  int threads = 1;            // <= 0: one per core
+  int band_rows = 0;          // rows per band, rounded up to whole tiles; 0: suitable for the file
+  bool all_channels = false;  // also alpha and all others, for files that are not pictures
 };
 
 class ImageReader {
  public:
-  /// Opens PNG, JPEG, WebP, TIFF or OpenEXR (chosen by content, not by name). Throws Error(kInput) naming the file,
-  /// what was found and what was expected.
+  /// Opens PNG, JPEG, WebP, TIFF or OpenEXR (recognized by content, not by name). Throws Error(kInput) naming the
+  /// file, what was found and what was expected.
   ImageReader(const std::string& path, const ImageReadSettings& settings);
   ~ImageReader();
   ImageReader(const ImageReader&) = delete;
@@ -31,9 +31,9 @@ class ImageReader {
 
   const RawImageInfo& info() const;
 
-  /// Hands every band, from the top, to `consume`: one after another, in a second thread while the next one is read
-  /// unless settings.threads is 1. What `consume` throws is thrown again here. Throws Error(kInput) as the constructor
-  /// does. Cancels at bands. Called once.
+  /// Passes the bands, from the top, to `consume`, one after another. Unless settings.threads is 1, a second thread
+  /// consumes a band while the next one is read. Rethrows exceptions of `consume`; throws Error(kInput) as the
+  /// constructor does. Can cancel between bands. Call it once.
   void read(const std::function<void(const RawBand&)>& consume, Progress* progress);
 
  private:

@@ -18,14 +18,14 @@
 namespace multum {
 namespace {
 
-// Rows of the channels that are wanted, as floats of 0 to 1: [row * width + column] each.
+// Receives rows of the wanted channels, as floats of 0 to 1: [row * width + column] each.
 using UseRows = std::function<void(int first_row, int row_count, const std::vector<std::vector<float>>& channels)>;
 
 struct Wanted {
   std::string path;
   const char* what;  // "a roughness map", for messages
   int width, height;
-  std::size_t checked = 4;  // channels whose values count
+  std::size_t checked = 4;  // channels whose values are checked
 };
 
 void check_size(const Wanted& wanted, const RawImageInfo& info) {
@@ -35,7 +35,7 @@ void check_size(const Wanted& wanted, const RawImageInfo& info) {
                             wanted.what, info.width, info.height, wanted.width, wanted.height));
 }
 
-// In parallel, rows of a thread's own each time. Of the channels the first `wanted.checked` must hold 0 to 1.
+// Reads channels in parallel; every thread has rows of its own. The first `wanted.checked` channels must hold 0 to 1.
 void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<std::size_t>& channels, int threads,
                    const UseRows& use) {
   const RawImageInfo info = reader.info();
@@ -76,8 +76,8 @@ ImageReadSettings settings_of(const SpillPolicy& spill, int threads) {
   return settings;
 }
 
-// By name; R, G, B and A also by place, whatever a file calls them. Without a name the only one, or of several the one
-// at `default_place`, the last if there are fewer.
+// Finds a channel by name; R, G, B and A also by position, whatever their names. Without a name, returns the only
+// channel, or the one at `default_place`; the last if there are fewer.
 std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>& names,
                          std::size_t default_place = 1) {
   if (file.channel.empty()) return std::min(default_place, names.size() - 1);
@@ -90,14 +90,14 @@ std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>
   return place;
 }
 
-// Of a row of a roughness map, and of the colours that its file holds.
+// Sums over a row of a roughness map, and over the colours in its file.
 struct RoughnessSums {
   double cosine = 0.0, roughness = 0.0, least = 1.0, most = 0.0;
   std::int64_t zeros = 0, ones = 0, mirrors = 0;
-  double difference = 0.0;           // the largest less the smallest of red, green and blue
-  std::array<double, 3> colour{};    // sums of these,
-  std::array<double, 3> squares{};   // of their squares,
-  std::array<double, 2> products{};  // and of green times red, green times blue
+  double difference = 0.0;           // largest minus smallest of red, green and blue
+  std::array<double, 3> colour{};    // sums of values,
+  std::array<double, 3> squares{};   // of squares,
+  std::array<double, 2> products{};  // and of the products green times red, green times blue
 
   void add(double value, double value_cosine) {
     cosine += value_cosine;
@@ -128,7 +128,7 @@ struct RoughnessSums {
     for (std::size_t k = 0; k < 3; ++k) colour[k] += other.colour[k], squares[k] += other.squares[k];
     for (std::size_t k = 0; k < 2; ++k) products[k] += other.products[k];
   }
-  // The lesser correlation of green with red and with blue; 0 where a channel is the same everywhere.
+  // Returns the lower correlation of green with red and with blue; 0 if a channel is constant.
   double colour_correlation(double count) const {
     const auto variance = [&](std::size_t k) { return squares[k] / count - colour[k] * colour[k] / (count * count); };
     const auto with_green = [&](std::size_t k, double product) {
@@ -142,7 +142,8 @@ struct RoughnessSums {
   }
 };
 
-// The words of a file's name in lower case: parted by what is no letter, and before capitals that follow small letters.
+// Returns the words of a file's name in lower case. Words end at non-letters, and before a capital after a small
+// letter.
 std::vector<std::string> words_of_name(const std::string& path) {
   std::vector<std::string> words(1);
   bool was_lower = false;
@@ -156,7 +157,7 @@ std::vector<std::string> words_of_name(const std::string& path) {
   return words;
 }
 
-// Single letters, as in "floor_s.png", count at the end alone; so does metal, which is a material too.
+// Single letters, as in "floor_s.png", count only at the end. So does "metal", which is also a material.
 NamedMap map_of_word(const std::string& word, bool is_last) {
   struct Word {
     const char* text;
@@ -172,7 +173,7 @@ NamedMap map_of_word(const std::string& word, bool is_last) {
                                         {"g", NamedMap::kGloss},
                                         {"s", NamedMap::kSpecular},
                                         {"m", NamedMap::kMetalness}};
-  constexpr std::size_t kLong = 8;  // letters of a word that is told at another's end: "metallicroughness"
+  constexpr std::size_t kLong = 8;  // words of this length also match another word's end: "metallicroughness"
   for (const Word& one : kWords) {
     const std::string_view text = one.text;
     if (word == text || word == std::string(text) + "map" || (text.size() >= kLong && word.ends_with(text)))
@@ -194,30 +195,30 @@ const char* name_of(NamedMap map) {
   return "";
 }
 
-// Name and numbers together: what a name says is no proof, and neither are numbers.
+// Uses name and numbers together, because neither is proof.
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
-  // A channel that was named may well be another thing than the file: gloss in the alpha of a specular map.
+  // If a channel was named, it may differ from the file: gloss in the alpha of a specular map.
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
         "{}: its name says {} map, but it was given as --{}: {}", file.path, name_of(named), name_of(taken),
-        is_opposite ? fmt::format("--{} reads it the other way round", name_of(named)) : "is it what was meant?"));
+        is_opposite ? fmt::format("--{} would invert the values", name_of(named)) : "check that it is the right map"));
     return;  // one doubt is enough
   }
   if (report.share_mirror > (named == taken ? kMirrorShareMaxNamed : kMirrorShareMax))
     report.warnings.push_back(fmt::format(
-        "{}: {:.0f} % of the texels are mirrors (perceptual roughness below {:g}), where real roughness maps have next "
-        "to none: is it a specular{} map?",
+        "{}: {:.0f} % of the texels are mirrors (perceptual roughness below {:g}), but real roughness maps have almost "
+        "none: is it a specular{} map?",
         file.path, 100.0 * report.share_mirror, kMirrorRoughness, file.is_gloss ? " or roughness" : " or gloss"));
   if (file.is_gloss && report.share_one > kDullShareMax)
     report.warnings.push_back(
-        fmt::format("{}: {:.0f} % of the texels have no gloss at all (roughness 1), where real gloss maps have next to "
-                    "none: is it a specular map?",
+        fmt::format("{}: {:.0f} % of the texels have no gloss (roughness 1), but real gloss maps have almost none: is "
+                    "it a specular map?",
                     file.path, 100.0 * report.share_one));
 }
 
-// What the file says of its picture that is not heeded, with its name.
+// Returns the file's ignored statements about its picture, each with the file's name.
 std::vector<std::string> named_notes(const std::string& path, const RawImageInfo& info) {
   std::vector<std::string> notes;
   for (const std::string& note : info.notes) notes.push_back(path + ": " + note);
@@ -238,14 +239,14 @@ RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSu
   warn_of_doubts(file, report);
   const double correlation = sums.colour_correlation(count);
   if (sums.difference / count > kColourDifferenceMin && correlation > kColourCorrelationMin)
-    report.warnings.push_back(fmt::format(
-        "{}: red, green and blue differ and go together (correlation {:.2f}), as in a picture; green was taken for {}: "
-        "is it a colour or specular map? FILE:CHANNEL names a channel",
-        file.path, correlation, file.is_gloss ? "gloss" : "roughness"));
+    report.warnings.push_back(
+        fmt::format("{}: red, green and blue differ, but with correlation {:.2f}, as in a picture; green was used as "
+                    "{}: is it a colour or specular map? Use FILE:CHANNEL to name a channel",
+                    file.path, correlation, file.is_gloss ? "gloss" : "roughness"));
   return report;
 }
 
-// Reads a roughness or gloss map: `use(first_row, row_count, roughness)` gets it by bands, from several threads.
+// Reads a roughness or gloss map. `use(first_row, row_count, roughness)` receives it by bands, from several threads.
 template <typename Use>
 RoughnessReport read_roughness(const ChannelFile& file, int map_width, int map_height, const SpillPolicy& spill,
                                int threads, const Use& use) {
@@ -253,7 +254,7 @@ RoughnessReport read_roughness(const ChannelFile& file, int map_width, int map_h
   ImageReader reader(file.path, settings_of(spill, threads));
   check_size(wanted, reader.info());
   const std::size_t channel = find_channel(file, reader.info().channel_names);
-  std::vector<RoughnessSums> sums(static_cast<std::size_t>(map_height));  // by rows: no band or thread is seen in them
+  std::vector<RoughnessSums> sums(static_cast<std::size_t>(map_height));  // per row, whatever the bands
   std::vector<std::size_t> read = {channel};
   const bool looks_for_colours = file.channel.empty() && reader.info().channel_count >= 3;
   if (looks_for_colours) read.insert(read.end(), {0, 1, 2});
@@ -297,7 +298,7 @@ NamedMap map_by_name(const std::string& path) {
 
 ChannelFile parse_channel_file(const std::string& text) {
   const std::size_t colon = text.rfind(':');
-  std::error_code error;  // no file system takes every text as a name
+  std::error_code error;  // a file system may not accept the text as a name
   if (colon == std::string::npos || colon == 0 || std::filesystem::exists(text, error)) return {text, ""};
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
@@ -328,7 +329,7 @@ RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& fil
 LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int height, const SpillPolicy& spill,
                                 int threads) {
   LobeMaterial material{make_plane_store(width, height, spill)};
-  // Planes are written by threes: each map puts its own into what the ones before left.
+  // Planes are written in threes: each map replaces its own plane and keeps the others.
   const auto put = [&](std::size_t plane, int first_row, int row_count, const std::vector<float>& values) {
     std::array<std::vector<float>, 3> planes;
     for (std::vector<float>& all : planes) all.resize(values.size());

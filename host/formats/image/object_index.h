@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Object-index images: the grey value of a pixel is the number of the object that it shows, 0 for none.
+// Object-index images: a pixel's grey value is the number of the object that it shows; 0 means no object.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace multum {
 
-/// 1 where the image has the value, else 0, for each of `indices`: width * height floats, row 0 at the top. Throws
-/// Error(kInput) naming the file: unreadable, of another size, no 8- or 16-bit grey.
+/// For each of `indices`, returns 1 where the image has that value, otherwise 0: width * height floats, row 0 at the
+/// top. Throws Error(kInput) naming the file if it is unreadable, of another size, or not 8- or 16-bit grey.
 std::vector<std::vector<float>> read_object_index_coverage(const std::string& path, int width, int height,
                                                            const std::vector<int>& indices);
 

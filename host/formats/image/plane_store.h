@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Three planes of floats by bands of rows, in memory or in a scratch file: normals (x, y, z) or linear RGB of maps that
-// may be larger than memory. Row 0 on top.
+// Three planes of floats, accessed by bands of rows, in memory or in a scratch file. Holds normals (x, y, z) or linear
+// RGB of maps that may be larger than memory. Row 0 on top.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace multum {
 
-/// Planes in a file: from byte `begin` on, each in blocks of `rows` rows, the last of a plane with what is left, and
-/// `gap` bytes behind each block. No rows: a block a plane.
+/// Planes in a file from byte `begin` on. Each plane consists of blocks of `rows` rows (the last may have fewer), with
+/// `gap` bytes after each block. rows = 0: one block per plane.
 struct PlaneBlocks {
   std::uint64_t begin = 0, gap = 0;
   int rows = 0;
@@ -23,27 +23,27 @@ struct PlaneBlocks {
 
 class PlaneStore {
  public:
-  /// In memory.
+  /// Makes a store in memory.
   PlaneStore(int width, int height);
-  /// In a scratch file in `folder`.
+  /// Makes a store in a scratch file in `folder`.
   PlaneStore(int width, int height, const std::string& folder);
-  /// Reads planes that `file` has, one behind the other, as `blocks` say; nothing can be written.
+  /// Reads planes that `file` holds one after another, in the layout of `blocks`; read-only.
   PlaneStore(int width, int height, ScratchFile file, const PlaneBlocks& blocks);
-  /// Looks at planes that are in memory already and must outlive it; nothing can be written.
+  /// Refers to planes in memory, which must outlive the store; read-only.
   PlaneStore(int width, int height, const std::array<const float*, 3>& planes);
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Whether these are normals that a roughness map has shortened (host/formats/image/material_maps.h).
+  /// Returns whether these are normals that a roughness map has shortened (host/formats/image/material_maps.h).
   bool is_shortened() const { return is_shortened_; }
   void set_shortened(bool is_shortened) { is_shortened_ = is_shortened; }
-  /// The store must be in memory, and is empty after.
+  /// Moves the planes out; the store must be in memory, and is empty afterwards.
   std::array<std::vector<float>, 3> take_planes();
 
-  /// Rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) when the disk refuses. Threads may
-  /// write different rows at once.
+  /// Writes rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) if the disk fails. Threads
+  /// may write different rows at once.
   void write_rows(int first_row, int row_count, const std::array<const float*, 3>& planes);
-  /// Reads all planes, one of them, or all at one texel. Any number of threads may read at once.
+  /// Read all planes, one plane, or all planes at one texel. Several threads may read at once.
   void read_rows(int first_row, int row_count, const std::array<float*, 3>& planes) const;
   void read_rows(int plane, int first_row, int row_count, float* rows) const;
   std::array<float, 3> texel(int column, int row) const;
@@ -56,7 +56,7 @@ class PlaneStore {
   int width_;
   int height_;
   bool is_shortened_ = false;
-  // Not set to 0: the threads that write touch them first.
+  // Not set to 0, so that the threads that write touch the memory first.
   std::array<std::unique_ptr<float[]>, 3> owned_;
   std::array<const float*, 3> planes_{};  // null: in the file
   std::optional<ScratchFile> file_;
@@ -65,7 +65,7 @@ class PlaneStore {
 
 PlaneStore make_plane_store(int width, int height, const SpillPolicy& spill);
 
-/// Rows per band of decoding: few enough for a thread's cache, enough to be worth a hand-over.
+/// Returns the rows per band for decoding: few enough for a thread's cache, enough to be worth scheduling.
 int decoding_rows(int width, const SpillPolicy& spill);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds an image's numbers as its file has them, in memory or in a scratch file, and gives rows of them as floats: a
-// half or a quarter of what the floats would take, written once while the file is read and looked at several times
-// after.
+// Holds an image's numbers in the file's own type, in memory or in a scratch file, and returns rows as floats. This
+// takes a half or a quarter of the memory of floats. The numbers are written once while the file is read, and read
+// several times.
 #pragma once
 
 #include <cstddef>
@@ -22,21 +22,21 @@ enum class SampleType { kUint8, kUint16, kOtherInteger, kHalf, kFloat };  // kFl
 
 inline bool is_float_type(SampleType type) { return type == SampleType::kHalf || type == SampleType::kFloat; }
 
-/// Description of an image, known before its rows.
+/// Description of an image, known before its rows are read.
 struct RawImageInfo {
   int width = 0;
   int height = 0;
-  int channel_count = 0;  // colour channels, 1 to 3, and no alpha; or all of them
+  int channel_count = 0;  // colour channels, 1 to 3, without alpha; or all channels
   SampleType sample_type = SampleType::kFloat;
   int base_type = 0;                       // of the stored samples, host/formats/image/files/number_type.h
   std::size_t row_bytes = 0;               // of the stored samples
-  std::string colour_space;                // as the file says: "sRGB", "Linear", "Gamma2.2", or empty
+  std::string colour_space;                // as in the file: "sRGB", "Linear", "Gamma2.2", or empty
   bool has_alpha = false;                  // in the file; never read
-  std::vector<std::string> channel_names;  // of those that are read
+  std::vector<std::string> channel_names;  // of the channels that are read
   std::string format;                      // "png uint8, 4 channels (alpha not read)"
   std::vector<std::string> notes = {};     // ImageContainer::notes
-  double texel_metres = 0.0;               // ImageContainer's
-  std::optional<double> no_data = {};      // the same
+  double texel_metres = 0.0;               // as in ImageContainer
+  std::optional<double> no_data = {};      // as in ImageContainer
 
   std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
 };
@@ -48,8 +48,8 @@ struct RawBand {
   const std::byte* samples;
 };
 
-/// Rows as floats (host/formats/image/sample_converter.h), channels interleaved, and the memory that reading them
-/// takes: one a thread.
+/// Rows as floats (host/formats/image/sample_converter.h) with interleaved channels, and the memory for reading them;
+/// each thread needs its own.
 struct RawRows {
   std::vector<float> values;
   std::vector<std::byte> samples;
@@ -57,13 +57,13 @@ struct RawRows {
 
 class RawImage {
  public:
-  /// Throws Error(kEnvironment) when a scratch file is needed and cannot be made.
+  /// Throws Error(kEnvironment) if it cannot make a scratch file that it needs.
   RawImage(RawImageInfo info, const SpillPolicy& spill);
 
   const RawImageInfo& info() const { return info_; }
-  /// Throws Error(kEnvironment) when the disk refuses.
+  /// Throws Error(kEnvironment) if the disk fails.
   void write(const RawBand& band);
-  /// Any number of threads may read at once, each into rows of its own.
+  /// Several threads may read at once, each into its own rows.
   void read_rows(int first_row, int row_count, RawRows& rows) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looking up takes a quarter of the time of OpenImageIO's conversion (0.5 instead of 2 ns a sample of 16 bits). What is
-// not looked up is computed as OpenImageIO's convert_pixel_values() does (SampleConverterTest compares all types).
+// A lookup takes a quarter of the time of OpenImageIO's conversion (0.5 instead of 2 ns per 16-bit sample). Other
+// types are computed as OpenImageIO's convert_pixel_values() does (SampleConverterTest compares all types).
 #include "host/formats/image/sample_converter.h"
 
 #include <half.h>
@@ -35,7 +35,7 @@ void look_up(const std::vector<float>& table, const std::byte* samples, std::siz
   }
 }
 
-// Integers go to 0..1, or from a little below -1 to 1, by one product with the reciprocal of their largest value.
+// Integers become 0..1, or from slightly below -1 to 1, by multiplication with the reciprocal of their largest value.
 template <typename Sample>
 void scale(const std::byte* samples, std::size_t count, float* values) {
   constexpr float kScale =

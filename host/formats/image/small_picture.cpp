@@ -10,10 +10,11 @@
 namespace multum {
 namespace {
 
-// Which places of a line of `from` numbers share a number of one of `to` <= from, and by how much: two at most.
+// The one or two outputs to which an input contributes, with weights. A line has `from` inputs and `to` <= `from`
+// outputs.
 struct Share {
   int first = 0;
-  double first_weight = 0.0, second_weight = 0.0;  // the weights of one place sum to 1
+  double first_weight = 0.0, second_weight = 0.0;  // the weights of one output sum to 1
 };
 
 std::vector<Share> make_shares(int from, int to) {
@@ -31,7 +32,7 @@ std::vector<Share> make_shares(int from, int to) {
   return shares;
 }
 
-// Sums over areas; weighted as Share says, they are means.
+// Sums over areas; the weights of Share make them means.
 class AreaMeans {
  public:
   AreaMeans(const RawImageInfo& info, int width, int height)
@@ -72,7 +73,7 @@ class AreaMeans {
   std::vector<double> row_sums_, sums_;
 };
 
-// What is black, and what is white.
+// Returns the values shown as black and white.
 std::pair<double, double> range_of(const std::vector<double>& means, const RawImageInfo& info) {
   const auto [least, most] = std::minmax_element(means.begin(), means.end());
   if (info.channel_count == 1) return {*least, *most};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reduces an image file to a small picture, read by bands of rows: as large a file as any reader takes, in the memory
-// of a few of its rows.
+// Reduces an image file to a small picture. Reads by bands of rows, so that a file of any size takes the memory of
+// only a few rows.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace multum {
 
-/// Means over areas, of the numbers as the file holds them: neither width nor height is more than `side_max` after, and
-/// both keep their ratio; smaller files keep their size. One channel is grey, stretched from its least to its largest
-/// mean. With two the third is 1, as in a normal map. Floats with negative values are taken for -1..1, those beyond 1
-/// are stretched. Throws Error(kInput) as ImageReader does.
+/// Returns means over areas of the file's own numbers. Neither side exceeds `side_max`, and the ratio of sides is
+/// kept; smaller files keep their size. One channel becomes grey, stretched from the smallest to the largest mean.
+/// With two channels, the third is 1, as in a normal map. Floats with negative values are taken as -1..1, and a range
+/// beyond 1 is compressed to fit. Throws Error(kInput) as ImageReader does.
 Png8Image read_small_picture(const std::string& path, int side_max);
 
 }  // namespace multum

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kBeside = 0.211324865f;  // (1 - 1 / sqrt 3) / 2, of the two-point Gauss rule, in texels
 
-// The neighbours towards which a texel's point lies, each with kBeside of the weight: 1 or -1.
+// Directions (1 or -1) of the neighbours towards which a texel's point is moved; each has the weight kBeside.
 int step_x(int x, int y) { return (x + y) % 2 == 0 ? 1 : -1; }
 int step_y(int x) { return x % 4 == 0 || x % 4 == 3 ? 1 : -1; }
 
@@ -25,7 +25,7 @@ int continued(int texel, int size, WrapMode wrap) {
   return std::clamp(texel, 0, size - 1);
 }
 
-// Three planes, and where they are normals their lengths.
+// Three planes, and the lengths if they are normals.
 struct Row {
   explicit Row(std::size_t width)
       : planes{std::vector<float>(width), std::vector<float>(width), std::vector<float>(width)}, lengths(width) {}
@@ -41,7 +41,7 @@ struct Row {
   std::vector<float> lengths;
 };
 
-// Rows of points are made one after the other: each looks at the rows above and below.
+// Makes rows of points one after another; each needs the rows above and below.
 class PointRows {
  public:
   PointRows(const PlaneStore& texels, const MapWrap& wrap, bool are_normals)

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface between texels. Renderers interpolate a normal map where it is magnified, so what lies behind a distant
-// pixel is that surface, whose normals spread less than the texels' own: of white noise, (2/3)^2 of the variance. A
-// bake of it takes in each texel's place one point of the surface, 0.2113 texels beside the texel's middle along x and
-// along y: those are the points of the two-point Gauss rule between middles (Abramowitz and Stegun 25.4.30), exact for
-// polynomials of degree 3, so that means and variances of what is interpolated are its own at the cost of a bake of the
-// texels. Which of the four, by signs of x and y:
+// The surface between texels. Renderers interpolate a magnified normal map, so a distant pixel shows the interpolated
+// surface, whose normals spread less than the texels: for white noise, (2/3)^2 of the variance. A bake of the surface
+// takes one of its points for each texel, 0.2113 texels from the texel's centre along x and along y. These are the
+// points of the two-point Gauss rule between centres (Abramowitz and Stegun 25.4.30), which is exact for polynomials
+// of degree 3. So the means and variances of the interpolated surface are exact, at the cost of a bake of the texels.
+// The signs of x and y select one of four points:
 //
-//   texels of one of level 1     (+, s)  (-, -s)     s = 1 and -1 by turns along x
+//   texels of one of level 1     (+, s)  (-, -s)     s alternates between 1 and -1 along x
 //                                (-, s)  (+, -s)
 //
-// All four are there once; points are spread along x and y as middles are; and between any two columns of texels, or
-// rows, lie as many as between others, so that edges along the axes are as wide as they should be.
+// Each of the four occurs once. Points are distributed along x and y like centres. Between any two columns or rows of
+// texels there are equally many points, so edges along the axes have the right width.
 #pragma once
 
 #include "host/formats/image/plane_store.h"
@@ -23,17 +23,18 @@ namespace multum {
 
 inline const char* map_surface_name(MapSurface surface) { return choice_name(kMapSurfaces, surface); }
 
-/// How values beyond the border continue. Black and mirrored borders have the border's own texels there.
+/// Continuation of values beyond the border. Black and mirrored borders repeat the border's own texels.
 struct MapWrap {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };
 
-/// The points' normals, in new planes where `spill` says: the four around, weighted, the sum made as long as their
-/// lengths, weighted: 1, or what a roughness map left of it. Four that cancel have the nearest one's direction.
+/// Returns the points' normals, in new planes according to `spill`. Each is the weighted mean of four texels, scaled
+/// to the weighted mean of their lengths: 1, or less with a roughness map. If the four cancel, the nearest texel gives
+/// the direction.
 PlaneStore surface_normals(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
                            Progress* progress);
 
-/// The same points' colours or weights: interpolated as they are.
+/// Returns the same points' colours or weights, interpolated without scaling.
 PlaneStore surface_values(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
                           Progress* progress);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distant light from everywhere: radiance over latitude and longitude.
+// Distant light from all directions: radiance over latitude and longitude.
 #pragma once
 
 #include <vector>
@@ -9,21 +9,22 @@
 
 namespace multum {
 
-/// Row 0 is up, +Y; the middle column is -Z, to its right lies +X. Row-major, linear.
+/// Row 0 is up, +Y; the middle column is -Z, with +X to its right. Row-major, linear.
 struct EnvironmentMap {
   int width = 0;
   int height = 0;
   std::vector<glm::vec3> texels;
 };
 
-/// Unit; `s`, `t`: 0..1 across the map.
+/// Returns a unit direction; `s`, `t`: 0..1 across the map.
 glm::dvec3 environment_direction(double s, double t);
-/// The (s, t) of a unit direction.
+/// Returns the (s, t) of a unit direction.
 glm::dvec2 environment_coordinates(const glm::dvec3& direction);
-/// The solid angle of a texel of row `y`.
+/// Returns the solid angle of a texel of row `y`.
 double texel_solid_angle(int width, int height, int y);
 
-/// Means over solid angle of blocks of texels: at most `width` wide, half as high. A map that is smaller stays.
+/// Averages blocks of texels over solid angle: the result is at most `width` wide, and half as high. A smaller map
+/// stays unchanged.
 EnvironmentMap shrink(const EnvironmentMap& map, int width);
 
 }  // namespace multum

@@ -21,8 +21,8 @@ void for_each_texel(const EnvironmentMap& map, const Use& use) {
 
 }  // namespace
 
-// K_lm P_lm(z) / sin^m by upward recurrence in l, times sin^m (cos, sin)(m phi) as polynomials of x and y: no angle,
-// nothing divided by sin at the poles.
+// K_lm P_lm(z) / sin^m by upward recurrence in l, times sin^m (cos, sin)(m phi) as polynomials of x and y. Needs no
+// angles, and does not divide by sin at the poles.
 std::vector<double> harmonics(const glm::dvec3& d, int order) {
   const auto index = [](int l, int m) { return static_cast<std::size_t>(l * (l + 1) + m); };
   std::vector<double> y(index(order, order) + 1);
@@ -53,8 +53,8 @@ std::vector<double> harmonics(const glm::dvec3& d, int order) {
   return y;
 }
 
-// By moments: the projection to l = 1 is 3/(4 pi) of the first, that to l = 2 15/(8 pi) of the second without its
-// trace.
+// Uses moments: the projection to l = 1 is 3/(4 pi) times the first moment, the projection to l = 2 is 15/(8 pi) times
+// the second moment without its trace.
 SmoothEnvironment smooth_environment(const EnvironmentMap& map) {
   SmoothEnvironment smooth{
       {}, {glm::dvec3(0.0), glm::dvec3(0.0), glm::dvec3(0.0)}, {glm::dmat3(0.0), glm::dmat3(0.0), glm::dmat3(0.0)}};
@@ -70,7 +70,7 @@ SmoothEnvironment smooth_environment(const EnvironmentMap& map) {
   return smooth;
 }
 
-// dl = 4 (v.h) dh: what is left over directions of light is L(l) (v.h).
+// dl = 4 (v.h) dh, so the integrand over directions of light is L(l) (v.h).
 std::vector<glm::dvec3> half_vector_light(const EnvironmentMap& map, const glm::dvec3& v) {
   std::vector<glm::dvec3> sum((kHalfVectorOrder + 1) * (kHalfVectorOrder + 1), glm::dvec3(0.0));
   for_each_texel(map, [&](const glm::dvec3& l, const glm::dvec3& light) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real spherical harmonics, and environments in them.
+// Real spherical harmonics, and the coefficients of environments.
 #pragma once
 
 #include <array>
@@ -12,25 +12,25 @@
 
 namespace multum {
 
-/// Y_lm of a unit direction for l = 0 .. `order`, at index l (l + 1) + m: orthonormal, real, z the polar axis, no
-/// Condon-Shortley sign, m < 0 with sin(|m| phi).
+/// Returns Y_lm of a unit direction for l = 0 .. `order`, at index l (l + 1) + m. They are orthonormal and real, with
+/// polar axis z, without the Condon-Shortley sign; m < 0 has sin(|m| phi).
 std::vector<double> harmonics(const glm::dvec3& direction, int order);
 
-/// The part of an environment with l <= 2, which is all that Lambert sees to about 1 % (Ramamoorthi and Hanrahan 2001),
-/// as a polynomial of the direction: L(n) = mean + linear . n + n . quadratic n; one of each a channel.
+/// The part of an environment with l <= 2 as a polynomial of the direction, per channel: L(n) = mean + linear . n + n
+/// . quadratic n. Lambert depends on no more, to about 1 % (Ramamoorthi and Hanrahan 2001).
 struct SmoothEnvironment {
   std::array<double, 3> mean;
   std::array<glm::dvec3, 3> linear;
-  std::array<glm::dmat3, 3> quadratic;  // symmetric, of trace 0
+  std::array<glm::dmat3, 3> quadratic;  // symmetric, with trace 0
 };
 SmoothEnvironment smooth_environment(const EnvironmentMap& map);
 
 constexpr int kHalfVectorOrder = 8;
 
-/// Han et al. 2007, section 8: the coefficients of L'(h) = 4 (v.h) (v.h) L(reflect(v, h)), l <= kHalfVectorOrder, for
-/// one view direction: what a normal distribution that was convolved with the facets is integrated with. Han's has one
-/// v.h, of the change of variables; the other is n.l where n = h, so that each light counts with about its cosine.
-/// `map`: small (shrink()), its frame is that of `v`.
+/// Returns the coefficients of L'(h) = 4 (v.h) (v.h) L(reflect(v, h)), l <= kHalfVectorOrder, for one view direction
+/// (Han et al. 2007, section 8). Their product with a normal distribution convolved with the facets gives the
+/// highlight. Han's formula has one v.h, from the change of variables. The other v.h stands for n.l, which it equals
+/// at n = h, so each light counts with about its cosine. `map` is small (shrink()) and in the frame of `v`.
 std::vector<glm::dvec3> half_vector_light(const EnvironmentMap& map, const glm::dvec3& v);
 
 }  // namespace multum

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// Multiples of Roberts' R3 ratios modulo 1.
+// Returns a multiple of one of Roberts' R3 ratios, modulo 1.
 double fraction(unsigned index, double ratio) {
   const double x = 0.5 + ratio * (static_cast<double>(index) + 1.0);
   return x - std::floor(x);
@@ -39,7 +39,8 @@ LightSampler::LightSampler(const LightSampler& a, const LightSampler& b, double 
     cumulative_.push_back((1.0 - share) * a.cumulative_[i] + share * b.cumulative_[i]);
 }
 
-// The texel by the inverse of the cumulative sum, then evenly in longitude and in the cosine of latitude.
+// Finds the texel by the inverse of the cumulative sum, then draws uniformly in longitude and in the cosine of
+// latitude.
 glm::dvec3 LightSampler::direction(unsigned index) const {
   const double u = fraction(index, 0.8191725133961645) * total();
   const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), u);

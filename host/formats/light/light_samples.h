@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directions of an environment drawn where it is bright: for pictures by brute force.
+// Draws directions where an environment is bright, for brute-force pictures.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,13 @@
 
 namespace multum {
 
-/// The density of a direction is the luminance of its texel (green, with the mean of the others: what matters is that
-/// no light is left out) over `total`, per solid angle.
+/// The density of a direction per solid angle is the luminance of its texel (sampled_luminance()) over `total`.
 class LightSampler {
  public:
   explicit LightSampler(const EnvironmentMap& map);
-  /// Of (1 - share) of the map of `a` and `share` of that of `b`, which are of one size.
+  /// Samples (1 - share) times the map of `a` plus `share` times the map of `b`; both must have equal size.
   LightSampler(const LightSampler& a, const LightSampler& b, double share);
-  /// Number `index` of a low-discrepancy sequence; unit, in the environment's frame.
+  /// Returns direction `index` of a low-discrepancy sequence: a unit vector in the environment's frame.
   glm::dvec3 direction(unsigned index) const;
   double total() const { return cumulative_.back(); }  // the integral of the luminance
 
@@ -24,7 +23,7 @@ class LightSampler {
   std::vector<double> cumulative_;  // over texels
 };
 
-/// What the sampler takes for a texel's luminance.
+/// Returns the mean of the channels, so that light of any colour is sampled.
 double sampled_luminance(const glm::dvec3& light);
 
 }  // namespace multum

@@ -12,8 +12,8 @@
 namespace multum {
 namespace {
 
-// Every texel of the result is the mean of the source's, weighted by the lobe and by solid angle: normalised by the sum
-// of weights, so that a constant stays constant. What lies beyond four standard deviations is left out.
+// Returns a map whose texels are means of the source, weighted by the lobe and by solid angle. The division by the sum
+// of weights leaves a constant map unchanged. Ignores texels beyond four standard deviations.
 EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, int height) {
   EnvironmentMap result{width, height, std::vector<glm::vec3>(static_cast<std::size_t>(width * height))};
   const double reach = std::min(4.0 / std::sqrt(kappa), std::numbers::pi);
@@ -37,7 +37,7 @@ EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, i
         const double row = std::numbers::pi * (v + 0.5) / source.height;
         const double across = std::sin(row) * std::sin(theta), along = std::cos(row) * std::cos(theta);
         const double angle = texel_solid_angle(source.width, source.height, v);
-        // cos(angle between) >= cos(reach) bounds the longitudes.
+        // cos(angle between) >= cos(reach) limits the longitudes.
         const double bound = across > 1e-9 ? (std::cos(reach) - along) / across : -2.0;
         const double half = bound <= -1.0 ? std::numbers::pi : bound >= 1.0 ? 0.0 : std::acos(bound);
         const int columns =
@@ -60,12 +60,12 @@ EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, i
 
 }  // namespace
 
-// Each level from the one above it: mean cosines multiply, so the step's lobe has the quotient.
+// Makes each level from the level above. Mean cosines multiply, so the lobe of a step has their quotient.
 PrefilteredLevels prefilter(const EnvironmentMap& map) {
   const double texel = std::numbers::pi / map.height;
   PrefilteredLevels result{{map}, {texel * texel / 12.0}};  // a texel is a box
   for (int k = 1; (map.height >> k) >= 4; ++k) {
-    const int width = map.width >> k, height = map.height >> k;  // as GL has them
+    const int width = map.width >> k, height = map.height >> k;  // as in OpenGL
     const double deviation = 2.0 * std::numbers::pi / height;
     const double spread = vmf_spread(1.0 / (deviation * deviation));
     const double step = 1.0 - (1.0 - spread) / (1.0 - result.spreads.back());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An environment convolved with vMF lobes, one a mip level, so that a lobe of any spread reads it by two levels.
+// An environment convolved with vMF lobes, one per mip level. A lobe of any spread is read from two levels.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,12 @@
 namespace multum {
 
 struct PrefilteredLevels {
-  std::vector<EnvironmentMap> levels;  // level 0 is the map; each next one is half as wide and high
-  std::vector<double> spreads;         // 1 - A(kappa) of each: growing
+  std::vector<EnvironmentMap> levels;  // level 0 is the map; every level is half as wide and high as the last
+  std::vector<double> spreads;         // 1 - A(kappa) of each level, increasing
 };
 
-/// A level's lobe has a standard deviation of two of its texels, so that bilinear filtering of it is smooth.
+/// Convolves level by level. The standard deviation of a level's lobe is two of its texels, so that bilinear filtering
+/// is smooth.
 PrefilteredLevels prefilter(const EnvironmentMap& map);
 
 }  // namespace multum

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSampleCount = 512;
 
-// A point of the generalised golden ratio's sequence (Roberts' R4).
+// Returns a point of the sequence of the generalized golden ratio (Roberts' R4).
 std::array<double, 4> sequence(int i) {
   constexpr double kRatios[4] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087, 0.5385972572236101};
   std::array<double, 4> u{};
@@ -29,9 +29,9 @@ std::array<double, 4> sequence(int i) {
   return u;
 }
 
-// A direction around `axis` of a vMF with this kappa.
+// Draws a direction around `axis` from a vMF with this kappa.
 glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) {
-  // The inverse of the distribution of e = 1 - cosine: exp(-kappa e) from 1 to exp(-2 kappa).
+  // Inverts the distribution of e = 1 - cosine: exp(-kappa e) from 1 to exp(-2 kappa).
   const double e = kappa < 1e-4 ? 2.0 * u : -std::log1p(-u * -std::expm1(-2.0 * kappa)) / kappa;
   const double sine = std::sqrt(std::max(e * (2.0 - e), 0.0)), phi = 2.0 * std::numbers::pi * w;
   const glm::dvec3 side = glm::normalize(std::abs(axis.z) < 0.9 ? glm::cross(axis, glm::dvec3(0.0, 0.0, 1.0))

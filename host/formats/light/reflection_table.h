@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tabulates how much light a lobe of normals reflects where it is the same from everywhere (the "split sum" of Karis
-// 2013, with the lobe as one more dimension): a lobe n ~ vMF(mu, d), facets h ~ vMF(n, term), l = reflect(v, h), each
+// Tabulates the light that a lobe of normals reflects under uniform light (the "split sum" of Karis 2013, with the
+// lobe as one more dimension). It draws a lobe n ~ vMF(mu, d), facets h ~ vMF(n, term), and l = reflect(v, h), each
 // with the weight 4 (v.h) F(v.h) V max(n.l, 0).
 #pragma once
 
@@ -17,11 +17,11 @@ constexpr int kReflectionSpreadCount = 24;  // d = 1 - |r|: (i / (count - 1))^3
 
 struct ReflectionEntry {
   glm::dvec3 weight;  // the integral
-  double plain;       // the integral of 4 (v.h) (v.h) alone
-  double fresnel;     // the mean over cosine-weighted light of (1 - v.h)^5: for the 1 - F of the diffuse part
+  double plain;       // the integral of only 4 (v.h) (v.h)
+  double fresnel;     // mean of (1 - v.h)^5 over cosine-weighted light, for the factor 1 - F of the diffuse part
 };
 
-/// One table a term of vmf_terms(brdf): entry [spread][cosine], row by row.
+/// Returns one table per term of vmf_terms(brdf), as entries [spread][cosine], row by row.
 std::vector<std::vector<ReflectionEntry>> reflection_tables(const Brdf& brdf);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether every component of a vector is a number; every check of a mesh asks it.
+// Returns whether every component of a vector is finite; every check of a mesh uses it.
 #pragma once
 
 #include <cmath>

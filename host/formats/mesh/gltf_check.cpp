@@ -10,14 +10,14 @@
 namespace multum {
 namespace {
 
-// Extensions that leave positions, normals and uv set 0 as the core format has them.
+// Returns whether an extension leaves positions, normals and uv set 0 as the core format defines them.
 bool leaves_geometry_alone(const std::string& extension) {
   for (const char* prefix : {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu", "KHR_xmp", "EXT_texture_webp"})
     if (extension.compare(0, std::strlen(prefix), prefix) == 0) return true;
   return false;
 }
 
-// assimp opens what buffers name; it says little of why it did not.
+// Opens the files that buffers name, because assimp hardly says why it could not.
 void check_buffers(const nlohmann::json& json, const std::string& path) {
   const auto buffers = json.find("buffers");
   if (buffers == json.end() || !buffers->is_array()) return;

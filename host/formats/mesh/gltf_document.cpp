@@ -27,7 +27,7 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
-// As many of the bytes as there are, up to `byte_max`.
+// Reads at most `byte_max` bytes.
 std::string read_from(OpenFile opened, const std::string& path, std::uint64_t byte_max) {
   if (!opened.is_open()) refuse_file(path, std::string("cannot be read: ") + std::strerror(errno));
   RegularFileStream file(std::move(opened));
@@ -41,10 +41,10 @@ std::string read_from(OpenFile opened, const std::string& path, std::uint64_t by
 
 std::string folder_of_model(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
 
-// The name that a URI has beside the model.
+// Returns the file name that a relative URI stands for.
 std::string decoded_uri(const std::string& path, const std::string& uri) {
-  if (uri.empty()) refuse_file(path, "names a file by an empty URI, expected the name of a file beside it");
-  if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file beside it");
+  if (uri.empty()) refuse_file(path, "refers to a file by an empty URI, expected the name of a file in its folder");
+  if (uri.find("://") != std::string::npos) refuse_file(path, "names " + uri + ", expected a file in its folder");
   std::string name;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     const bool is_code = uri[i] == '%' && i + 2 < uri.size() &&
@@ -54,11 +54,11 @@ std::string decoded_uri(const std::string& path, const std::string& uri) {
     if (is_code) i += 2;
   }
   if (name.find('\0') != std::string::npos)
-    refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file beside it");
-  // A model that came from somebody else must not bring in files of this machine.
+    refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file in its folder");
+  // A model from another person must not include files of this machine.
   const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
   if (relative.is_absolute() || *relative.begin() == "..")
-    refuse_file(path, "names " + name + ", which is not in its folder; expected a file beside it or below");
+    refuse_file(path, "names " + name + ", which is not in its folder; expected a file in its folder or below");
   return (std::filesystem::path(path).parent_path() / relative).string();
 }
 
@@ -68,21 +68,21 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-// GLB: 12 bytes of header ("glTF", version, length), then chunks of (length, type, data): JSON, then perhaps bytes.
+// Splits a GLB file: 12 bytes of header ("glTF", version, length), then chunks of (length, type, data): JSON, then
+// optional bytes.
 void split_glb(const std::string& bytes, const std::string& path, std::string& json, std::string& binary) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
   if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)
     refuse_file(path, "is not a GLB file: it does not begin with glTF");
   const std::size_t length = little_endian(bytes, 12);
   if (little_endian(bytes, 16) != kJsonChunk || length > bytes.size() - 20)
-    refuse_file(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is not all there");
+    refuse_file(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is incomplete");
   json = bytes.substr(20, length);
   const std::size_t next = 20 + length;
   if (next + 8 > bytes.size()) return;
   const std::size_t binary_length = little_endian(bytes, next);
   if (binary_length > bytes.size() - next - 8)
-    refuse_file(path,
-                "is a damaged GLB file: its chunk of " + std::to_string(binary_length) + " bytes is not all there");
+    refuse_file(path, "is a damaged GLB file: its chunk of " + std::to_string(binary_length) + " bytes is incomplete");
   binary = bytes.substr(next + 8, binary_length);
 }
 
@@ -118,7 +118,7 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
 
 std::string read_model_file(const std::string& path) {
   std::string bytes = read_from(open_regular_file(path), path, kModelBytesMax + 1);
-  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, which is more than a GLB holds");
+  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, expected less, the limit of GLB");
   return bytes;
 }
 
@@ -158,7 +158,7 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
     if (std::string_view(error.what()).starts_with(document.path)) throw;
     refuse_file(document.path, what + " is damaged: " + error.what());
   } catch (const nlohmann::json::exception&) {
-    refuse_file(document.path, what + " is not there, or damaged");
+    refuse_file(document.path, what + " is missing or damaged");
   }
 }
 

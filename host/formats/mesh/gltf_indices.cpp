@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The indices are those of the glTF 2.0 specification, section 5, and of its extensions' schemas.
+// Knows the indices of the glTF 2.0 specification, section 5, and of its extensions' schemas.
 #include "host/formats/mesh/gltf_indices.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-// Where indices stand, "*" for each element or member, and where they lead.
+// A place with indices ("*" stands for each element or member), and the array that they refer to.
 struct IndexRule {
   std::string_view place, target;
 };
@@ -100,7 +100,7 @@ class IndexCheck {
     return at;
   }
 
-  // Calls use(value, place) for what stands at `rest` in `value`, which stands at `at` itself.
+  // Calls use(value, place) for every value at the relative place `rest` in `value`. `at` is the place of `value`.
   template <typename Use>
   void walk(const Json& value, std::string_view rest, const std::string& at, const Use& use) const {
     if (rest.empty()) {
@@ -116,7 +116,7 @@ class IndexCheck {
     }
   }
 
-  // A material's textures, as "...Texture": {"index": 1}, wherever the core or an extension of materials has them.
+  // Checks a material's textures, written as "...Texture": {"index": 1}, in the core format and in any extension.
   void textures_of(const Json& value, const std::string& place) const {
     if (!value.is_object()) return;
     for (const auto& [key, child] : value.items()) {

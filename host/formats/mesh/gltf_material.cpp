@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;  // GL's, as glTF stores them
+constexpr int kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;  // OpenGL's codes, as glTF stores them
 
 std::string unique(std::string name, std::set<std::string>& taken) {
   const std::string first = name;
@@ -72,13 +72,13 @@ class MaterialReader {
     return made;
   }
 
-  // By what the bytes are: their name and type may say otherwise.
+  // Detects the format from the bytes; name and type may be wrong.
   std::string extension_of(const std::string& bytes, const std::string& number) const {
     if (bytes.starts_with("\x89PNG")) return "png";
     if (bytes.starts_with("\xff\xd8\xff")) return "jpg";
     if (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP") return "webp";
     if (bytes.starts_with("\xabKTX 20\xbb")) return "ktx2";
-    refuse(number + " is neither PNG nor JPEG nor WebP nor KTX2, which can be read; export it as one of them");
+    refuse(number + " is not PNG, JPEG, WebP or KTX2; export it as one of these");
   }
 
   GltfMaterial read_material(const json& material, const std::string& name) const {
@@ -115,16 +115,16 @@ class MaterialReader {
     const std::size_t index = index_at(info, "index");
     const json& textures = array("textures");
     if (index >= textures.size())
-      refuse(fmt::format("material '{}' names texture {} of {}", material, index, textures.size()));
+      refuse(fmt::format("material '{}' refers to texture {} of {}", material, index, textures.size()));
     const json& texture = textures.at(index);
     std::size_t image = result_.images.size();
     const json& more = texture.contains("extensions") ? texture.at("extensions") : json::object();
     if (more.contains("EXT_texture_webp")) image = index_at(more.at("EXT_texture_webp"), "source");
     if (image == result_.images.size() && texture.contains("source")) image = index_at(texture, "source");
-    // Last: its texels may be such as only GPUs' libraries decode.
+    // Comes last, because some texels of this format can be decoded only by GPU libraries.
     if (image == result_.images.size() && more.contains("KHR_texture_basisu"))
       image = index_at(more.at("KHR_texture_basisu"), "source");
-    if (image >= result_.images.size()) refuse(fmt::format("texture {} has no image that can be read", index));
+    if (image >= result_.images.size()) refuse(fmt::format("texture {} has no readable image", index));
     made.image = static_cast<int>(image);
     if (texture.contains("sampler")) {
       const json& sampler = array("samplers").at(index_at(texture, "sampler"));
@@ -134,7 +134,7 @@ class MaterialReader {
     return made;
   }
 
-  // A moved or turned texture would need its normals turned with it: nothing here does that.
+  // Refuses a texture transform. Rotating a texture would require rotating its normals too, and nothing here does that.
   void check_transform(const json& info, const char* key, const std::string& material) const {
     if (!info.contains("extensions") || !info.at("extensions").contains("KHR_texture_transform")) return;
     const json& transform = info.at("extensions").at("KHR_texture_transform");
@@ -144,8 +144,8 @@ class MaterialReader {
                          (transform.contains("texCoord") && uv_set_of(transform) != uv_set_of(info));
     if (changes)
       refuse(
-          fmt::format("material '{}' moves its {} by KHR_texture_transform, which cannot be read; apply it to the "
-                      "texture coordinates and export again",
+          fmt::format("material '{}' transforms its {} by KHR_texture_transform, which is not supported; apply it to "
+                      "the texture coordinates and export again",
                       material, key));
   }
 
@@ -155,7 +155,8 @@ class MaterialReader {
       case kClampToEdge: return "clamp";
       case kMirroredRepeat: return "mirror";
     }
-    refuse(fmt::format("a sampler wraps by {}, expected {}, {} or {}", mode, kRepeat, kClampToEdge, kMirroredRepeat));
+    refuse(
+        fmt::format("a sampler has wrap mode {}, expected {}, {} or {}", mode, kRepeat, kClampToEdge, kMirroredRepeat));
   }
 
   const GltfDocument document_;
@@ -178,7 +179,7 @@ GltfMaterials read_gltf_materials(const std::string& path) {
     if (error.code() != ErrorCode::kInput || std::string_view(error.what()).starts_with(path)) throw;
     refuse_file(path, std::string("is damaged: ") + error.what());
   } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorCode::kInput, path + ": is damaged: its materials or textures are not as glTF has them");
+    throw Error(ErrorCode::kInput, path + ": is damaged: its materials or textures do not follow the glTF format");
   }
 }
 

@@ -16,7 +16,7 @@ namespace {
 template <typename Meshes>
 constexpr bool is_whole = std::is_same_v<std::remove_const_t<Meshes>, TriangleMesh>;
 
-// In their order in messages and in memory.
+// Visits the arrays in the order of messages and memory.
 template <typename Meshes, typename Action>
 void for_each_array(Meshes& meshes, const Action& action) {
   if constexpr (is_whole<Meshes>) {
@@ -71,7 +71,7 @@ void read(MessageReader& in, ObjectMeshes& meshes) {
   }
 }
 
-// Whether they can be drawn. Both kinds of mesh have these three.
+// Returns whether a mesh of either kind can be drawn.
 template <typename Mesh>
 bool is_sound(const Mesh& mesh) {
   if (mesh.uvs.size() != mesh.positions.size() || mesh.indices.size() % 3 != 0) return false;
@@ -113,9 +113,8 @@ Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in) {
   for_each_array(meshes, [&](auto& array) {
     const auto count = in.number<std::uint64_t>();
     if (count > left / sizeof(array[0]))
-      refuse_file(file.path,
-                  fmt::format("damaged: {} numbers a vertex or triangle, expected a mesh of {} bytes at most", count,
-                              file.memory_max));
+      refuse_file(file.path, fmt::format("damaged: {} vertex or triangle numbers, expected a mesh of at most {} bytes",
+                                         count, file.memory_max));
     left -= count * sizeof(array[0]);
     array.resize(count);
   });
@@ -154,8 +153,7 @@ void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes)
     memory += bytes_of(array);
   });
   if (!are_sound(meshes))
-    refuse_file(file.path,
-                "damaged: what came of it is not a mesh, expected a file that " + file.library + " survives");
+    refuse_file(file.path, "damaged: decoding gave no valid mesh, expected a file readable by " + file.library);
 }
 
 template TriangleMesh parse_mesh_answer(const AskedFile&, MessageReader&);

@@ -2,8 +2,8 @@
 // Messages between a process and its decoder of meshes (host/formats/decoder/mesh_decoder.h).
 //
 //   request   kOpenMesh, path, uv_set      answer   counts, parts
-//             kOpenObjects, path, uv_set            of each object: counts, name, place
-//             kReadMesh                             nothing; its arrays lie in the shared memory, one after the other
+//             kOpenObjects, path, uv_set            for each object: counts, name, transform
+//             kReadMesh                             nothing; the arrays are in the shared memory, one after the other
 #pragma once
 
 #include <string>
@@ -20,20 +20,21 @@ using ObjectMeshes = std::vector<ObjectMesh>;
 std::string open_mesh_request(DecodingRequest kind, const std::string& path, int uv_set);
 std::string read_mesh_request();
 
-/// Of `Meshes`, TriangleMesh or ObjectMeshes, all but what its arrays hold; they are as long as they will be. Throws
-/// Error(kInput) naming the file where that is more than the child was held to.
+/// Reads everything except the contents of arrays; arrays get their final lengths. `Meshes` is TriangleMesh or
+/// ObjectMeshes. Throws Error(kInput) naming the file if the lengths exceed the child's limits.
 template <typename Meshes>
 Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in);
 
-/// Of all its arrays together.
+/// Returns the size of all arrays together.
 template <typename Meshes>
 std::size_t array_bytes(const Meshes& meshes);
 
-/// Throws Error(kInput) naming the file where they are of no mesh: what follows computes with their numbers.
+/// Copies the arrays from memory. Throws Error(kInput) naming the file if the values are not a valid mesh, because
+/// later code computes with them.
 template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
 
-/// The child's side: its answer to a request to open, and its arrays put where the other side takes them from.
+/// The child's side: answers a request to open, and puts arrays where the other side reads them.
 template <typename Meshes>
 std::string open_mesh_answer(const Meshes& meshes);
 template <typename Meshes>

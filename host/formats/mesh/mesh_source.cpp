@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a child may take (host/foundation/sandbox/decoding_child.h). A corner of a triangle, 20 bytes of an OBJ file,
-// becomes about a kilobyte: assimp's vertex, its copy where a node is placed, ours, and its entry in the table that
+// Limits of a child (host/foundation/sandbox/decoding_child.h). One corner of a triangle, 20 bytes of an OBJ file,
+// takes about a kilobyte: assimp's vertex, its copy for a placed node, our vertex, and an entry in the table that
 // joins vertices.
-//   memory   memory_base + 64 sizes of the file and of what a glTF file says that its buffers have
-//   time     time_base + 1 s a MiB of them
+//   memory   memory_base + 64 times the size of the file and of a glTF file's buffers
+//   time     time_base + 1 s per MiB of them
 #include "host/formats/mesh/mesh_source.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::uint64_t file_bytes(const std::string& path) {
   return error ? 0 : size;
 }
 
-// What is wrong with it, its reader says.
+// Ignores faults of the file, because its reader reports them.
 std::uint64_t buffer_bytes(const std::string& path) {
   std::uint64_t bytes = 0;
   try {
@@ -51,7 +51,7 @@ std::uint64_t buffer_bytes(const std::string& path) {
 template <typename Meshes>
 Meshes read_in_child(DecodingRequest kind, const std::string& path, int uv_set) {
   constexpr std::uint64_t kMemoryTimes = 64, kBytesASecond = std::uint64_t{1} << 20;
-  open_regular_file(path);  // what is none is refused without a child; what is not there the child names
+  open_regular_file(path);  // refuses irregular files without a child; the child reports a missing file
   DecodedFile file(mesh_child(), path, "assimp");
   const std::uint64_t bytes = file_bytes(path) + (is_gltf_name(path) ? buffer_bytes(path) : 0);
   file.allow(kMemoryTimes * bytes, std::chrono::seconds(bytes / kBytesASecond));

@@ -38,7 +38,7 @@ VertexKey key_of(const TriangleCorners& corners, std::size_t i) {
   return {{bits(p.x), bits(p.y), bits(p.z), bits(n.x), bits(n.y), bits(n.z), bits(uv.x), bits(uv.y)}};
 }
 
-// The number of each corner's vertex.
+// Returns the vertex number of each corner.
 std::vector<Index> weld(const TriangleCorners& corners) {
   std::unordered_map<VertexKey, Index, VertexKeyHash> vertices;
   std::vector<Index> numbers;
@@ -49,9 +49,9 @@ std::vector<Index> weld(const TriangleCorners& corners) {
 }
 
 struct Face {
-  glm::dvec3 tangent{0.0};  // unit; 0: u grows nowhere
+  glm::dvec3 tangent{0.0};  // unit; 0: u does not change
   bool is_mirrored = false;
-  bool has_area = true;  // in space; others count for nothing
+  bool has_area = true;  // in space; triangles without area are ignored
 };
 
 Face face_of(const TriangleCorners& corners, std::size_t first) {
@@ -69,7 +69,7 @@ Face face_of(const TriangleCorners& corners, std::size_t first) {
   return face;
 }
 
-// Sets of corners that belong together, by union and find.
+// Disjoint sets of corners (union-find).
 class Groups {
  public:
   explicit Groups(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), std::size_t{0}); }
@@ -85,11 +85,11 @@ class Groups {
 
 bool is_directed(const Face& face) { return face.has_area && face.tangent != glm::dvec3(0.0); }
 
-// Joins the corners of triangles that share an edge, its two vertices and their orientation, at both of its ends.
+// Joins corners of triangles that share an edge and its orientation, at both ends of the edge.
 Groups join_at_edges(const std::vector<Index>& vertices, const std::vector<Face>& faces) {
   const auto next = [](std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
   Groups groups(vertices.size());
-  // By the edge's vertices and orientation: a corner where it begins, of the first triangle that has it.
+  // Maps the edge's vertices and orientation to the corner where the edge begins in its first triangle.
   std::map<std::array<Index, 3>, std::size_t> edges;
   for (std::size_t corner = 0; corner < vertices.size(); ++corner) {
     const Face& face = faces[corner / 3];
@@ -111,7 +111,7 @@ glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& normal) {
   return size > 1e-20 ? flat / size : glm::dvec3(0.0);
 }
 
-// Of a triangle's two edges at a corner, as they lie in the plane across the corner's normal.
+// Returns the angle between a triangle's two edges at a corner, projected to the plane across the corner's normal.
 double angle_at(const TriangleCorners& corners, std::size_t corner) {
   const std::size_t first = corner - corner % 3;
   const glm::dvec3 at(corners.positions[corner]), normal(corners.normals[corner]);
@@ -139,8 +139,8 @@ std::vector<glm::vec4> mikk_tangents(const TriangleCorners& corners) {
     glm::dvec3 tangent{0.0};
     bool is_mirrored = false;
   };
-  std::vector<Sum> sums(count);                       // of each group, at its first corner
-  std::unordered_map<Index, std::size_t> directions;  // of a vertex: some group that has one
+  std::vector<Sum> sums(count);                       // one per group, at its first corner
+  std::unordered_map<Index, std::size_t> directions;  // for each vertex, one group that has a direction
   for (std::size_t corner = 0; corner < count; ++corner) {
     const Face& face = faces[corner / 3];
     if (!is_directed(face)) continue;

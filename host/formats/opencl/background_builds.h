@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds programs in threads of their own while their user does something else. Private to host/formats/opencl.
+// Builds programs in separate threads while the user does something else. Private to host/formats/opencl.
 #pragma once
 
 #include <condition_variable>
@@ -19,20 +19,21 @@ namespace multum {
 
 class BackgroundBuilds {
  public:
-  /// A program's binary, built in the thread's context: none at first, and what a build leaves there the next one
-  /// finds.
+  /// Returns a program's binary, built in the thread's context. The context is null at first; later builds in the same
+  /// thread reuse the context that a build leaves there.
   using Build = std::function<std::string(cl::Context& context)>;
 
   BackgroundBuilds() = default;
-  /// Waits for the builds that run; those that wait are dropped.
+  /// Waits for running builds; drops waiting builds.
   ~BackgroundBuilds();
   BackgroundBuilds(const BackgroundBuilds&) = delete;
   BackgroundBuilds& operator=(const BackgroundBuilds&) = delete;
 
   bool has(const std::string& key) const { return results_.count(key) != 0; }
-  /// Begins it as soon as a processor is free: as many run at once as the machine has.
+  /// Queues a build. As many builds run at once as the machine has cores.
   void add(const std::string& key, Build build);
-  /// Waits for what was added as `key` and forgets it; none where nothing was. Throws what the build threw.
+  /// Waits for the build added as `key`, and forgets it. Returns nothing if there was none. Rethrows the build's
+  /// exception.
   std::optional<std::string> take(const std::string& key);
 
  private:

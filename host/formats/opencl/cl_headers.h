@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Includes OpenCL's headers, once for all: handles are clhpp's, and every status is checked (cl_error.h). Private to
+// Includes OpenCL's headers in one place: clhpp owns handles, and cl_error.h checks every status. Private to
 // host/formats/opencl.
 #pragma once
 

@@ -67,7 +67,7 @@ DeviceInfo info_of(const cl::Device& device, int index, const std::string& platf
   info.local_bytes = device_value<CL_DEVICE_LOCAL_MEM_SIZE>(device);
   info.memory_bytes = device_value<CL_DEVICE_GLOBAL_MEM_SIZE>(device);
   info.buffer_bytes_max = device_value<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device);
-  if (info.is_cpu) {  // PoCL says what the machine has, whatever a container leaves of it
+  if (info.is_cpu) {  // PoCL reports the machine's memory and ignores a container's limit
     info.memory_bytes = std::min(info.memory_bytes, machine_memory_bytes());
     info.buffer_bytes_max = std::min(info.buffer_bytes_max, machine_memory_bytes());
   }
@@ -111,7 +111,7 @@ std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices,
   }
   for (std::size_t i = 0; i < devices.size(); ++i)
     if (std::to_string(devices[i].index) == selector) return i;
-  for (std::size_t i = 0; i < devices.size(); ++i)  // a number of a name: "4090"
+  for (std::size_t i = 0; i < devices.size(); ++i)  // the selector may be part of a name: "4090"
     if (has_in_name(devices[i], selector)) return i;
   return std::nullopt;
 }
@@ -143,7 +143,7 @@ std::shared_ptr<DeviceState> open_state(const std::string& selector) {
     std::string known;
     for (const FoundDevice& device : devices) known += fmt::format("\n  {}: {}", device.info.index, device.info.name);
     throw Error(ErrorCode::kEnvironment,
-                "no OpenCL device matches '" + selector + "'; expected a number or part of a name of" + known);
+                "no OpenCL device matches '" + selector + "'; expected a number, or part of a name, from" + known);
   }
   auto opened = std::make_shared<DeviceState>();
   DeviceState& state = *opened;
@@ -253,7 +253,7 @@ void Device::time_launches(bool on) {
   if (!on && state_ == nullptr) return;
   if (on == state().times_launches) return;
   finish();
-  release_staging(state());  // mapped by the queue that goes
+  release_staging(state());  // mapped by the queue that is about to close
   cl_int status = CL_SUCCESS;
   cl::CommandQueue queue(state().context, state().device, on ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
   check_cl(status, state().info.name + ": clCreateCommandQueue");

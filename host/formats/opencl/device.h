@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenCL device with its context, queue, programs and launch counts. No OpenCL type leaves this folder.
+// An OpenCL device with its context, queue, programs and launch counts. No OpenCL type appears outside this folder.
 #pragma once
 
 #include <cstddef>
@@ -23,14 +23,14 @@ class Kernel;
 namespace multum {
 
 struct DeviceInfo {
-  int index;  // as `multum devices` numbers them
+  int index;  // number in `multum devices`
   std::string name;
   std::string platform;
   std::string driver;
-  std::string version;  // of OpenCL, with what the driver adds
+  std::string version;  // of OpenCL, with the driver's additions
   bool is_cpu;
-  bool shares_memory;      // with the host: nothing is gained by few copies
-  bool rounds_when_asked;  // divides and takes roots as IEEE says, but only when a program is built so
+  bool shares_memory;      // with the host, so that fewer copies gain nothing
+  bool rounds_when_asked;  // rounds divisions and roots as IEEE requires, but only in programs built with an option
   bool has_atomic_longs;   // cl_khr_int64_base_atomics
   int compute_units;
   int work_group_max;         // work-items
@@ -39,7 +39,7 @@ struct DeviceInfo {
   std::uint64_t buffer_bytes_max;
 };
 
-/// Copies between host and device since it was opened; none where they share memory.
+/// Counts of copies between host and device since the device was opened; 0 if they share memory.
 struct TransferCounts {
   std::uint64_t uploads = 0, upload_bytes = 0;
   std::uint64_t downloads = 0, download_bytes = 0;
@@ -47,16 +47,16 @@ struct TransferCounts {
   TransferCounts operator-(const TransferCounts& other) const;
 };
 
-/// Every device of every platform; empty when there is none.
+/// Returns every device of every platform; may be empty.
 std::vector<DeviceInfo> list_devices();
 
-/// Chooses the device that a selector names, as Device::open() does; unset where it names none of them.
+/// Chooses the device that a selector names, as Device::open() does; unset if it names none.
 std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices, const std::string& selector);
 
 class DeviceState;
 struct LaunchShape;
 
-/// Memory on the device. Movable; released when destroyed.
+/// Memory on the device. Movable; freed by the destructor.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
@@ -84,8 +84,8 @@ struct BufferMove {
 class Kernel {
  public:
   struct WorkSize {
-    std::size_t global;     // work-items wanted; rounded up to a multiple of `local`, so kernels check their bounds
-    std::size_t local = 0;  // 0: the device's usual size
+    std::size_t global;     // work-items, rounded up to a multiple of `local`; kernels check their bounds
+    std::size_t local = 0;  // 0: the device's default
   };
 
   bool is_built() const { return kernel_ != nullptr; }
@@ -113,91 +113,93 @@ class Kernel {
   std::string name_;
 };
 
-/// kernels/FILE.cl in one of its variants.
+/// kernels/FILE.cl in one variant.
 struct ProgramChoice {
   std::string file;
   KernelVariant variant;
 };
 
-/// Choice of a device, and how it is used.
+/// A device and how to use it.
 struct DeviceChoice {
-  std::string selector;         // as Device::open() has it
-  bool as_accelerator = false;  // cut work up as for a GPU whatever it is: the same bytes (LaunchShape)
+  std::string selector;         // as for Device::open()
+  bool as_accelerator = false;  // divides work as for a GPU, on any device; the bytes stay the same (LaunchShape)
 };
 
 class Device {
  public:
-  /// `selector`: empty = the first GPU, else the first CPU; a number of `multum devices`; or a part of a device's or
-  /// platform's name, which a number is too where no device has it: "4090". Throws Error(kEnvironment) when there is no
-  /// such device, listing those there are.
+  /// Opens a device. `selector`: empty for the first GPU, or the first CPU if there is none; a number of `multum
+  /// devices`; or part of a device's or platform's name. "4090" is such a part if no device has this number. Throws
+  /// Error(kEnvironment), listing the devices, if none matches.
   static Device open(const std::string& selector);
   static Device open(const DeviceChoice& choice);
-  /// Opens the device when something is first asked of it: a driver takes 80 MiB and tens of milliseconds, and whoever
-  /// refuses an input needs none. What open() throws is thrown then.
+  /// Opens the device at its first use, and throws then as open() does. A driver takes 80 MiB and tens of
+  /// milliseconds, and a program that refuses its input needs no device.
   static Device when_needed(const DeviceChoice& choice);
   bool is_open() const { return state_ != nullptr; }
 
   const DeviceInfo& info() const;
-  /// Division of work for it (host/formats/opencl/launch_shape.h), and another one, for tests.
+  /// Division of work for the device (host/formats/opencl/launch_shape.h); set_shape() replaces it in tests.
   const LaunchShape& shape() const;
   void set_shape(const LaunchShape& shape);
 
-  /// Throws Error(kEnvironment) when it is larger than the device's buffers may be.
+  /// Throws Error(kEnvironment) if the size exceeds the device's limit for buffers.
   DeviceBuffer make_buffer(std::size_t byte_count, const std::string& what);
-  /// Uses the caller's memory without a copy on CPUs, copies on others; `data` must outlive the buffer and not change.
+  /// Uses the caller's memory without a copy on CPUs; copies on other devices. `data` must outlive the buffer and stay
+  /// unchanged.
   DeviceBuffer wrap_buffer(const void* data, std::size_t byte_count, const std::string& what);
-  /// Copy to and from the buffer's beginning, after the launches before.
+  /// Copies to or from the beginning of the buffer, after earlier launches.
   void write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   void read(const DeviceBuffer& buffer, void* data, std::size_t byte_count);
-  /// As write(), without waiting: `data` must stay as it is until the queue has finished.
+  /// Writes without waiting: `data` must stay unchanged until the queue has finished.
   void queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
-  /// Calls `body` with where the ranges' bytes can be read, on CPUs without a copy. Waits for the launches before.
+  /// Waits for earlier launches, then calls `body` with pointers to the ranges' bytes, without a copy on CPUs.
   using Bytes = std::vector<unsigned char*>;
   using WithBytes = std::function<void(const Bytes& bytes)>;
   void read_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
-  /// Maps the ranges for writing: what `body` leaves there is in the buffers for the launches that follow. What it does
-  /// not write may hold anything afterwards. Neither may be called from a `body`.
+  /// Maps the ranges for writing; later launches see the bytes that `body` writes. Bytes that `body` does not write
+  /// are undefined afterwards. A `body` must not call either function.
   void write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
-  /// Moves bytes within their buffers to a lower place, which may overlap where they are; no two moves may meet.
+  /// Moves bytes to a lower place in the same buffer. Source and target of a move may overlap; different moves may not.
   void move_down(const std::vector<BufferMove>& moves);
   void fill_zero(DeviceBuffer& buffer);
 
-  /// Begins to build these programs side by side, in their order, those that the cache lacks; kernel() waits for its
-  /// own. Without a cache folder (program_cache.h) it does nothing.
+  /// Starts to build these programs in parallel, in this order, except for cached ones; kernel() waits for the one it
+  /// needs. Does nothing without a cache folder (program_cache.h).
   void prepare(const std::vector<ProgramChoice>& programs);
-  /// A kernel of kernels/FILE.cl, built with the variant's options or taken from the program cache.
+  /// Returns a kernel of kernels/FILE.cl, built with the variant's options or loaded from the program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
 
-  /// Edits the kernels from which programs are built from now on; an empty list ends that. Kernels made before stay as
-  /// they are. For showing what a guard is for (host/lab/selftest), never for a bake.
+  /// Edits the sources of programs that are built from here on; an empty list ends the edits. Existing kernels stay
+  /// unchanged. Shows what a guard prevents (host/lab/selftest); never used for a bake.
   void edit_kernels(std::vector<SourceEdit> edits);
   bool kernels_are_edited() const;
 
   /// Waits for all launches.
   void finish();
-  /// Hands queued launches to the device.
+  /// Sends queued launches to the device.
   void flush();
 
-  /// Launches since it was opened, by kernel name; programs built or loaded from the cache since then. Of one job:
-  /// host/formats/opencl/device_counts.h.
+  /// Launches by kernel name, and programs built or loaded from the cache, since the device was opened.
+  /// host/formats/opencl/device_counts.h counts for one job.
   const std::map<std::string, std::uint64_t>& launch_counts() const;
   std::uint64_t launch_total() const;
   int program_count() const;
-  /// Programs that kernel() had to build while its caller waited: no cache had them, and nobody had prepared them.
+  /// Number of programs that kernel() had to build while its caller waited, because they were neither cached nor
+  /// prepared.
   int unprepared_count() const;
-  /// Of these, by kernels/FILE.cl.
+  /// Counts the same programs by kernels/FILE.cl.
   std::map<std::string, int> build_counts() const;
   const TransferCounts& transfers() const;
-  /// Bytes of buffers that were alive, at most since it was opened or restart_buffer_peak() was called. Not those that
-  /// use the host's memory.
+  /// Largest number of bytes in live buffers since the device was opened or restart_buffer_peak() was called. Ignores
+  /// buffers that use the host's memory.
   std::uint64_t buffer_bytes_peak() const;
   void restart_buffer_peak();
 
-  /// Times every launch from now on, until `time_launches(false)`.
+  /// Turns the timing of launches on or off.
   void time_launches(bool on);
-  /// Seconds on the device by kernel name, of launches that were timed. Waits for all launches.
+  /// Returns seconds on the device by kernel name, for timed launches. Waits for all launches.
   std::map<std::string, double> launch_seconds();
-  /// Sum of these; 0 where launches are not timed.
+  /// Returns the sum over all timed launches; 0 if timing is off.
   double timed_seconds();
 
  private:

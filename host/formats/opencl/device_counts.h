@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts what a device does for one job. A process uses a device for many, and Device counts from its opening on.
+// Counts the work of a device for one job. A process uses one device for many jobs, and Device counts from its opening.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ namespace multum {
 
 class DeviceCounts {
  public:
-  /// From now on. A device that is not open yet stays so.
+  /// Starts to count; does not open the device.
   explicit DeviceCounts(Device& device);
 
-  /// By kernel, without those that were not launched.
+  /// Returns launches by kernel, without zeros.
   std::map<std::string, std::uint64_t> launches() const;
-  /// Of programs, by kernels/FILE.cl: built, or taken from the cache.
+  /// Returns programs built or loaded from the cache, by kernels/FILE.cl.
   std::map<std::string, int> builds() const;
-  /// On the device, by kernel, of launches that were timed. Waits for all launches.
+  /// Returns seconds on the device by kernel, for timed launches. Waits for all launches.
   std::map<std::string, double> launch_seconds() const;
   TransferCounts transfers() const;
 

@@ -16,15 +16,15 @@
 
 namespace multum {
 
-/// Host memory that the device copies from by itself, while the host goes on.
+/// Host memory from which the device copies while the host continues.
 struct StagingBuffer {
   cl::Buffer memory;
   unsigned char* bytes = nullptr;
   std::size_t size = 0;
-  cl::Event copied;  // when it may be written again; none: now
+  cl::Event copied;  // when it may be overwritten; null: at once
 };
 
-/// Bytes of buffers, which may outlive the device's state.
+/// Byte counts of buffers, which may outlive the device's state.
 struct BufferBytes {
   std::uint64_t now = 0, peak = 0;
 };
@@ -52,36 +52,35 @@ class DeviceState {
   cl::Device device;
   cl::Context context;
   cl::CommandQueue queue;
-  std::map<std::string, cl::Program> programs;  // by file, options and edits of the file
+  std::map<std::string, cl::Program> programs;  // by file, options and the file's edits
   std::vector<SourceEdit> edits;
   std::map<std::string, std::uint64_t> launch_counts;
   bool times_launches = false;
-  std::vector<std::pair<std::string, cl::Event>> timed;  // launches whose times are still to be asked for
+  std::vector<std::pair<std::string, cl::Event>> timed;  // launches whose times are not yet read
   std::map<std::string, double> launch_seconds;
   TransferCounts transfers;
   std::shared_ptr<BufferBytes> buffer_bytes = std::make_shared<BufferBytes>();
-  std::array<StagingBuffer, 2> staging;  // one is filled while the other one is copied
+  std::array<StagingBuffer, 2> staging;  // the host fills one while the device copies the other
   std::size_t next_staging = 0;
   int unprepared_count = 0;
   bool told_of_building = false;
-  BackgroundBuilds builds;  // last: its threads end before the rest goes
+  BackgroundBuilds builds;  // last member, so that its threads end first
 };
 
-/// Gives the staging buffers back to the queue that mapped them.
+/// Returns the staging buffers to the queue that mapped them.
 void release_staging(DeviceState& state);
 
-/// Adds up the times of launches that have ended; waits for those that have not. When it throws, no times are left.
+/// Adds up the times of all launches, waiting for them to end. If it throws, no times are left.
 void collect_times(DeviceState& state);
 
-/// Key of kernels/FILE.cl in state.programs, as it is now edited.
+/// Returns the key of kernels/FILE.cl, with its current edits, in state.programs.
 std::string program_key(const DeviceState& state, const std::string& file, const std::string& options);
 
-/// Builds kernels/FILE.cl with `options`, or loads the binary that is prepared or that an earlier run left in the cache
-/// folder.
+/// Builds kernels/FILE.cl with `options`, or loads a binary that was prepared or that the cache folder holds.
 cl::Program load_program(DeviceState& state, const std::string& file, const std::string& options);
 
-/// Begins to build it, unless it is there already or there is no cache folder, whose binaries alone can be handed from
-/// one context to another.
+/// Starts to build a program in the background, unless it is already available. Does nothing without a cache folder,
+/// because only a binary can pass from one context to another.
 void prepare_program(DeviceState& state, const std::string& file, const std::string& options);
 
 }  // namespace multum

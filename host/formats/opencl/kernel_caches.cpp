@@ -21,11 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Removed by the process that made it, not by a copy of it that fork() left.
+// Folder that is removed by the process that made it, not by a child made by fork().
 class PrivateFolder {
  public:
   explicit PrivateFolder(const std::string& above) : path_(above + "/multum-cache-XXXXXX"), owner_(::getpid()) {
-    if (::mkdtemp(path_.data()) == nullptr) fail_by_errno(above, "no private folder for compiled kernels can be made");
+    if (::mkdtemp(path_.data()) == nullptr) fail_by_errno(above, "cannot make a private folder for compiled kernels");
   }
   ~PrivateFolder() {
     std::error_code ignored;
@@ -40,8 +40,8 @@ class PrivateFolder {
   const pid_t owner_;
 };
 
-// Why no folder can be made in it; empty: one can. Permissions do not tell everything (root, a disk that is read-only
-// or full), so it is tried.
+// Returns why no folder can be made inside `folder`; empty if one can. Tries it, because permissions do not tell
+// everything (root, a read-only or full disk).
 std::string why_not_writable(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -74,23 +74,22 @@ class KernelCaches {
   const std::string& pocl_failure() const { return pocl_failure_; }
 
  private:
-  // A private folder in the place of one that cannot be written. Returns what was said of it.
+  // Replaces a folder that cannot be written by a private one. Returns the warning.
   std::string replace(std::string& folder, const char* variable, const char* name) {
     if (folder.empty()) return "";
     const std::string why = why_not_writable(folder);
     if (why.empty()) return "";
     const std::string place = folder;
-    std::string said = "compiled kernels cannot be kept here: " + why;
+    std::string said = "cannot keep compiled kernels here: " + why;
     try {
       if (private_ == nullptr) private_ = std::make_unique<PrivateFolder>(fs::temp_directory_path().string());
       folder = private_->path() + "/" + name;
       fs::create_directory(folder);
       ::setenv(variable, folder.c_str(), 1);
-      log_warning(place,
-                  fmt::format("{}; they are compiled anew, into a private folder that goes when this program ends. Set "
-                              "{} to a folder that can be written",
-                              said, variable));
-    } catch (const std::exception& error) {  // the driver may do without
+      log_warning(place, fmt::format("{}; they are compiled again into a private folder, which is deleted when this "
+                                     "program ends. Set {} to a writable folder",
+                                     said, variable));
+    } catch (const std::exception& error) {  // the driver may work without a cache
       said += std::string("; ") + error.what();
       log_warning(place, said);
     }
@@ -99,7 +98,7 @@ class KernelCaches {
 
   std::mutex mutex_;
   KernelCacheFolders folders_;
-  bool is_prepared_ = true;  // as long as nobody names folders
+  bool is_prepared_ = true;  // until set() names folders
   std::string pocl_failure_;
   std::unique_ptr<PrivateFolder> private_;
 };

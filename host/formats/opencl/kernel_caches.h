@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes sure that compiled kernels can be kept: PoCL offers no device where its cache cannot be written. Where a folder
-// cannot be (a home that is read-only, or another user's), a private one is used until the program ends.
+// Makes sure that compiled kernels can be kept: PoCL offers no device if its cache cannot be written. If a folder is
+// not writable (a read-only home, or another user's folder), a private folder replaces it until the program ends.
 #pragma once
 
 #include <string>
 
 namespace multum {
 
-/// Folders that the environment names for compiled kernels.
+/// Folders for compiled kernels, from the environment.
 struct KernelCacheFolders {
-  std::string programs;  // of this project's binaries (program_cache.h); empty: none are kept
-  std::string pocl;      // of PoCL; empty: it is left alone
+  std::string programs;  // for this project's binaries (program_cache.h); empty: keeps none
+  std::string pocl;      // for PoCL; empty: PoCL is not changed
 };
 
-/// Names the folders, before the first device is looked for. None is made or looked at until then.
+/// Names the folders; call it before looking for devices. The folders are not touched yet.
 void set_kernel_caches(const KernelCacheFolders& folders);
 
-/// Makes the folders that are not there, and puts a private folder in the place of each that cannot be written: of mode
-/// 0700, with a name that nobody can guess, below $TMPDIR or /tmp, removed when the program ends. MULTUM_CACHE_DIR and
-/// POCL_CACHE_DIR name it then, for children too. Warns once, with the folder and the reason. Called before the first
-/// platform is asked for; a program whose children open devices calls it before it starts them.
+/// Makes missing folders, and replaces each folder that cannot be written by a private one. The private folder has
+/// mode 0700 and a random name below $TMPDIR or /tmp, and is removed when the program ends. MULTUM_CACHE_DIR and
+/// POCL_CACHE_DIR then name it, for children too. Warns once, with the folder and the reason. Called before the first
+/// platform is used; a program whose children open devices calls it before it starts them.
 void prepare_kernel_caches();
 
-/// Why PoCL cannot have a cache, with the folders that were tried; empty: it can, or was left alone.
+/// Returns why PoCL has no cache, with the folders that were tried; empty if it has one or was not changed.
 const std::string& pocl_cache_failure();
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments and launches. Every failure names the kernel and OpenCL's own word for it.
+// Arguments and launches. Every failure names the kernel and OpenCL's error code.
 #include <algorithm>
 #include <utility>
 
@@ -22,8 +22,8 @@ void Kernel::set_bytes(int index, const void* bytes, std::size_t byte_count) {
 
 void Kernel::enqueue(const WorkSize& size) {
   if (size.global == 0) return;
-  // An explicit local size: PoCL compiles a kernel once for each, and leaves a thread idle when it must choose itself.
-  // Teams, whose size is part of what they do, are not for a device without room for them (LaunchShape).
+  // Local sizes are explicit: PoCL compiles a kernel once per size, and leaves a thread idle when it chooses the size
+  // itself. Teams need their size, so LaunchShape allows them only on devices with room for them.
   const std::size_t wanted = size.local != 0 ? size.local : device_->shape.local_size;
   const std::size_t local = std::min(wanted, static_cast<std::size_t>(std::max(1, device_->info.work_group_max)));
   const std::size_t global = (size.global + local - 1) / local * local;
@@ -33,7 +33,7 @@ void Kernel::enqueue(const WorkSize& size) {
            "kernel " + name_);
   ++device_->launch_counts[name_];
   if (!device_->times_launches) return;
-  constexpr std::size_t kTimedMax = 4096;  // events are memory of the driver
+  constexpr std::size_t kTimedMax = 4096;  // unread events take memory in the driver
   device_->timed.emplace_back(name_, std::move(event));
   if (device_->timed.size() >= kTimedMax) collect_times(*device_);
 }

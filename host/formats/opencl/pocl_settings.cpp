@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// Of PoCL before 4.0, and since.
+// Names before PoCL 4.0 and since.
 constexpr const char* kThreadVariables[] = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"};
 
 bool processor_has_avx512() {
@@ -21,9 +21,9 @@ bool processor_has_avx512() {
 
 }  // namespace
 
-// PoCL would compile a kernel once more for each local size at its first launch, though the program has a version for
-// all sizes: seconds of a first bake. Kernels of one work-item a group gain nothing by it (PoCL 3.1, AVX-512: bakes of
-// 1024 x 1024 in the same time).
+// By default, PoCL compiles a kernel again for each local size at its first launch, although the program has a version
+// for all sizes. That takes seconds in a first bake. Kernels with one work-item per group do not run faster for it
+// (PoCL 3.1, AVX-512: bakes of 1024 x 1024 took the same time).
 void ask_pocl_for_one_version_of_kernels() {
   [[maybe_unused]] static const int asked = setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
 }
@@ -43,7 +43,7 @@ bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512) 
          platform_version.find(" LLVM 18.") != std::string::npos;
 }
 
-// Continuations (PoCL 6.0, haswell) gave bakes of the same bytes in the same time.
+// With continuations (PoCL 6.0, haswell), bakes had the same bytes and took the same time.
 void ask_pocl_for_safe_loops(const std::string& platform_version) {
   if (pocl_loops_may_abort(platform_version, processor_has_avx512())) setenv("POCL_WORK_GROUP_METHOD", "cbs", 0);
 }

@@ -1,31 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks PoCL, by environment variables that it reads, to compile kernels in the ways that they need. A variable that the
-// user has set is left as it is.
+// Sets environment variables that make PoCL compile kernels as they need. Variables set by the user stay unchanged.
 #pragma once
 
 #include <string>
 
 namespace multum {
 
-/// What is right for every version of PoCL; called before the first platform is asked for.
+/// Applies to every version of PoCL; call it before using the first platform.
 void ask_pocl_for_one_version_of_kernels();
 
-/// Has PoCL run kernels by so many threads, whatever the environment said. Called before the first platform is asked
-/// for.
+/// Makes PoCL run kernels with this many threads, whatever the environment said. Call it before using the first
+/// platform.
 void set_pocl_threads(int threads);
 
-/// The same, with as many threads as this process can run at once (processor_count()), where neither the user nor
-/// set_pocl_threads() has said how many: PoCL itself counts the machine's processors, and not those that a container
-/// leaves.
+/// Sets the threads to the number that this process can run at once (processor_count()), unless the user or
+/// set_pocl_threads() has set one. PoCL itself counts the machine's processors and ignores a container's limit.
 void ask_pocl_for_usual_threads();
 
-/// Whether PoCL of this CL_PLATFORM_VERSION may give up while it joins work-items by loops, its usual way: behind LLVM
-/// 18 it ends the program ("Instruction Combining did not reach a fixpoint", pocl issue 1608), which was seen for
-/// processors without AVX-512 and not for those with it.
+/// Returns whether PoCL of this CL_PLATFORM_VERSION may abort when it joins work-items by loops, its default. With
+/// LLVM 18 and later, it can end the program ("Instruction Combining did not reach a fixpoint", pocl issue 1608). This
+/// was seen on processors without AVX-512, but not with it.
 [[nodiscard]] bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512);
 
-/// Asks PoCL of this CL_PLATFORM_VERSION to join work-items by continuations where its loops may abort. Called before
-/// the first kernel is compiled.
+/// Makes PoCL of this CL_PLATFORM_VERSION join work-items by continuations if its loops may abort. Call it before
+/// compiling the first kernel.
 void ask_pocl_for_safe_loops(const std::string& platform_version);
 
 }  // namespace multum

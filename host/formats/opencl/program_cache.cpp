@@ -24,11 +24,10 @@ namespace {
 
 std::string g_cache_folder;
 
-// Binaries end with the SHA-256 of what precedes it, so that a file cut short by a full disk is never given to a
-// driver.
+// Binaries end with the SHA-256 of the preceding bytes, so that a driver never gets a file cut short by a full disk.
 constexpr std::size_t kDigestSize = 64;
 
-// In the state's context, or in another of its device.
+// Builds in the state's context, or in another context of its device.
 cl::Program build_from_source(const DeviceState& state, const cl::Context& context, const std::string& file,
                               const std::string& source, const std::string& options) {
   cl_int status = CL_SUCCESS;
@@ -36,14 +35,14 @@ cl::Program build_from_source(const DeviceState& state, const cl::Context& conte
   check_cl(status, file + ".cl: clCreateProgramWithSource");
   status = program.build(state.device, options.c_str());
   if (status == CL_SUCCESS) return program;
-  // At a signal LLVM, which PoCL compiles with, deletes the files that it is writing.
+  // At a signal, LLVM (PoCL's compiler) deletes the files that it is writing.
   if (is_interrupted()) throw Cancelled();
   throw Error(ErrorCode::kEnvironment,
               fmt::format("{}.cl does not build on {} with {}: {}\n{}", file, state.info.name, options,
                           cl_error_name(status), program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(state.device)));
 }
 
-// None when there is none, or the driver does not take it: it is another's, or damaged.
+// Returns nothing if there is no binary, or if the driver refuses it as damaged or foreign.
 std::optional<cl::Program> build_from_binary(const DeviceState& state, const std::string& bytes,
                                              const std::string& options) {
   if (bytes.empty()) return std::nullopt;
@@ -56,19 +55,19 @@ std::optional<cl::Program> build_from_binary(const DeviceState& state, const std
   return program;
 }
 
-// Empty when the driver has none.
+// Returns an empty string if the driver has no binary.
 std::string binary_of(const cl::Program& program) {
   const cl::Program::Binaries binaries = program.getInfo<CL_PROGRAM_BINARIES>();
   return binaries.empty() ? "" : std::string(binaries[0].begin(), binaries[0].end());
 }
 
-// Empty when there is no usable one.
+// Returns an empty string if no binary is usable.
 std::string read_binary(const std::string& path) {
   std::string bytes;
   try {
     RegularFileStream in(path);
     bytes.assign(std::istreambuf_iterator<char>(in), {});
-  } catch (const Error& error) {  // a folder, a FIFO: save_binary() says that it cannot be written
+  } catch (const Error& error) {  // a folder or FIFO; save_binary() reports that it cannot be written
     log_verbose(std::string("program cache: ") + error.what());
     return {};
   }
@@ -76,11 +75,11 @@ std::string read_binary(const std::string& path) {
   const std::string digest = bytes.substr(bytes.size() - kDigestSize);
   bytes.resize(bytes.size() - kDigestSize);
   if (hash_text(bytes) == digest) return bytes;
-  log_verbose("program cache: " + path + " is damaged, building anew");
+  log_verbose("program cache: " + path + " is damaged; building it again");
   return {};
 }
 
-// Failing to keep a binary costs the next run a build; it is no reason to fail this one.
+// A failure to keep a binary costs the next run a build, but must not fail this run.
 void save_binary(const std::string& bytes, const std::string& path) {
   if (bytes.empty()) return;
   try {
@@ -93,7 +92,7 @@ void save_binary(const std::string& bytes, const std::string& path) {
 
 struct Source {
   std::string text;
-  std::string path;  // of its binary
+  std::string path;  // of the binary
 };
 
 Source source_of(const DeviceState& state, const std::string& file, const std::string& options) {
@@ -112,11 +111,11 @@ Source source_of(const DeviceState& state, const std::string& file, const std::s
   return source;
 }
 
-// Once a device: the first run takes seconds more than those after it, and nobody should wonder why.
+// Prints a message once per device, because a first run takes seconds longer than later ones.
 void tell_of_building(DeviceState& state) {
   if (state.told_of_building) return;
   state.told_of_building = true;
-  log_info("compiling kernels for " + state.info.name + ", once: they are kept in " + g_cache_folder);
+  log_info("compiling kernels for " + state.info.name + ", once; they are kept in " + g_cache_folder);
 }
 
 std::string build_binary(const DeviceState& state, const cl::Context& context, const std::string& file,
@@ -149,10 +148,11 @@ void prepare_program(DeviceState& state, const std::string& file, const std::str
   if (g_cache_folder.empty() || state.programs.count(key) != 0 || state.builds.has(key)) return;
   const Source source = source_of(state, file, options);
   std::error_code ignored;
-  if (std::filesystem::exists(source.path, ignored)) return;  // who needs it reads it, and builds it if it is damaged
+  if (std::filesystem::exists(source.path, ignored)) return;  // load_program() reads it, and builds it again if damaged
   tell_of_building(state);
-  // PoCL builds one program at a time in a context, and reads its library of functions once for each, in half the time
-  // that a small program takes: a context a thread. The state outlives its builds, which read what it is a state of.
+  // Every thread has its own context. PoCL builds only one program at a time per context, and reads its function
+  // library once per context, which takes half as long as building a small program. The state outlives its builds,
+  // which read its constant members.
   state.builds.add(key, [&state, file, source, options](cl::Context& context) {
     if (context() == nullptr) context = make_context(state.device);
     return build_binary(state, context, file, source, options);
@@ -170,9 +170,9 @@ cl::Program load_program(DeviceState& state, const std::string& file, const std:
       return *program;
     }
     ++state.unprepared_count;
-    log_verbose("program cache: " + file + " is built while its caller waits");
+    log_verbose("program cache: " + file + " is being built; its caller waits");
     tell_of_building(state);
-    // What was just built is taken as a binary, too: the first run does what every later one does.
+    // Loads a new program from its binary too, so that the first run does the same as later ones.
     const std::string bytes = build_binary(state, state.context, file, source, options);
     if (const auto program = build_from_binary(state, bytes, options)) return *program;
   }

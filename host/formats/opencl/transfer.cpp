@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies between host and device. A CPU's buffers are mapped, without a copy. For others bytes pass through pinned
-// memory, from which the device copies by itself: the host fills one buffer while the other one is on its way.
+// Copies between host and device. A CPU's buffers are mapped without a copy. For other devices, bytes pass through two
+// buffers of pinned memory, from which the device copies on its own. The host fills one while the other is copied.
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// A CPU's memory is the host's.
+// A CPU's memory is the host's memory.
 bool is_mapped(const DeviceState& state) { return state.shape.staging_bytes == 0; }
 
 std::size_t total_of(const std::vector<BufferRange>& ranges) {
@@ -33,7 +33,7 @@ void release(DeviceState& state, StagingBuffer& staging) {
   staging = StagingBuffer();
 }
 
-// The next of the two, free to be written, of at least so many bytes.
+// Returns the next of the two buffers, free to be written, with at least `byte_count` bytes.
 StagingBuffer& next_staging(DeviceState& state, std::size_t byte_count) {
   StagingBuffer& staging = state.staging[state.next_staging];
   state.next_staging = (state.next_staging + 1) % state.staging.size();
@@ -59,9 +59,9 @@ Device::Bytes places_in(unsigned char* bytes, const std::vector<BufferRange>& ra
   return places;
 }
 
-// Ranges of CPUs' buffers as the host sees them, until it goes; of one that is empty nothing. They are mapped together,
-// so that the host waits once for the launches before; the launches that follow wait in the queue. Whoever has written
-// ends with unmap(): where that fails, the device may not see what was written.
+// Maps ranges of CPUs' buffers for the host during its lifetime; ignores empty ranges. Ranges are mapped together, so
+// the host waits only once for earlier launches; later launches wait in the queue. After writing, call unmap(): if
+// unmapping fails, the device may not see the bytes.
 class MappedRanges {
  public:
   explicit MappedRanges(const DeviceState& state) : queue_(state.queue) {}
@@ -83,7 +83,7 @@ class MappedRanges {
     }
     bytes_.push_back(static_cast<unsigned char*>(bytes));
   }
-  /// Waits until the host may read and write them.
+  /// Waits until the host may read and write the ranges.
   const Device::Bytes& bytes() const {
     check_cl(queue_.finish(), "clFinish");
     return bytes_;
@@ -172,7 +172,7 @@ void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithByte
              "clEnqueueWriteBuffer");
     state().count_upload(ranges[i].count);
   }
-  flush();  // the last copy's end is the end of all: the queue keeps its order
+  flush();  // the queue keeps its order, so the last copy ends last
 }
 
 void Device::move_down(const std::vector<BufferMove>& moves) {
@@ -186,7 +186,7 @@ void Device::move_down(const std::vector<BufferMove>& moves) {
       std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
     return mapped.unmap();
   }
-  // In pieces that do not overlap what they are copied to, one after another.
+  // Copies one piece after another, each too short to overlap its target.
   for (const auto& [from, to] : moves) {
     const cl::Buffer& memory = *from.buffer->memory_;
     const std::size_t distance = from.begin - to;

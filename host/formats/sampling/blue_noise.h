@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blue noise for renderers that draw at random what they would add up: errors of neighbouring pixels differ, so that a
-// denoiser, or the eye, takes them out. Made when the project is built (void_and_cluster); common/blue_noise.glsl says
-// how it is read.
+// Blue noise for renderers that sample at random. Errors of neighbouring pixels then differ, so that a denoiser, or
+// the eye, removes them. The build makes the noise (void_and_cluster); common/blue_noise.glsl says how to read it.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +10,7 @@ namespace multum {
 
 constexpr int kBlueNoiseSide = 64;
 
-/// RGBA8, [row][column][4]: four masks that have nothing to do with each other, each of their 256 values 16 times.
+/// RGBA8, [row][column][4]: four independent masks. Each of the 256 values occurs 16 times in a mask.
 std::span<const std::uint8_t> blue_noise();
 
 }  // namespace multum

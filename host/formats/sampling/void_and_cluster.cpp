@@ -14,7 +14,7 @@ namespace {
 constexpr double kSigma = 1.5;           // of the Gaussian by which Ulichney finds voids and clusters, in texels
 constexpr std::size_t kFirstShare = 10;  // the first pattern has a tenth of all texels
 
-/// A binary pattern on a torus, and what the Gaussians of its points add up to at each texel.
+/// A binary pattern on a torus, with the sum of its points' Gaussians at each texel.
 class Pattern {
  public:
   explicit Pattern(std::size_t side) : side_(side), has_(side * side), sums_(side * side), gaussian_(side * side) {
@@ -39,8 +39,9 @@ class Pattern {
   std::size_t tightest_cluster() const {
     return best([&](std::size_t a, std::size_t b) { return has_[a] && (!has_[b] || sums_[a] > sums_[b]); });
   }
-  /// On a torus the Gaussians of all texels add up to the same everywhere: where points are fewest around is where
-  /// texels without one are most. So this is Ulichney's phase 3, too.
+  /// Returns the empty texel with the smallest sum. On a torus, the Gaussians of all texels have a constant sum, so
+  /// the texel with the fewest points around it also has the most empty texels around it. This search therefore serves
+  /// Ulichney's phase 3 too.
   std::size_t largest_void() const {
     return best([&](std::size_t a, std::size_t b) { return !has_[a] && (has_[b] || sums_[a] < sums_[b]); });
   }
@@ -73,7 +74,7 @@ std::vector<int> void_and_cluster(int side, std::uint32_t seed) {
     pattern.set(texel, true);
     ++first_count;
   }
-  // Points leave clusters for voids until one returns to where it was.
+  // Moves points from clusters to voids until one returns to its place.
   for (std::size_t step = 0; step < count; ++step) {
     const std::size_t cluster = pattern.tightest_cluster();
     pattern.set(cluster, false);

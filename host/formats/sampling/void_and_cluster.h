@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Ranks 0 to side^2 - 1, each once, row by row, of a mask that repeats in both directions: the n lowest are spread
-/// evenly for every n. `side`: 8 to 256. Other seeds have other masks.
+/// Returns the ranks 0 to side^2 - 1, each once, row by row, of a mask that repeats in both directions. For every n,
+/// the n lowest ranks are evenly spread. `side`: 8 to 256. Every seed gives another mask.
 std::vector<int> void_and_cluster(int side, std::uint32_t seed);
 
 }  // namespace multum

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every quarter is size/2 texels wide (size, where it is alone); (x, y) are texel centres counted from its top left
-// corner, rows downwards. The second slope is used as it stands for y, although rows grow downwards: the numbers are
-// those that docs/evidence/ACCURACY.md was measured with, and as a surface they are one with green down. The statistics
-// of a reader say so.
+// Every quarter is size/2 texels wide (or size, if it fills the map). (x, y) are texel centres counted from its top
+// left corner, with rows downwards. The second slope is used for y without a sign change, although rows grow downwards.
+// As a surface, the map therefore has green down, and a reader's statistics say so. The figures in
+// docs/evidence/ACCURACY.md were measured with these numbers.
 //   armour   unit hemispheres clipped at r^2 = 0.9025 (slope 3.04), rows shifted by half a period
 //   rings    slope 1.2 sin(2 pi phase / 0.55) for phase < 0.55 of a wavelength of 16, along the radius
 //   grooves  slope -1, +1, 0 for 40, 40, 20 % of a period of 12, along (cos 30, sin 30)
@@ -82,14 +82,14 @@ std::uint16_t rounded_16_bit(double value) {
   return static_cast<std::uint16_t>(std::clamp(std::nearbyint(value * 65535.0), 0.0, 65535.0));
 }
 
-// The normal of a slope in 16 bits.
+// Returns the normal of a slope in 16 bits.
 std::array<std::uint16_t, 3> normal_code(const Texel& texel) {
   const double z = 1.0 / std::sqrt(1.0 + texel.slope_x * texel.slope_x + texel.slope_y * texel.slope_y);
   return {rounded_16_bit(texel.slope_x * z * 0.5 + 0.5), rounded_16_bit(texel.slope_y * z * 0.5 + 0.5),
           rounded_16_bit(z * 0.5 + 0.5)};
 }
 
-// As a reader of the PNG decodes it.
+// Decodes a normal as a reader of the PNG does.
 std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
   std::array<double, 3> n;
   for (std::size_t c = 0; c < 3; ++c) n[c] = code[c] / 65535.0 * 2.0 - 1.0;
@@ -97,7 +97,7 @@ std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
   return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
 }
 
-// Rows of the map: the PNG's codes of the normals and linear colours, three of each a texel.
+// Makes rows of the map: the PNG's codes of the normals and linear colours, three per texel each.
 struct FourQuarterRows {
   std::vector<std::uint16_t> normal_codes;
   std::vector<float> colours;
@@ -110,7 +110,7 @@ class FourQuarterGenerator {
     MULTUM_CHECK(size >= 16 && size % 2 == 0);
   }
 
-  // The next rows; the noise quarter is made from the top.
+  // Makes the next rows; the noise quarter is made from the top.
   FourQuarterRows rows(int row_begin, int row_end) {
     std::vector<NoiseSlopes> noise;
     const int noise_begin = first_noise_row();
@@ -145,7 +145,7 @@ class FourQuarterGenerator {
     return right ? Quarter::kNoise : Quarter::kGrooves;
   }
 
-  // The first row with noise in it; size_: there is none.
+  // Returns the first row that contains noise, or size_ if there is none.
   int first_noise_row() const {
     if (!alone_) return quarter_size_;
     return alone_ == Quarter::kNoise ? 0 : size_;
@@ -170,7 +170,7 @@ class FourQuarterGenerator {
   NoiseQuarter noise_;
 };
 
-constexpr int kBandRows = 16;  // 5 MB of a row of 16384 texels
+constexpr int kBandRows = 16;  // 5 MB for rows of 16384 texels
 
 }  // namespace
 
@@ -216,8 +216,7 @@ void write_four_quarter_map(int size, std::uint64_t seed, const std::string& pre
         codes[i] = rounded_16_bit(srgb_from_linear(static_cast<double>(rows.colours[i])));
       albedo.write_rows(row_count, codes.data());
     };
-    for_each_item(2, 2,
-                  [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compressing is what takes time
+    for_each_item(2, 2, [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compression is slow
   }
   normals.finish();
   albedo.finish();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The project's own test map: four quarters that each defeat one shortcut. Made from a seed, at any even size, so that
-// every figure in docs/evidence/ACCURACY.md can be made again anywhere.
+// The project's test map: four quarters that each defeat one shortcut. A seed and any even size reproduce it, so every
+// figure in docs/evidence/ACCURACY.md can be reproduced anywhere.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace multum {
 
 struct FourQuarterMap {
-  NormalMap normals;  // rounded to 16 bits as the PNG stores them, then normalised
+  NormalMap normals;  // rounded to 16 bits as in the PNG, then normalised
   ColourMap albedo;   // colours correlated with slope
 };
 
@@ -23,15 +23,15 @@ inline constexpr Choices<Quarter> kQuarters = {{"armour", Quarter::kArmour},
                                                {"grooves", Quarter::kGrooves},
                                                {"noise", Quarter::kNoise}};
 
-/// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels); top right: carved rings
-/// (wavelength 16, 55 % cut); bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with red
-/// and blue facets; bottom right: fine noise whose slope grows to the right (rms 0.45 on average).
-/// With `alone`, that quarter alone fills the map.
+/// `size` >= 16, even. Top left: armour of overlapping hemispherical scales (period 24 texels). Top right: carved
+/// rings (wavelength 16, 55 % cut). Bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 % flat) with
+/// red and blue facets. Bottom right: fine noise whose slope grows to the right (rms 0.45 on average). If `alone` is
+/// set, only that quarter fills the map.
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional<Quarter> alone = std::nullopt);
 
-/// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB) of the same map, atomically
-/// and by rows: it need not fit into memory. To read back the same normals, say green up: its statistics say green down
-/// (see four_quarter_map.cpp). Throws Error(kEnvironment).
+/// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB) of the same map. Writes
+/// atomically and by rows, so the map need not fit into memory. To read back the same normals, set green up, although
+/// the statistics say green down (four_quarter_map.cpp says why). Throws Error(kEnvironment).
 void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix,
                             std::optional<Quarter> alone = std::nullopt);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The noise quarter of the four-quarter map, row by row: white noise filtered by a Gaussian of 0.8 texels, periodic;
-// slopes of central differences, scaled to rms 0.45, then by 0.4 .. 1.6 from left to right. SplitMix64 and Box-Muller,
-// written out, so that a seed means the same map under every standard library (up to the last bits of log, sin and cos,
-// which rounding to 16 bits hides but for ties).
+// The noise quarter of the four-quarter map, row by row: white noise filtered by a Gaussian of 0.8 texels, periodic.
+// Slopes are central differences, scaled to rms 0.45, then by 0.4 .. 1.6 from left to right. SplitMix64 and Box-Muller
+// are written out, so that a seed gives the same map under every standard library. Only the last bits of log, sin and
+// cos may differ, and rounding to 16 bits hides them except for ties.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Of one row; rows grow downwards, and so does y.
+/// Slopes of one row; rows grow downwards, and so does y.
 struct NoiseSlopes {
   std::vector<double> x;
   std::vector<double> y;
@@ -26,13 +26,13 @@ class NoiseQuarter {
   NoiseQuarter(const NoiseQuarter&) = delete;
   NoiseQuarter& operator=(const NoiseQuarter&) = delete;
 
-  /// Any row; quickest from the top to the bottom.
+  /// Returns any row; fastest from the top to the bottom.
   NoiseSlopes row(int row);
 
  private:
   using Row = std::vector<double>;
 
-  // The last few rows that were asked for; rows beyond the border are those of the other side.
+  // The most recently used rows; rows beyond the border wrap around.
   class RecentRows {
    public:
     RecentRows(int height, std::size_t kept_count, std::function<Row(int row)> make)
@@ -53,7 +53,7 @@ class NoiseQuarter {
 
   int size_;
   std::vector<double> weights_;     // of the Gaussian
-  RecentRows filtered_along_rows_;  // white noise, filtered to left and right
+  RecentRows filtered_along_rows_;  // white noise filtered along rows
   RecentRows filtered_;
   double scale_ = 1.0;
 };

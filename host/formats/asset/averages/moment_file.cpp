@@ -18,7 +18,7 @@ namespace {
 
 enum MomentPart { kSlopes, kNormal, kColour, kWeights };
 
-// maketx sorts these names to their order.
+// maketx sorts its channels by these names.
 constexpr const char* kSlopeNames[] = {"b0_h", "b1_dhds", "b2_dhdt", "b3_dhds2", "b4_dhdt2", "b5_dh2dsdt"};
 constexpr const char* kNormalNames[] = {"normal.mean.X", "normal.mean.Y", "normal.mean.Z"};
 constexpr char kSlopesText[] =
@@ -27,7 +27,7 @@ constexpr char kSlopesText[] =
     "E[b1*b1],E[b2*b2],E[b1*b2] of the finest; b0 = -1, no height; data, not colour";
 constexpr char kNormalText[] = "X,Y,Z = mean unit normal, +X right, +Y up, +Z out; data, not colour";
 
-// The kind of each part, in the file's order.
+// Returns the kind of each part, in the file's order.
 std::vector<MomentPart> kinds_of(const BakedHeader& header) {
   std::vector<MomentPart> kinds = {kSlopes, kNormal};
   if (header.has_colours) kinds.push_back(kColour);
@@ -64,7 +64,7 @@ const float* values_of(const MomentLevel& rows, MomentPart kind) {
 
 class MomentPortion : public BakedRows {
  public:
-  /// `scan` is the writer's thread's, until it ends.
+  /// Only the writer's thread uses `scan` until that thread ends.
   MomentPortion(const BakedHeader& header, MomentScan& scan, int level, MomentLevel rows)
       : header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -115,7 +115,7 @@ class MomentWriter::Work {
     MULTUM_CHECK(header.representation == Representation::kMoments);
   }
 
-  const BakedHeader header;  // outlives the portions, as does
+  const BakedHeader header;  // must outlive the portions, like
   MomentScan scan{header};
   BakedWriter writer;
 };
@@ -193,7 +193,7 @@ void write_moment_mipmap(const std::string& path, const MomentMipmap& mipmap, co
   for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l) {
     const MomentLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
     for (int row = 0; row < level.height; row += options.tile_size) {
-      progress_advance(progress, 0);  // a chance to cancel
+      progress_advance(progress, 0);  // gives the caller a chance to cancel
       writer.write_level(l, row, rows_of(level, row, std::min(options.tile_size, level.height - row)));
     }
   }

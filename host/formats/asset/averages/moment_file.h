@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads baked files of moments row by row (docs/reference/file_format.md, "Moments"): parts "bumpslopes",
-// "normal" and, with colours, "colour", all levels each. The first part is what maketx --bumpslopes writes, so that a
-// renderer that reads those reads this file.
+// Writes and reads baked files of moments row by row (docs/reference/file_format.md, "Moments"). The parts
+// "bumpslopes", "normal" and, if the map has colours, "colour" store all levels. The first part has the layout that
+// maketx --bumpslopes writes, so a renderer that reads such textures reads this file.
 #pragma once
 
 #include <memory>
@@ -12,25 +12,26 @@
 
 namespace multum {
 
-/// Value of BakedWriteOptions::measured_error_bytes: errors of 16 levels with colours, three ways to shade four BRDFs
-/// take 94 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
+/// Value of BakedWriteOptions::measured_error_bytes. Errors of 16 levels with colours and three ways to shade four
+/// BRDFs take 94 KiB (test AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
 constexpr int kMomentErrorBytes = 112 * 1024;
 
-/// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h); level 0 is a level like the others.
+/// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.
 class MomentWriter {
  public:
-  /// Does not read measured error and content hash of `header`: commit() knows them. Throws as AtomicFile does for
-  /// places that cannot be written, Error(kUsage) for an unknown compression.
+  /// Ignores the measured error and the content hash in `header`: commit() sets both. Throws as AtomicFile does if the
+  /// path cannot be written, and Error(kUsage) for an unknown compression.
   MomentWriter(const std::string& path, const BakedHeader& header, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~MomentWriter();
   MomentWriter(const MomentWriter&) = delete;
   MomentWriter& operator=(const MomentWriter&) = delete;
 
-  /// Rounded rows of a stored level (rows.height of them), in order from row 0 within the level; levels in any order.
+  /// Takes rounded rows of a stored level, rows.height of them. Rows come in order from row 0; levels come in any
+  /// order.
   void write_level(int level, int first_row, MomentLevel rows);
   void commit(const std::string& measured_error, Progress* progress = nullptr);
-  /// The content's checksum; after commit().
+  /// Returns the checksum of the content; call commit() first.
   const std::string& content_hash() const;
 
  private:
@@ -38,25 +39,25 @@ class MomentWriter {
   std::unique_ptr<Work> work_;
 };
 
-/// Calls come from one thread at a time; each uses several.
+/// Reads rows with several threads. Only one thread may call it at a time.
 class MomentReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
-  /// expected. `threads` decompress; 0: as many as the machine has.
+  /// expected. `threads` decompress; 0: one per core.
   explicit MomentReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MomentReader();
   MomentReader(const MomentReader&) = delete;
   MomentReader& operator=(const MomentReader&) = delete;
 
   const BakedHeader& header() const;
-  /// Rows are decompressed by rows of tiles of this height.
+  /// Height of one row of tiles. The reader decompresses whole rows of tiles.
   int tile_size() const;
-  /// Rows of a stored level.
+  /// Reads rows of a stored level.
   MomentLevel read_level(int level, int first_row, int row_count);
-  /// The checksum of what the file holds, when every row of every stored level has been read once, from the top; for
-  /// verify_moments().
+  /// Returns the checksum of the file's content for verify_moments(). First read every row of every stored level once,
+  /// from the top.
   std::string finish_hash();
-  const std::vector<std::string>& changed_rows() const;  // of TexelCheck::kReport
+  const std::vector<std::string>& changed_rows() const;  // for TexelCheck::kReport
 
  private:
   class File;

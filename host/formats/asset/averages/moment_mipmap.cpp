@@ -16,10 +16,12 @@
 namespace multum {
 namespace {
 
-// Of the square of the mean: less is what floats make of no variance (level 0: 2^-24; averages: some times that).
+// Relative to the square of the mean. The rounding of floats gives smaller variances (level 0: 2^-24; averages: a
+// few times that).
 constexpr double kVarianceZero = 1e-6;
 
-// E[b^2] about the rounded mean. Nearest where there is a variance; else down, so that readers clamp it to none.
+// Returns E[b^2] about the rounded mean. Rounds to nearest if there is a variance; otherwise rounds down, so that
+// readers clamp the variance to 0.
 float rounded_square(float square, float mean, float rounded_mean) {
   const double exact_mean = static_cast<double>(mean), about = static_cast<double>(rounded_mean);
   const double variance = static_cast<double>(square) - exact_mean * exact_mean;
@@ -38,7 +40,7 @@ void quantize_slopes(SlopeMoments& m) {
   m.st = as_half(static_cast<float>(covariance + static_cast<double>(m.s) * static_cast<double>(m.t)));
 }
 
-// A single direction as level 0 of lobes is rounded, x and y to nearest and z up, so that it keeps a length of 1.
+// Rounds a single direction as level 0 of lobes does: x and y to nearest, z up, so that its length stays 1.
 bool quantize_direction(glm::vec3& n) {
   constexpr float kLengthSquaredOne = 1.0f - 1e-6f;
   if (glm::dot(n, n) < kLengthSquaredOne || n.z < 0.0f) return false;
@@ -48,7 +50,8 @@ bool quantize_direction(glm::vec3& n) {
   return true;
 }
 
-// What else there is of a row as lobes of a = 1 (host/formats/asset/lobes/movmf_quantize.cpp).
+// Rounds single directions, and the other normals as lobes of amplitude 1
+// (host/formats/asset/lobes/movmf_quantize.cpp).
 void quantize_normals(glm::vec3* normals, std::size_t count) {
   MovmfLevel lobe{0, 1, {{}}, {}};
   std::vector<std::size_t> places;
@@ -102,9 +105,8 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
 }
 
 float least_slope_deviation(StorageEncoding encoding) {
-  // A rounding to nearest moves E[b^2] by 2^-11 of it at most where it is a half. Floats are averages of floats: up to
-  // 15 roundings of pairs along a row of 32768 texels, each 2^-24 of the sum at most, and that of the mean counts
-  // twice.
+  // Rounding to nearest half moves E[b^2] by at most 2^-11 of its value. Float averages take up to 15 pairwise
+  // roundings along a row of 32768 texels, each at most 2^-24 of the sum. The rounding of the mean counts twice.
   constexpr double kQuarter = 0.25;
   const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -11) : std::ldexp(1.0, -19);
   return static_cast<float>(std::sqrt(moved / kQuarter));

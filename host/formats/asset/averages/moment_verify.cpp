@@ -15,14 +15,14 @@ namespace multum {
 
 struct MomentScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel variance, slope, length, weight;  // how far beyond what is allowed
+  WorstTexel variance, slope, length, weight;  // excess beyond the tolerance
 };
 
 namespace {
 
-// What rounding allows: of a variance or covariance, of the moment itself; of lengths, absolutely
-// (docs/reference/file_format.md). Rounding down takes a whole step of the square, 2^-10 of it; averaging in float some
-// 2^-24.
+// Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may differ by this fraction of its
+// moment; a length may differ by this amount. Rounding down takes up to a whole step of the square, 2^-10 of its
+// value; averaging in float takes about 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 
@@ -30,9 +30,10 @@ bool is_finite(const float* values, int count) {
   return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
 }
 
-// How far a second moment is below what its means' product allows; of the covariance, beyond Cauchy and Schwarz.
+// Returns how far a second moment is below the product of its means, beyond rounding. A covariance must also obey the
+// Cauchy-Schwarz inequality.
 double missing_variance(const SlopeMoments& m, double tolerance) {
-  constexpr double kLeastStep = 6e-8;  // of halfs near zero
+  constexpr double kLeastStep = 6e-8;  // spacing of halfs near zero
   const auto room = [&](double moment) { return tolerance * std::abs(moment) + kLeastStep; };
   const double s = static_cast<double>(m.s), t = static_cast<double>(m.t);
   const double room_s = room(std::max(static_cast<double>(m.ss), s * s));
@@ -73,13 +74,13 @@ void MomentScan::add(int level, int first_row, const MomentLevel& rows) {
 
 std::vector<VerifyFinding> MomentScan::findings() const {
   std::vector<VerifyFinding> findings = {
-      finite_finding(texels_->nonfinite, "texels that are not finite"),
-      excess_finding("variance", texels_->variance, "no variance below 0, no correlation beyond 1",
-                     "E[b b] contradicts E[b] beyond rounding"),
-      excess_finding("slope", texels_->slope, fmt::format("no mean slope above {}", kSlopeMax),
+      finite_finding(texels_->nonfinite, "non-finite texels"),
+      excess_finding("variance", texels_->variance, "no variance is below 0, no correlation exceeds 1",
+                     "E[b b] contradicts E[b], beyond rounding,"),
+      excess_finding("slope", texels_->slope, fmt::format("no mean slope exceeds {}", kSlopeMax),
                      "a mean slope is too steep"),
-      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than rounding allows",
-                     "a mean normal is longer than rounding allows"),
+      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than 1, except for rounding",
+                     "a mean normal is longer than 1, beyond rounding,"),
   };
   if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));
   return findings;

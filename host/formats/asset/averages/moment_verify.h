@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks a baked file of moments by itself, without its source: structure, checksum, finite values, lengths, variances.
+// Checks a baked file of moments without its source: structure, checksum, finite values, lengths and variances.
 #pragma once
 
 #include <functional>
@@ -12,27 +12,28 @@
 
 namespace multum {
 
-/// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
+/// Receives rows of a stored level, from the top, so that callers can look at the texels without reading the file
+/// twice.
 using MomentRowsSeen = std::function<void(int level, int first_row, const MomentLevel& rows)>;
 
-/// Checks rows as verify_moments() does, also before they are in a file.
+/// Checks rows as verify_moments() does, even before a file contains them.
 class MomentScan {
  public:
   explicit MomentScan(const BakedHeader& header);
   ~MomentScan();
   void add(int level, int first_row, const MomentLevel& rows);
-  /// Findings of all rows that were added.
+  /// Returns the findings for all rows added so far.
   std::vector<VerifyFinding> findings() const;
 
-  struct Texels;  // what was found
+  struct Texels;  // counts and worst texels
 
  private:
   const BakedHeader header_;
   std::unique_ptr<Texels> texels_;
 };
 
-/// Reads row of tiles by row of tiles: some are in memory, never the file. Throws Error(kInput) when the file cannot be
-/// read at all (structure); every other check is a finding. `seen` is told every row once.
+/// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
+/// unreadable; every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, const MomentRowsSeen& seen = {});
 
 }  // namespace multum

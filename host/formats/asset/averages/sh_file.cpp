@@ -19,7 +19,8 @@ namespace {
 constexpr char kOrderAttribute[] = "multum:shOrder";
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
-// R, G, B, A as far as there are coefficients; of the number in the part's name times 4 and on.
+// Names the part's channels R, G, B, A, as far as there are coefficients. The first coefficient's index is 4 times the
+// number in the part's name.
 BakedPart coefficient_part(const BakedHeader& header, int order, int part) {
   BakedPart made{fmt::format("sh.{:02}", part),
                  {},
@@ -44,7 +45,7 @@ std::vector<BakedPart> sh_parts(const BakedHeader& header, int order) {
 
 class ShPortion : public BakedRows {
  public:
-  /// `scan` is the writer's thread's, until it ends.
+  /// Only the writer's thread uses `scan` until that thread ends.
   ShPortion(int order, const BakedHeader& header, ShScan& scan, int level, ShLevel rows)
       : order_(order), header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -92,7 +93,7 @@ std::vector<Imf::Header> make_sh_headers(const BakedHeader& header, int order, c
 int sh_tile_size(int map_width, int order, int default_size) {
   constexpr std::uint64_t kWaitingMax = std::uint64_t{64} << 20;
   constexpr int kLeast = 16;
-  // Twice that of the finest level: the others are as wide together.
+  // Twice the row size of the finest level: all coarser levels together are as wide as the finest.
   const std::uint64_t row_bytes = 2 * static_cast<std::uint64_t>(map_width) *
                                   static_cast<std::uint64_t>(sh_coefficient_count(order)) * sizeof(float);
   int size = default_size;
@@ -110,7 +111,7 @@ class ShWriter::Work {
   }
 
   const int order;
-  const BakedHeader header;  // outlives the portions, as does
+  const BakedHeader header;  // must outlive the portions, like
   ShScan scan{header, order};
   BakedWriter writer;
 };
@@ -164,7 +165,7 @@ class ShReader::File {
       float* const first = &values[0].x;
       read_part(part, level, first_row, row_count, first, static_cast<std::size_t>(channels) * texels);
       if (channels == 4) continue;
-      // Spread out from the back: each texel's place is at or behind where its values lie.
+      // Spreads the values out from the back: each texel's place is at or after the place of its values.
       for (std::size_t i = texels; i-- > 0;) {
         glm::vec4 texel(0.0f);
         std::copy_n(first + i * static_cast<std::size_t>(channels), channels, &texel.x);
@@ -208,7 +209,7 @@ void write_sh_mipmap(const std::string& path, const ShMipmap& mipmap, const Bake
   exact.measured_error_bytes = static_cast<int>(mipmap.header.provenance.measured_error.size());
   ShWriter writer(path, mipmap.header, mipmap.order, exact);
   for (int l = mipmap.header.first_level; l < mipmap.header.level_count(); ++l) {
-    progress_advance(progress, 0);  // a chance to cancel
+    progress_advance(progress, 0);  // gives the caller a chance to cancel
     const ShLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
     writer.write_level(l, 0, level);
   }

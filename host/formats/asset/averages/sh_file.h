@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes and reads baked files of spherical harmonics row by row (docs/reference/file_format.md, "Spherical
-// harmonics"): parts "sh.00", "sh.01", ... of four coefficients each and, with colours, "colour", all levels each.
+// harmonics"). The parts "sh.00", "sh.01", ... with four coefficients each and, if the map has colours, "colour" store
+// all levels.
 #pragma once
 
 #include <memory>
@@ -11,25 +12,27 @@
 
 namespace multum {
 
-/// Sides of tiles: as usual where a row of them is small; lower where many coefficients lie side by side, since of
-/// every level a row of tiles waits until it is full. Depends on nothing but the file: so do its bytes.
+/// Returns the side of tiles: the default if a row of tiles is small, less if each texel has many coefficients. The
+/// writer holds an unfinished row of tiles for every level. The result depends only on the arguments, so that a file
+/// always has the same bytes.
 int sh_tile_size(int map_width, int order, int default_size);
 
-/// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h); level 0 is a level like the others.
+/// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.
 class ShWriter {
  public:
-  /// Does not read measured error and content hash of `header`: commit() knows them. Throws as AtomicFile does for
-  /// places that cannot be written, Error(kUsage) for an unknown compression.
+  /// Ignores the measured error and the content hash in `header`: commit() sets both. Throws as AtomicFile does if the
+  /// path cannot be written, and Error(kUsage) for an unknown compression.
   ShWriter(const std::string& path, const BakedHeader& header, int order, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~ShWriter();
   ShWriter(const ShWriter&) = delete;
   ShWriter& operator=(const ShWriter&) = delete;
 
-  /// Rounded rows of a stored level (rows.height of them), in order from row 0 within the level; levels in any order.
+  /// Takes rounded rows of a stored level, rows.height of them. Rows come in order from row 0; levels come in any
+  /// order.
   void write_level(int level, int first_row, ShLevel rows);
   void commit(const std::string& measured_error, Progress* progress = nullptr);
-  /// The content's checksum; after commit().
+  /// Returns the checksum of the content; call commit() first.
   const std::string& content_hash() const;
 
  private:
@@ -37,11 +40,11 @@ class ShWriter {
   std::unique_ptr<Work> work_;
 };
 
-/// Calls come from one thread at a time; each uses several.
+/// Reads rows with several threads. Only one thread may call it at a time.
 class ShReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
-  /// expected. `threads` decompress; 0: as many as the machine has.
+  /// expected. `threads` decompress; 0: one per core.
   explicit ShReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~ShReader();
   ShReader(const ShReader&) = delete;
@@ -49,14 +52,14 @@ class ShReader {
 
   const BakedHeader& header() const;
   int order() const;
-  /// Rows are decompressed by rows of tiles of this height.
+  /// Height of one row of tiles. The reader decompresses whole rows of tiles.
   int tile_size() const;
-  /// Rows of a stored level.
+  /// Reads rows of a stored level.
   ShLevel read_level(int level, int first_row, int row_count);
-  /// The checksum of what the file holds, when every row of every stored level has been read once, from the top; for
-  /// verify_sh().
+  /// Returns the checksum of the file's content for verify_sh(). First read every row of every stored level once, from
+  /// the top.
   std::string finish_hash();
-  const std::vector<std::string>& changed_rows() const;  // of TexelCheck::kReport
+  const std::vector<std::string>& changed_rows() const;  // for TexelCheck::kReport
 
  private:
   class File;

@@ -45,8 +45,8 @@ void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads) {
   });
 }
 
-// Each coefficient by half a unit in the last place at most, 2^-11 of itself, and a square by twice that. Floats: the
-// basis is within 4e-6 of its bound, and averaging takes some 2^-24 a step.
+// Half rounding changes each coefficient by at most half a unit in the last place, 2^-11 of its value, and a square by
+// twice that fraction. With floats, the basis is within 4e-6 of its bound, and each averaging step adds about 2^-24.
 double sh_power_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1e-3 : 2e-5; }
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// By the addition theorem the coefficients of band l of one direction lie on a sphere of radius sqrt((2l+1)/4pi), so
-// that those of a mean of directions lie within it, and those of level 0 on it. With a BRDF's width in they lie within
-// it too, those of l = 1 at c = 1/2 to 1 of it.
+// By the addition theorem, the coefficients of band l of one direction are on a sphere of radius sqrt((2l+1)/4pi). A
+// mean of directions is therefore inside the sphere, and level 0 is on the sphere. With a BRDF's width included, level
+// 0 is inside too; its band l = 1 has c = 1/2 to 1 times the radius.
 #include "host/formats/asset/averages/sh_verify.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace multum {
 
 struct ShScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel strong, unlike, weight;  // how far beyond what is allowed
+  WorstTexel strong, unlike, weight;  // excess beyond the tolerance
 };
 
 namespace {
@@ -29,7 +29,7 @@ bool is_finite(const ShLevel& rows, std::size_t i) {
          (std::isfinite(rows.colours[i].x) && std::isfinite(rows.colours[i].y) && std::isfinite(rows.colours[i].z));
 }
 
-// Of (2l+1)/4pi.
+// Returns the sum of squares of band l, relative to (2l+1)/4pi.
 double power_of_band(const ShLevel& rows, std::size_t i, int l) {
   double sum = 0.0;
   for (int m = -l; m <= l; ++m) {
@@ -71,14 +71,14 @@ void ShScan::add(int level, int first_row, const ShLevel& rows) {
 
 std::vector<VerifyFinding> ShScan::findings() const {
   std::vector<VerifyFinding> findings = {
-      finite_finding(texels_->nonfinite, "texels that are not finite"),
-      excess_finding("power", texels_->strong, "no band is stronger than that of one direction",
-                     "a band is stronger than that of one direction"),
+      finite_finding(texels_->nonfinite, "non-finite texels"),
+      excess_finding("power", texels_->strong, "no band is stronger than the band of one direction",
+                     "a band is stronger than the band of one direction"),
       excess_finding("level 0", texels_->unlike,
                      header_.first_level > 0 ? "not stored"
-                     : header_.has_roughness ? "each texel is the facets of one normal"
-                                             : "each texel is one direction",
-                     "a texel is not one direction: a band is weaker"),
+                     : header_.has_roughness ? "each texel holds the facets of one normal"
+                                             : "each texel holds one direction",
+                     "a texel does not hold one direction: a band is too weak"),
   };
   if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));
   return findings;

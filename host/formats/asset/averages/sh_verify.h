@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks a baked file of spherical harmonics by itself, without its source: structure, checksum, finite values, and
-// bands no stronger than those of one direction.
+// Checks a baked file of spherical harmonics without its source: structure, checksum, finite values, and bands no
+// stronger than the bands of one direction.
 #pragma once
 
 #include <functional>
@@ -13,19 +13,20 @@
 
 namespace multum {
 
-/// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
+/// Receives rows of a stored level, from the top, so that callers can look at the texels without reading the file
+/// twice.
 using ShRowsSeen = std::function<void(int level, int first_row, const ShLevel& rows)>;
 
-/// Checks rows as verify_sh() does, also before they are in a file.
+/// Checks rows as verify_sh() does, even before a file contains them.
 class ShScan {
  public:
   explicit ShScan(const BakedHeader& header, int order);
   ~ShScan();
   void add(int level, int first_row, const ShLevel& rows);
-  /// Findings of all rows that were added.
+  /// Returns the findings for all rows added so far.
   std::vector<VerifyFinding> findings() const;
 
-  struct Texels;  // what was found
+  struct Texels;  // counts and worst texels
 
  private:
   const BakedHeader header_;
@@ -33,8 +34,8 @@ class ShScan {
   std::unique_ptr<Texels> texels_;
 };
 
-/// Reads row of tiles by row of tiles: some are in memory, never the file. Throws Error(kInput) when the file cannot be
-/// read at all (structure); every other check is a finding. `seen` is told every row once.
+/// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
+/// unreadable; every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen = {});
 
 }  // namespace multum

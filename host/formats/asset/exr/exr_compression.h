@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of compressions as settings have them: "zip", "zip:4", "rle".
+// Names of compressions in settings, such as "zip", "zip:4" and "rle".
 #pragma once
 
 #include <ImfCompression.h>
@@ -10,7 +10,7 @@ namespace multum {
 
 struct ExrCompression {
   Imf::Compression compression;
-  int zip_level;  // -1: the library's
+  int zip_level;  // -1: the library's default
 };
 
 /// Throws Error(kUsage) for an unknown name.

@@ -15,8 +15,7 @@ ExrInputStream::ExrInputStream(const std::string& path) : IStream(path.c_str()),
 
 bool ExrInputStream::read(char values[], int count) {
   if (stream_.read(values, count)) return true;
-  throw Iex::InputExc(
-      fmt::format("the file ends after {} of {} bytes that are read together", stream_.gcount(), count));
+  throw Iex::InputExc(fmt::format("the file ends after {} of {} bytes of a block", stream_.gcount(), count));
 }
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets OpenEXR read a file that was opened by host/foundation/base/files/regular_file: the library, given a name, would
-// wait for a FIFO.
+// Lets OpenEXR read a file opened by host/foundation/base/files/regular_file. Given a name, the library would wait for
+// a FIFO.
 #pragma once
 
 #include <ImfIO.h>
@@ -14,10 +14,10 @@ namespace multum {
 
 class ExrInputStream : public Imf::IStream {
  public:
-  /// Throws Error(kInput) where it is not a regular file, and an Iex exception where it cannot be opened.
+  /// Throws Error(kInput) if the path is not a regular file, and an Iex exception if it cannot be opened.
   explicit ExrInputStream(const std::string& path);
 
-  // Throw Iex exceptions, as the library's own stream does.
+  // These throw Iex exceptions, as the library's own stream does.
   bool read(char values[], int count) override;
   std::uint64_t tellg() override { return static_cast<std::uint64_t>(std::streamoff(stream_.tellg())); }
   void seekg(std::uint64_t position) override { stream_.seekg(static_cast<std::streamoff>(position)); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layout of headers: "OpenEXR File Layout", openexr.com. A file begins
+// Layout of headers ("OpenEXR File Layout", openexr.com). A file begins
 //
-//   magic (4 bytes)  version and flags (4)  header, header, ...  [empty header, where the flag says multi-part]
+//   magic (4 bytes)  version and flags (4)  header, header, ...  [empty header, if the flag says multi-part]
 //   header:    attribute, attribute, ...  0
 //   attribute: name 0  type 0  size (4 bytes)  value
 #include "host/formats/asset/exr/exr_output.h"
@@ -26,7 +26,7 @@ constexpr std::uint32_t kMultiPartFlag = 0x1000;
   throw Error(ErrorCode::kEnvironment, shown_path + ": writing failed: " + reason);
 }
 
-// A file's bytes one after another, and the headers' in terms of them.
+// Reads a file's bytes in sequence, as the elements of its headers.
 class HeaderCursor {
  public:
   HeaderCursor(std::FILE* file, std::string shown_path) : file_(file), shown_path_(std::move(shown_path)) {}
@@ -48,19 +48,19 @@ class HeaderCursor {
     if (fseeko(file_, static_cast<off_t>(count), SEEK_CUR) != 0) end();
   }
   void overwrite(const std::string& value) {
-    // The standard wants a seek between reading and writing, either way.
+    // The C standard requires a seek between reading and writing.
     if (fseeko(file_, 0, SEEK_CUR) != 0 || std::fwrite(value.data(), 1, value.size(), file_) != value.size() ||
         fseeko(file_, 0, SEEK_CUR) != 0)
       fail(shown_path_, errno_text(errno));
   }
 
  private:
-  [[noreturn]] void end() { fail(shown_path_, "its headers cannot be read again"); }
+  [[noreturn]] void end() { fail(shown_path_, "cannot read its headers again"); }
   std::FILE* file_;
   std::string shown_path_;
 };
 
-// One header; false for the empty one that ends them.
+// Fills in one header; returns false for the empty header that ends the list.
 bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const std::string& name,
                     const std::string& text, int& found) {
   std::string attribute = cursor.text();
@@ -73,8 +73,8 @@ bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const s
       continue;
     }
     if (text.size() > size)
-      fail(shown_path,
-           name + " takes " + std::to_string(text.size()) + " bytes, the header has room for " + std::to_string(size));
+      fail(shown_path, name + " takes " + std::to_string(text.size()) + " bytes, but the header has room for " +
+                           std::to_string(size));
     cursor.overwrite(text + std::string(size - text.size(), ' '));
     ++found;
   }
@@ -85,7 +85,7 @@ bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const s
 
 ExrOutputStream::ExrOutputStream(const AtomicFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
 
-// What is thrown here the library may swallow; close() throws it again.
+// The library may swallow exceptions thrown here; close() throws them again.
 void ExrOutputStream::write(const char values[], int count) {
   if (!file_.write(values, static_cast<std::size_t>(count))) throw std::runtime_error(file_.failure());
 }

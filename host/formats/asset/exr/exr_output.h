@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds what OpenEXR's own output lacks: a stream that keeps the first thing that went wrong (the library's stream loses
-// what fails while the tables of tiles are written, last of all), and headers that are filled in when the pixels are
-// written.
+// Adds two features to OpenEXR's output. The stream keeps its first error, because the library's stream loses errors
+// in the tables of tiles, which are written last. Headers can be filled in after the pixels are written.
 #pragma once
 
 #include <ImfIO.h>
@@ -15,7 +14,7 @@ namespace multum {
 
 class ExrOutputStream : public Imf::OStream {
  public:
-  /// As OutputFile.
+  /// Throws as OutputFile does.
   explicit ExrOutputStream(const AtomicFile& file);
 
   void write(const char values[], int count) override;
@@ -27,12 +26,12 @@ class ExrOutputStream : public Imf::OStream {
   OutputFile file_;
 };
 
-/// A file of its own that appears whole or not at all; `write` gives it its bytes. Throws Error(kEnvironment) when the
-/// disk or OpenEXR refuses.
+/// Writes a file that appears whole or not at all; `write` writes its contents. Throws Error(kEnvironment) if the disk
+/// or OpenEXR fails.
 void write_exr_file(const std::string& path, const std::function<void(Imf::OStream& stream)>& write);
 
-/// Writes `text`, padded with spaces, over the string attribute `name` in every header of the file that has it, and
-/// returns how many have. Throws Error(kEnvironment) where the room is less or the disk refuses.
+/// Writes `text`, padded with spaces, over the string attribute `name` in every header that has the attribute, and
+/// returns their number. Throws Error(kEnvironment) if the room is too small or the disk fails.
 int fill_in_attribute(const AtomicFile& file, const std::string& name, const std::string& text);
 
 }  // namespace multum

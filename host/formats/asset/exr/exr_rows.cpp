@@ -6,7 +6,7 @@
 namespace multum {
 
 void use_exr_threads(int threads) {
-  // With one, calls do their work themselves.
+  // With one thread, calls do their own work.
   if (threads > 1 && Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts rows of a baked file's part to what OpenEXR takes and gives. For host/formats/asset alone.
+// Converts rows of a part to and from OpenEXR's slices. Only host/formats/asset uses this header.
 #pragma once
 
 #include <ImfFrameBuffer.h>
@@ -11,7 +11,8 @@
 
 namespace multum {
 
-/// Half values go to HALF channels exactly (they were rounded before); everything else to FLOAT.
+/// Stores half values in HALF channels, which is exact because they were rounded before. Stores all other values in
+/// FLOAT channels.
 inline Imf::PixelType vector_type(StorageEncoding encoding) {
   return encoding == StorageEncoding::kHalf ? Imf::HALF : Imf::FLOAT;
 }
@@ -19,10 +20,10 @@ inline Imf::PixelType colour_type(StorageEncoding encoding) {
   return encoding == StorageEncoding::kFloat ? Imf::FLOAT : Imf::HALF;
 }
 
-/// OpenEXR's threads are one pool for all files of the process: it only grows.
+/// Sets the size of OpenEXR's thread pool. All files of the process share one pool, which only grows.
 void use_exr_threads(int threads);
 
-/// One channel of rows: `first` is its value at the left end of `first_row`.
+/// Returns the slice of one channel of rows. `first` is its value at the left end of `first_row`.
 Imf::Slice row_slice(Imf::PixelType type, const void* first, std::size_t texel_stride, int width, int first_row,
                      int row_count);
 

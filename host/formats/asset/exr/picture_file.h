@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes pictures as OpenEXR files: linear 32-bit floats, whole; halfs, row by row. A file appears whole or not at all.
+// Writes pictures as OpenEXR files: whole as linear 32-bit floats, or row by row as halfs. A file appears whole or not
+// at all.
 #pragma once
 
 #include <memory>
@@ -8,12 +9,12 @@
 
 namespace multum {
 
-/// `rgba`: 4 * width * height values, row 0 at the top. Channels R, G, B, A, compressed by zip. Throws
-/// Error(kEnvironment) when the disk refuses.
+/// Writes channels R, G, B and A, compressed by zip. `rgba` holds 4 * width * height values, row 0 at the top. Throws
+/// Error(kEnvironment) if the disk fails.
 void write_exr_picture(const std::string& path, int width, int height, const std::vector<float>& rgba);
 
-/// Channels R, G, B, and A where it is asked for, of half floats, compressed by zip. Everything throws
-/// Error(kEnvironment) when the disk refuses.
+/// Writes channels R, G, B and optionally A as half floats, compressed by zip. Every function throws
+/// Error(kEnvironment) if the disk fails.
 class ExrHalfWriter {
  public:
   /// `channels`: 3, or 4 with alpha.
@@ -22,9 +23,9 @@ class ExrHalfWriter {
   ExrHalfWriter(const ExrHalfWriter&) = delete;
   ExrHalfWriter& operator=(const ExrHalfWriter&) = delete;
 
-  /// The next rows; `interleaved` holds `channels` values a texel.
+  /// Writes the next rows; `interleaved` holds `channels` values per texel.
   void write_rows(int row_count, const float* interleaved);
-  /// Gives the file its name, after all rows.
+  /// Gives the file its name; call it after all rows.
   void finish();
 
  private:

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// 2 sigma^2 closer to a single direction than floats can tell: 8 roundings of 2^-24.
+// In floats, a smaller 2 sigma^2 is indistinguishable from a single direction: 8 roundings of 2^-24.
 constexpr double kSpreadZero = 5e-7;
 
 float clamped_step_value(double steps) { return static_cast<float>(std::clamp(steps, -32767.0, 32767.0) * kSnormStep); }
@@ -24,7 +24,7 @@ float grid_nearest(double value, StorageEncoding encoding) {
   return clamped_step_value(std::round(value * kSnormSteps));
 }
 
-// 2 sigma^2 of (a mu, a (2 sigma^2 + |mu|^2), a).
+// Returns 2 sigma^2 of the lobe (a mu, a (2 sigma^2 + |mu|^2), a).
 double planar_spread(const glm::vec4& lobe) {
   const double a = static_cast<double>(lobe.w), x = static_cast<double>(lobe.x) / a,
                y = static_cast<double>(lobe.y) / a;
@@ -36,9 +36,10 @@ float grid_inwards(double value, StorageEncoding encoding) {
   return value < 0.0 ? -below : below;
 }
 
-// The mean to nearest, then the third about that mean; where that would exceed a, which E|p|^2 does not and snorm16
-// cannot, the mean inwards instead. Of a single direction the third downwards, so that readers clamp its
-// variance to none. What is not even a number stays it, for verify_movmf() to tell.
+// Rounds the mean to nearest, then the third value about the rounded mean. If the third value would exceed a, the mean
+// is rounded inwards instead: E|p|^2 never exceeds a, and snorm16 cannot store more. A single direction gets its third
+// value rounded down, so that readers clamp its variance to 0. NaN and infinity stay, so that verify_movmf() reports
+// them.
 glm::vec4 round_gaussian(const glm::vec4& lobe, double a, StorageEncoding encoding) {
   if (a <= 0.0) return glm::vec4(0.0f);
   const double spread = planar_spread(lobe), scale = a / static_cast<double>(lobe.w);
@@ -80,7 +81,7 @@ glm::vec3 rough_point(const glm::vec3& shortened) {
   return {p, std::min(square + 2.0 * spread / (1.0 + spread) * (1.0 - 0.5 * square), 1.0)};
 }
 
-// v = spread / (1 + spread) (1 - |p|^2 / 2): of what was cut off at the rim the least.
+// Inverts v = spread / (1 + spread) (1 - |p|^2 / 2). If the rim has cut v off, returns the least possible spread.
 glm::vec3 shortened_normal(const glm::vec3& rough_point) {
   const glm::dvec2 p(rough_point);
   const double square = std::min(glm::dot(p, p), 1.0);
@@ -99,8 +100,8 @@ glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened) {
 }
 
 float gmm_kappa_max(StorageEncoding encoding) {
-  // Half a step of the third value is a quarter of 2 sigma^2: a step is 1/32767, of halfs 1/2048 near the rim, where
-  // the third is near 1 (and less elsewhere). GmmQuantizeTest.KeepsVariance measures it.
+  // Half a step of the third value is a quarter of 2 sigma^2. A step of snorm16 is 1/32767. A step of halfs is 1/2048
+  // near the rim, where the third value is near 1, and smaller elsewhere. GmmQuantizeTest.KeepsVariance measures it.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 30000.0f;
     case StorageEncoding::kHalf: return 2000.0f;

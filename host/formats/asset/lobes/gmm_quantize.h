@@ -1,42 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planar Gaussians (Tan et al. 2005) as a baked file has them, and their rounding. A file of them is one of lobes
+// Planar Gaussians (Tan et al. 2005) in baked files, and their rounding. A file of Gaussians is a file of lobes
 // (host/formats/asset/lobes/movmf_mipmap.h) whose four channels mean
 //
 //   a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a        mu = mean (n_x, n_y), sigma^2 = variance of one coordinate
 //
-// All are linear in the normals, so that a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a
-// mu)/T(a)|^2. Near the rim that is a small difference of numbers near 1: rounded one by one they leave little of it.
-// So the third is rounded last, about the mean as it was rounded: one rounding instead of three,
-// docs/reference/file_format.md, "Encodings of Gaussians".
+// All are linear in the normals, so a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a mu)/T(a)|^2.
+// Near the rim this is a small difference of numbers near 1, and independent rounding would leave little of it. So
+// the third value is rounded last, about the rounded mean: one rounding error instead of three
+// (docs/reference/file_format.md, "Encodings of Gaussians").
 #pragma once
 
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 
 namespace multum {
 
-/// sigma^2 of a stored or filtered lobe; never negative, 0 where a is 0.
+/// Returns sigma^2 of a stored or filtered lobe: never negative, 0 if a is 0.
 float gmm_variance(const glm::vec4& lobe);
 
-/// One finest normal, shortened to c n by a BRDF's width, as a lobe of amplitude 1: (x, y, x^2 + y^2 + 2 v) of the unit
-/// normal, v the planar variance of its facets (kernels/device/planar_sample.clh says which).
+/// Converts one finest normal, shortened to c n by a BRDF's width, to a lobe of amplitude 1: (x, y, x^2 + y^2 + 2 v)
+/// of the unit normal. v is the planar variance of its facets (kernels/device/planar_sample.clh).
 glm::vec3 rough_point(const glm::vec3& shortened);
-/// The other way round, for renderers that have the file alone: c n.
+/// Inverse of rough_point(): returns c n, for renderers that have only the file.
 glm::vec3 shortened_normal(const glm::vec3& rough_point);
-/// One finest normal, shortened or not, as a lobe of amplitude 1.
+/// Converts one finest normal, shortened or not, to a lobe of amplitude 1.
 glm::vec3 point_of_normal(const glm::vec3& normal, bool is_shortened);
-/// The other way round. What the third value adds to a unit normal's (x, y) is rounding.
+/// Inverse of point_of_normal(). For a unit normal, the third value adds nothing to (x, y) except rounding.
 glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened);
 
-/// 1 / the least sigma^2 that a lobe of amplitude 1 keeps to within a quarter, wherever its mean is.
+/// Returns 1 / sigma^2 for the smallest sigma^2 that a lobe of amplitude 1 keeps within a quarter, at any mean.
 float gmm_kappa_max(StorageEncoding encoding);
 
-/// Lobes narrower than that, but for single directions.
+/// Counts lobes narrower than gmm_kappa_max() allows, except for single directions.
 SharpLobes count_sharp_gaussians(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
-/// Rounds rows of a level >= 1 to what is stored.
+/// Rounds rows of a level >= 1 to stored values.
 void quantize_gmm(MovmfLevel& rows, StorageEncoding encoding, int threads);
 
-/// The largest value of the encoding's grid that is not above `value`, 0..1 for kSnorm16.
+/// Returns the largest value of the encoding's grid that does not exceed `value`; `value` is 0..1 for kSnorm16.
 float grid_below(double value, StorageEncoding encoding);
 
 }  // namespace multum

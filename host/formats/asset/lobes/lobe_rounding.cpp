@@ -16,11 +16,11 @@ namespace {
 
 using Block = std::array<double, kRoundingBlock>;
 
-// Of less than the least amplitude that snorm16 stores nobody sees the spread.
+// Below the smallest amplitude that snorm16 stores, the spread of a lobe is invisible.
 constexpr float kAmplitudeMin = static_cast<float>(kSnormStep);
 
-// Step 1, snorm16: whole steps that sum to 32767, the largest remainders rounded up (ties: the lower lobe). Amplitudes
-// that are no shares stay as they are, for verify_movmf() to tell.
+// Step 1, snorm16: whole steps that sum to 32767. The largest remainders are rounded up (ties: the lower lobe).
+// Amplitudes that do not sum to 1 stay unchanged, so that verify_movmf() reports them.
 MULTUM_VECTOR_CLONES
 void round_amplitudes_snorm(const MovmfLevel& level, std::size_t first, std::size_t count,
                             std::array<Block, kLobeCountMax>& amplitudes) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares the steps of rounding between both families of lobes: amplitudes that sum to 1, colours, rows by bands. For
-// host/formats/asset alone.
+// Rounding that both families of lobes share: amplitudes that sum to 1, colours, bands of rows. Only
+// host/formats/asset uses this header.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@
 namespace multum {
 
 constexpr int kSnormSteps = 32767;
-/// Times this is the same float as a division gives, for every step (QuantizeStepsTest): k/32767 repeats its 15 bits
-/// for ever, so that no quotient lies near the middle of two floats.
+/// Multiplying by this constant gives the same float as division by 32767, for every step (QuantizeStepsTest). The
+/// binary digits of k/32767 repeat every 15 bits, so no quotient is close to the midpoint of two floats.
 constexpr double kSnormStep = 1.0 / kSnormSteps;
 
-/// Texels that are rounded at once.
+/// Texels rounded at once.
 constexpr std::size_t kRoundingBlock = 256;
-/// Rounds one lobe of `count` texels, whose amplitudes have been rounded to `amplitudes`.
+/// Rounds one lobe of `count` texels; `amplitudes` holds the rounded amplitudes.
 using RoundLobes = void (*)(glm::vec4* lobes, const double* amplitudes, std::size_t count, StorageEncoding encoding);
 
-/// Amplitudes first (snorm16: whole steps that sum to 32767), then each lobe by `round`, then colours and weights to
-/// halfs. kFloat: nothing is rounded.
+/// Rounds amplitudes first (snorm16: whole steps that sum to 32767), then each lobe by `round`, then colours and
+/// weights to halfs. kFloat rounds nothing.
 void round_rows(MovmfLevel& rows, StorageEncoding encoding, int threads, RoundLobes round);
 
-/// Counts lobes for which `is_sharp(lobe)`, of an amplitude that any encoding stores.
+/// Counts lobes with `is_sharp(lobe)` among those whose amplitude every encoding can store.
 SharpLobes count_lobes(const MovmfLevel& level, int threads, bool (*is_sharp)(const glm::vec4& lobe, double spread_min),
                        double spread_min);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level 0 from x and y. z rounds up, so that |(x, y, z)| >= 1: a texel of one direction has no spread, and neither have
-// filtered texels that share it, since projections add up (host/formats/asset/lobes/movmf_quantize.cpp).
+// Derives level 0 from x and y. z rounds up, so that |(x, y, z)| >= 1. A texel of one direction then has no spread,
+// and neither have filtered texels that share the direction, because their projections add up
+// (host/formats/asset/lobes/movmf_quantize.cpp).
 //
-// z is ill-conditioned where it is small: an error of x along the slope of a normal that is tilted by t turns it by
-// 1/cos(t) as much. FinestTest.TurnsDirectionsByLittle has the figures.
+// Where z is small, it is ill-conditioned. If a normal is tilted by t, an error of x along the tilt turns the normal
+// by 1/cos(t) times the error. FinestTest.TurnsDirectionsByLittle has the figures.
 #include "host/formats/asset/lobes/movmf_finest.h"
 
 #include <half.h>
@@ -25,7 +26,7 @@
 namespace multum {
 namespace {
 
-// x is at most 1 in magnitude: the sum stays in range.
+// |x| is at most 1, so the sum stays in range.
 int nearest_step(float x) {
   const double steps = static_cast<double>(x) * kSnormSteps;
   return static_cast<int>(steps + (steps < 0.0 ? -0.5 : 0.5));
@@ -33,8 +34,8 @@ int nearest_step(float x) {
 
 float step_value(int step) { return static_cast<float>(step / static_cast<double>(kSnormSteps)); }
 
-// The least k with i^2 + j^2 + k^2 >= 32767^2, exactly: the root of an integer below 2^30 that is no square is further
-// than 2^-17 from every integer.
+// Returns the least k with i^2 + j^2 + k^2 >= 32767^2, exactly. The root of a non-square integer below 2^30 differs by
+// more than 2^-17 from every integer.
 float z_snorm(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
   const int rest = std::max(kSnormSteps * kSnormSteps - i * i - j * j, 0);
@@ -43,8 +44,8 @@ float z_snorm(float x, float y) {
   return step_value(below < root ? below + 1 : below);
 }
 
-// The least half with x^2 + y^2 + z^2 >= 1, exactly for x and y that are halfs: every term is a multiple of 2^-48, so
-// that the doubles are exact and a root that is no half differs from every half by 2^-49 at least.
+// Returns the least half with x^2 + y^2 + z^2 >= 1, exactly if x and y are halfs. Every term is a multiple of 2^-48,
+// so the doubles are exact. A root that is not a half differs from every half by at least 2^-49.
 float z_half(double root) {
   half z(static_cast<float>(root));
   if (static_cast<double>(static_cast<float>(z)) < root) z.setBits(static_cast<unsigned short>(z.bits() + 1));
@@ -56,7 +57,7 @@ float z_float(double root) {
   return static_cast<double>(z) < root ? std::nextafter(z, 2.0f) : z;
 }
 
-// Is x^2 + y^2 above 1, of whole steps, exactly?
+// Returns whether x^2 + y^2 exceeds 1, exactly, in whole steps.
 bool is_beyond_rim(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
   return i * i + j * j > kSnormSteps * kSnormSteps;
@@ -70,8 +71,8 @@ void quantize_plane(glm::vec3& n, StorageEncoding encoding) {
   }
 }
 
-// x, y and z of many unit vectors, without a branch. Of a value that is cut to no step, wide registers make -0 where it
-// is negative: 0 as elsewhere.
+// Rounds x, y and z of many unit vectors without branches. Wide registers turn a small negative value into -0; it is
+// set to 0, as elsewhere.
 MULTUM_VECTOR_CLONES
 void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -81,7 +82,7 @@ void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
   }
 }
 
-// Lobes of a = 1, as those of other levels.
+// Rounds lobes of amplitude 1, as in other levels.
 void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, const LobeFamily& family, StorageEncoding encoding) {
   MovmfLevel lobe{static_cast<int>(count), 1, {{}}, {}};
   for (std::size_t i = 0; i < count; ++i) lobe.lobes[0].emplace_back(normals[i], 1.0f);
@@ -100,7 +101,7 @@ void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, Stor
     rows.weights[i] = as_half(rows.weights[i]);
 }
 
-// Rounding to halfs lengthens by a step of 1/1024 a channel at most.
+// Rounding to halfs lengthens each channel by at most one step of 1/1024.
 constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
 
 }  // namespace
@@ -129,8 +130,8 @@ void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncodin
   }
 }
 
-// The third is x^2 + y^2, which snorm16 has up to 1: beyond the rim x and y are rounded inwards instead, as those of
-// other levels are (gmm_quantize.cpp).
+// The third value is x^2 + y^2, and snorm16 stores at most 1. Beyond the rim, x and y are rounded inwards instead, as
+// in other levels (gmm_quantize.cpp).
 void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding) {
   for (std::size_t i = 0; i < count; ++i) {
     glm::vec3& point = points[i];

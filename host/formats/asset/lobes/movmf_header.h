@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds the attributes of lobes to the headers of movmf files, beside those of all baked files
-// (host/formats/asset/baked_header.h), and reads them. For host/formats/asset alone.
+// Writes and reads the attributes that only movmf files have; host/formats/asset/baked_header.h handles the attributes
+// of all baked files. Only host/formats/asset uses this header.
 #pragma once
 
 #include <ImfHeader.h>
@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// One header a part, with spaces where the measured error and the content hash will be.
+/// Makes one header per part, with spaces as room for the measured error and the content hash.
 std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vector<MovmfPart>& parts,
                                       const BakedWriteOptions& options);
 

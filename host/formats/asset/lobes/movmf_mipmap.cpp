@@ -43,7 +43,7 @@ void drop_finer_levels(MovmfMipmap& mipmap, int first_level) {
   MULTUM_CHECK(first_level >= mipmap.header.first_level && first_level < static_cast<int>(mipmap.levels.size()));
   for (int l = 0; l < first_level; ++l) {
     MovmfLevel& level = mipmap.levels[static_cast<std::size_t>(l)];
-    for (auto& lobe : level.lobes) lobe = std::vector<glm::vec4>();  // = {} would keep the memory
+    for (auto& lobe : level.lobes) lobe = std::vector<glm::vec4>();  // `= {}` would keep the memory
     for (auto& colour : level.colours) colour = std::vector<glm::vec3>();
     for (auto& weights : level.weights) weights = std::vector<float>();
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the parts of a baked file in order, with their channels and levels: writer, reader and checksum agree by it
-// (docs/reference/file_format.md, "Parts and channels"). For host/formats/asset alone.
+// Lists the parts of a baked file in order, with channels and levels; writer, reader and checksum share the list
+// (docs/reference/file_format.md, "Parts and channels"). Only host/formats/asset uses this header.
 #pragma once
 
 #include <vector>
@@ -16,18 +16,18 @@ enum class MovmfPartKind { kFinest, kLobe, kColour, kWeights };
 
 struct MovmfPart : BakedPart {
   MovmfPartKind kind;
-  int lobe;  // of the others
+  int lobe;  // for the other kinds of parts
 
-  /// The first value of a level's rows; not of kFinest.
+  /// Returns the first value of a level's rows; not for kFinest.
   const float* values(const MovmfLevel& rows) const;
   float* values(MovmfLevel& rows) const;
 };
 
-/// Parts of a mipmap with or without texels.
+/// Returns the parts of a mipmap with or without texels.
 std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header);
 
-/// Texels of the part "finest" as values lie there, interleaved: R, G, B where there are colours, lobe, x, y, z with
-/// roughness, weights.
+/// Interleaves texels of the part "finest" in stored order: R, G, B if the map has colours; lobe; x; y; z with
+/// roughness; weights.
 void interleave(const MovmfFinest& rows, std::size_t first_texel, std::size_t count, float* values);
 
 }  // namespace multum

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounding of lobes to what is stored. A lobe's spread 1 - |r| decides how wide a highlight is, and |r| is near 1 for
-// glossy and flat places: rounding a r_x, a r_y, a r_z and a one by one moves |r| by up to 1/a steps of the grid and
+// Rounds lobes to stored values. A lobe's spread 1 - |r| decides how wide a highlight is, and |r| is near 1 for glossy
+// and flat places. Rounding a r_x, a r_y, a r_z and a independently moves |r| by up to 1/a steps of the grid. That
 // blurs a roughness-0.1 highlight on a tilted flat to half its peak. So the four are rounded together:
-//   1. amplitudes are rounded first, and (snorm16) sum to exactly 1, by largest remainder;
-//   2. r is multiplied by the ROUNDED amplitude, so that rounding a costs |r| nothing;
-//   3. of the 8 ways to round the three products down or up, the one whose projection on the lobe's own direction is
-//      nearest to a |r| is taken; for a single direction (|r| = 1) only those whose projection is at least a are:
-//      rounding never adds spread where there was none, and neither does filtering afterwards, since projections of
-//      texels that share a direction add up. The length |a r| instead would let a lobe of one step turn by 60 degrees
-//      at full length; filtered with its neighbour's lobe of 0.7 that cost 4 % of the peak (QuantizeTest has it).
-// Readers clamp |r| to 1.
+//   1. Amplitudes are rounded first, and (snorm16) sum to exactly 1, by largest remainder.
+//   2. r is multiplied by the ROUNDED amplitude, so that rounding a leaves |r| unchanged.
+//   3. Each of the three products is rounded down or up, which gives 8 candidates. The chosen one has the projection on
+//      the lobe's direction that is closest to a |r|. For a single direction (|r| = 1), the projection must be at least
+//      a, so rounding never adds spread. Filtering adds none either, because projections of texels that share a
+//      direction add up.
+// Using the length |a r| instead would let a lobe of one step turn by 60 degrees at full length. Filtered with a
+// neighbouring lobe of 0.7, that lost 4 % of the peak (QuantizeTest). Readers clamp |r| to 1.
 #include <half.h>
 
 #include <algorithm>
@@ -29,10 +29,10 @@
 namespace multum {
 namespace {
 
-// Lobes closer to a single direction than fp32 sums can tell: 8 roundings of 2^-24.
+// In fp32 sums, a smaller spread is indistinguishable from a single direction: 8 roundings of 2^-24.
 constexpr double kSpreadZero = 5e-7;
 
-// The two neighbours of a value on a grid, at or below and at or above it in magnitude.
+// The two grid neighbours of a value: `inner` is not larger in magnitude, `outer` not smaller.
 struct Bracket {
   float inner;
   float outer;
@@ -42,7 +42,7 @@ float step_value(int step) { return static_cast<float>(step * kSnormStep); }
 
 Bracket bracket_snorm(double value) {
   const double steps = value * kSnormSteps;
-  // Lobes are at most 1 long. What is not even a number stays it.
+  // Lobes have at most length 1. NaN and infinity stay unchanged.
   if (!(std::abs(steps) < 1e6)) return {static_cast<float>(value), static_cast<float>(value)};
   const int inner = static_cast<int>(steps);
   const int outer = inner + static_cast<int>(steps > inner) - static_cast<int>(steps < inner);
@@ -54,7 +54,7 @@ Bracket bracket_half(double value) {
   const auto rounded = static_cast<double>(static_cast<float>(nearest));
   if (rounded == value) return {static_cast<float>(nearest), static_cast<float>(nearest)};
   half other = nearest;
-  // Halfs of one sign are ordered like their bit patterns.
+  // Halfs of one sign have the same order as their bit patterns.
   const bool nearest_is_inner = std::abs(rounded) < std::abs(value);
   const auto bits = nearest.bits();
   other.setBits(static_cast<unsigned short>(nearest_is_inner ? bits + 1 : bits - 1));
@@ -62,7 +62,7 @@ Bracket bracket_half(double value) {
   return {static_cast<float>(other), static_cast<float>(nearest)};
 }
 
-// The ways to round: bit 0 of a corner says whether x is rounded up, bit 1 y, bit 2 z.
+// The 8 ways to round: bit 0 of a corner says whether x is rounded outwards, bit 1 y, bit 2 z.
 struct Corners {
   Bracket x, y, z;
   glm::vec3 at(unsigned corner) const {
@@ -71,7 +71,7 @@ struct Corners {
   }
 };
 
-// Their projections on a direction.
+// Returns the projections of all corners on a direction.
 std::array<double, 8> projections(const Corners& corners, const glm::dvec3& direction) {
   const double x[2] = {static_cast<double>(corners.x.inner) * direction.x,
                        static_cast<double>(corners.x.outer) * direction.x};
@@ -84,7 +84,7 @@ std::array<double, 8> projections(const Corners& corners, const glm::dvec3& dire
           xy[0] + z[1], xy[1] + z[1], xy[2] + z[1], xy[3] + z[1]};
 }
 
-// The nearest projection; the turn is at most a step either way. Of equals the first.
+// Returns the corner with the closest projection, the first of equals. The direction turns by at most one step.
 unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) {
   unsigned best = 7;
   double best_cost = HUGE_VAL;
@@ -96,7 +96,8 @@ unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) 
   return best;
 }
 
-// For single directions: the least turned of those that are not shorter. Rounded outwards in x, y and z, none is.
+// For single directions: returns the corner that turns least among those that are not shorter. With x, y and z all
+// rounded outwards, no corner is shorter.
 unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>& projection, double wanted,
                              const glm::dvec3& target) {
   unsigned best = 7;
@@ -112,7 +113,7 @@ unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>
   return best;
 }
 
-// Steps 2 and 3 for one lobe, stored as a (r, 1), whose amplitude has been rounded to `a`.
+// Applies steps 2 and 3 to one lobe, stored as a (r, 1), whose amplitude is already rounded to `a`.
 template <typename BracketOf>
 glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_of) {
   if (a <= 0.0f) return glm::vec4(0.0f);
@@ -131,12 +132,12 @@ glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_
                    a);
 }
 
-// Texels side by side, so that the compiler makes vector instructions of the loops; no operation differs from
-// round_lobe()'s. At level 1 of a map with four lobes most lobes are single directions or nothing: each kind is
-// gathered and rounded for itself.
+// Values of neighbouring texels, arranged so that the compiler vectorizes the loops; no operation differs from
+// round_lobe(). At level 1 of a map with four lobes, most lobes are single directions or empty. Each kind is gathered
+// and rounded separately.
 using Block = std::array<double, kRoundingBlock>;
 
-// Lobes of one kind: mean vectors r, their lengths, rounded amplitudes, and where in the block they came from.
+// Lobes of one kind: mean vectors r, their lengths, rounded amplitudes, and positions in the block.
 struct Gathered {
   Block x, y, z, length, amplitude;
   std::array<std::size_t, kRoundingBlock> index;
@@ -152,7 +153,7 @@ struct Gathered {
   }
 };
 
-// The two neighbours of `value` on the snorm16 grid, for magnitudes of at most 1.
+// Computes the two neighbours of `value` on the snorm16 grid, for |value| <= 1.
 inline void bracket_steps(double value, double& inner, double& outer) {
   const double steps = value * kSnormSteps;
   const double down = static_cast<double>(static_cast<int>(steps));
@@ -161,7 +162,7 @@ inline void bracket_steps(double value, double& inner, double& outer) {
   outer = static_cast<double>(static_cast<float>(up * kSnormStep));
 }
 
-// Steps 2 and 3: r becomes what is stored. Inlined into each of the clones that follow.
+// Applies steps 2 and 3: r becomes the stored value. Inlined into each of the clones below.
 template <bool kSingleDirection>
 [[gnu::always_inline]] inline void round_gathered(Gathered& lobes) {
   const std::size_t count = lobes.count;
@@ -194,7 +195,7 @@ template <bool kSingleDirection>
     offer(5.0, px1 + py0 + pz1, x1, y0, z1);
     offer(6.0, px0 + py1 + pz1, x0, y1, z1);
     offer(7.0, px1 + py1 + pz1, x1, y1, z1);
-    // The bits of `best`, from doubles.
+    // Extracts the bits of `best` with operations on doubles.
     const double low = best >= 4.0 ? best - 4.0 : best, lowest = low >= 2.0 ? low - 2.0 : low;
     lobes.z[i] = best >= 4.0 ? z1 : z0;
     lobes.y[i] = low >= 2.0 ? y1 : y0;
@@ -207,7 +208,7 @@ void round_single(Gathered& lobes) { round_gathered<true>(lobes); }
 MULTUM_VECTOR_CLONES
 void round_spread(Gathered& lobes) { round_gathered<false>(lobes); }
 
-// Makes r of a r.
+// Replaces a r by r.
 MULTUM_VECTOR_CLONES
 void divide(Gathered& lobes, const Block& divisor) {
   const std::size_t count = lobes.count;
@@ -220,14 +221,14 @@ void divide(Gathered& lobes, const Block& divisor) {
   }
 }
 
-// Of a negative value that is cut to a whole step, wide registers make -0, and others 0: both are stored as 0.
+// Wide registers turn a small negative value into -0, other code into 0; both are stored as 0.
 void scatter(const Gathered& rounded, glm::vec4* lobes) {
   for (std::size_t i = 0; i < rounded.count; ++i)
     lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]) + 0.0f, static_cast<float>(rounded.y[i]) + 0.0f,
                                static_cast<float>(rounded.z[i]) + 0.0f, static_cast<float>(rounded.amplitude[i])};
 }
 
-// Steps 2 and 3 for a block of one lobe.
+// Applies steps 2 and 3 to a block of one lobe.
 void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t count) {
   Gathered all, single, spread;
   Block divisor;
@@ -249,7 +250,7 @@ void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t c
     glm::vec4& lobe = lobes[all.index[i]];
     if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
     else if (all.length[i] < 2.0) single.add(all, i);
-    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // no number, or no mean
+    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // not finite, or no mean
   }
   round_single(single);
   round_spread(spread);
@@ -263,7 +264,7 @@ void round_lobes(glm::vec4* lobes, const double* amplitudes, std::size_t count, 
     lobes[i] = round_lobe(lobes[i], static_cast<float>(amplitudes[i]), bracket_half);
 }
 
-// Sharper than what is kept, but no single direction.
+// Returns whether a lobe is too sharp to be kept; single directions do not count.
 bool is_sharp(const glm::vec4& lobe, double spread_min) {
   const double spread = 1.0 - glm::length(glm::dvec3(lobe)) / static_cast<double>(lobe.w);
   return spread > kSpreadZero && spread < spread_min;
@@ -272,9 +273,9 @@ bool is_sharp(const glm::vec4& lobe, double spread_min) {
 }  // namespace
 
 float storage_kappa_max(StorageEncoding encoding) {
-  // Measured by the test QuantizeTest.KeepsSpreadUpToKappaMax over random lobes of amplitude 1, tilted up to 60
-  // degrees: 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile at both limits, both in proportion
-  // to kappa. A flat lobe has z alone to round: half a step there, 31 % and 24 %, is the worst.
+  // Measured by QuantizeTest.KeepsSpreadUpToKappaMax over random lobes of amplitude 1, tilted up to 60 degrees. At
+  // both limits, 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile, in proportion to kappa. The
+  // worst case is a flat lobe, where only z is rounded: half a step there changes 1 - |r| by 31 % and 24 %.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 20000.0f;
     case StorageEncoding::kHalf: return 1000.0f;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows of a baked file. read_movmf_mipmap() reads all of them, read_movmf_header() none.
+// Reads rows of a baked file; read_movmf_mipmap() reads all of them, read_movmf_header() none.
 #pragma once
 
 #include <memory>
@@ -10,25 +10,26 @@
 
 namespace multum {
 
-/// Calls come from one thread at a time; each uses several.
+/// Reads rows with several threads. Only one thread may call it at a time.
 class MovmfReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
-  /// expected. `threads` decompress; 0: as many as the machine has.
+  /// expected. `threads` decompress; 0: one per core.
   explicit MovmfReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MovmfReader();
   MovmfReader(const MovmfReader&) = delete;
   MovmfReader& operator=(const MovmfReader&) = delete;
 
-  /// Everything but texels: levels have sizes and empty lobes.
+  /// Everything except texels: levels have sizes and empty lobes.
   const MovmfMipmap& header() const;
-  /// Rows are decompressed by rows of tiles of this height: multiples of it, from a multiple on, cost no row twice.
+  /// Height of one row of tiles. Reads that begin at a multiple of it and take a multiple of it decompress no row
+  /// twice.
   int tile_size() const;
-  /// "part lobe.1, level 3, texel rows 0 to 127", of TexelCheck::kReport.
+  /// Rows found by TexelCheck::kReport, as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const;
-  /// Rows of a stored level. Level 0 is expanded to full lobes.
+  /// Reads rows of a stored level. Level 0 is expanded to full lobes.
   MovmfLevel read_level(int level, int first_row, int row_count);
-  /// Rows of level 0; only where the header's first level is 0.
+  /// Reads rows of level 0; requires that the header's first level is 0.
   MovmfFinest read_finest(int first_row, int row_count);
 
  private:

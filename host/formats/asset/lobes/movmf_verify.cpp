@@ -31,10 +31,9 @@ struct MovmfScan::Lobes {
 
 namespace {
 
-// How far sums of a and lengths of r may be from exact: what an encoding's rounding allows
-// (docs/reference/file_format.md).
+// Tolerance of sums of a and lengths of r: the effect of an encoding's rounding (docs/reference/file_format.md).
 float amplitude_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3f : 2e-6f; }
-// |a r| exceeds a by at most one outward step a component.
+// |a r| may exceed a by one outward step per component.
 struct LengthExcess {
   float of_amplitude, constant;
 
@@ -46,18 +45,17 @@ LengthExcess length_excess(StorageEncoding encoding) {
   return {1e-6f, 1e-9f};
 }
 
-// The worst lobes so far. The two floats are exact: so is what they were found from.
+// Worst values so far. The two floats are exact, because the values they come from are floats.
 struct WorstLobe {
   double sum_error;
   float negative_amplitude, long_mean;
   LengthExcess excess;
 };
 
-// Texels that are looked at together: hardly any is worse than all before it, and where none is there is nothing to
-// note.
+// Texels checked together. Hardly any block holds a new worst value; blocks without one need no further look.
 constexpr std::size_t kScanBlock = 256;
 
-// 1 where a lobe is worse than the worst so far, or not finite.
+// Returns 1 if a lobe is worse than the worst so far, or not finite.
 inline int is_worse_lobe(float x, float y, float z, float a, const WorstLobe& worst) {
   const float sum = std::abs(x) + std::abs(y) + std::abs(z) + std::abs(a);
   const float over = std::sqrt(x * x + y * y + z * z) - a - worst.excess.of(a);
@@ -65,7 +63,7 @@ inline int is_worse_lobe(float x, float y, float z, float a, const WorstLobe& wo
          static_cast<int>(over > worst.long_mean);
 }
 
-// Of `count` texels, at most kScanBlock, of a lobe; adds their amplitudes to `sums`.
+// Checks `count` <= kScanBlock texels of one lobe, and adds their amplitudes to `sums`.
 MULTUM_VECTOR_CLONES
 int any_worse_lobe(const glm::vec4* lobes, std::size_t count, const WorstLobe& worst, double* sums) {
   const WorstLobe limits = worst;
@@ -77,7 +75,7 @@ int any_worse_lobe(const glm::vec4* lobes, std::size_t count, const WorstLobe& w
   return found;
 }
 
-// Of lobes of amplitude 1.
+// Checks lobes of amplitude 1.
 MULTUM_VECTOR_CLONES
 int any_worse_normal(const glm::vec3* normals, std::size_t count, const WorstLobe& worst) {
   const WorstLobe limits = worst;
@@ -94,11 +92,12 @@ int any_worse_sum(const double* sums, std::size_t count, double worst) {
   return found;
 }
 
-// Weights are 0 to 1, so that those of a lobe are 0 to a, but for what rounds both: halfs, and snorm16's amplitudes,
-// which may be a step of the fit's.
+// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers rounding: weights to halfs, and
+// amplitudes to snorm16, which may differ by a step from the fit.
 constexpr double kWeightTolerance = 2e-3;
 
-// How far the third value of a Gaussian is below what its mean alone makes of it, more than rounding it down allows.
+// Returns how far the third value of a Gaussian is below the square of its mean, beyond the tolerance for rounding
+// down.
 double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
   const glm::dvec4 lobe(v);
   if (!(lobe.w > 0.0)) return std::abs(lobe.z);
@@ -156,14 +155,14 @@ bool MovmfScan::Lobes::any_is_worse(const MovmfLevel& rows, std::size_t begin, s
   return (found | any_worse_sum(sums.data(), end - begin, worst.sum_error)) != 0;
 }
 
-// Their sums are 1.
+// Finest texels need no check of sums: each sum is 1.
 bool MovmfScan::Lobes::any_is_worse(const MovmfFinest& rows, StorageEncoding encoding) const {
   const WorstLobe worst{sum_error.value, static_cast<float>(negative_amplitude.value),
                         static_cast<float>(long_mean.value), length_excess(encoding)};
   return any_worse_normal(rows.normals.data(), rows.normals.size(), worst) != 0;
 }
 
-// Planar lobes and features are looked at one by one.
+// True if the fast check suffices. Planar lobes and features are checked one by one.
 bool MovmfScan::has_lobes_alone() const {
   return !lobe_family(header_.header.representation).is_planar && !header_.has_colours() &&
          header_.header.weight_count == 0;
@@ -210,7 +209,7 @@ void MovmfScan::add_texels(int level, int first_row, const MovmfLevel& rows, std
   }
 }
 
-// Every texel is whole in one lobe: the others' zeros are not looked at.
+// Every texel is in one lobe; the zeros of the other lobes need no check.
 void MovmfScan::add_finest(int first_row, const MovmfFinest& rows) {
   if (has_lobes_alone() && !lobes_->any_is_worse(rows, header_.header.encoding)) return;
   MovmfFinest whole = rows;
@@ -233,11 +232,11 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
   const bool is_planar = lobe_family(header_.header.representation).is_planar;
   findings.push_back(excess_finding(
       is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
-      is_planar ? "|a mean| exceeds a beyond rounding" : "|a r| exceeds a beyond rounding"));
+      is_planar ? "|a mean| exceeds a, beyond rounding," : "|a r| exceeds a, beyond rounding,"));
   if (is_planar)
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
-                                      "none is below 0 by more than rounding allows",
-                                      "a variance is below 0 beyond rounding"));
+                                      "no variance is below 0, except for rounding",
+                                      "a variance is below 0, beyond rounding,"));
   if (header_.header.weight_count > 0)
     findings.push_back(weights_finding(header_.header.weight_count, lobes_->weight_range, "a"));
   return findings;

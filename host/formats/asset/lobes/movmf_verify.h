@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks a baked file by itself, without its source: structure, finite values, sums, checksums.
+// Checks a baked file without its source: structure, finite values, sums and checksums.
 #pragma once
 
 #include <functional>
@@ -13,18 +13,19 @@
 
 namespace multum {
 
-/// Rows of a stored level, from the top: what else wants to look at the texels needs no second reading.
+/// Receives rows of a stored level, from the top, so that callers can look at the texels without reading the file
+/// twice.
 using MovmfRowsSeen = std::function<void(int level, int first_row, const MovmfLevel& rows)>;
 
-/// Checks rows as verify_movmf() does, also before they are in a file.
+/// Checks rows as verify_movmf() does, even before a file contains them.
 class MovmfScan {
  public:
-  /// `header`: without texels; it need not outlive this.
+  /// Copies `header`, whose levels need no texels.
   explicit MovmfScan(const MovmfMipmap& header);
   ~MovmfScan();
   void add(int level, int first_row, const MovmfLevel& rows);
   void add_finest(int first_row, const MovmfFinest& rows);
-  /// Findings of all rows that were added.
+  /// Returns the findings for all rows added so far.
   std::vector<VerifyFinding> findings() const;
 
  private:
@@ -36,8 +37,8 @@ class MovmfScan {
   std::unique_ptr<Lobes> lobes_;
 };
 
-/// Reads row of tiles by row of tiles: some are in memory, never the file. Throws Error(kInput) when the file cannot be
-/// read at all (structure); every other check is a finding. `seen` is told every row once.
+/// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
+/// unreadable; every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, const MovmfRowsSeen& seen = {});
 
 }  // namespace multum

@@ -28,7 +28,7 @@ const std::vector<StorageEncoding> kEncodings = {StorageEncoding::kHalf, Storage
 
 struct KindInfo {
   PyramidKind kind;
-  const char* name;  // "multum:representation" is "pyramid of " and this
+  const char* name;  // suffix of "multum:representation", after "pyramid of "
   std::vector<const char*> channels;
   const char* interop;  // colorInteropID
   const char* text;
@@ -69,7 +69,7 @@ std::vector<Imf::Header> pyramid_headers(const PyramidHeader& header, const Bake
   headers[0].insert("multum:representation", Imf::StringAttribute(std::string(kPrefix) + info.name));
   headers[0].insert("multum:formatVersion", Imf::IntAttribute(kFormatVersion));
   headers[0].insert("colorInteropID", Imf::StringAttribute(info.interop));
-  headers[0].insert("textureformat", Imf::StringAttribute("Plain Texture"));  // as maketx says it
+  headers[0].insert("textureformat", Imf::StringAttribute("Plain Texture"));  // as maketx writes it
   return headers;
 }
 
@@ -78,7 +78,7 @@ std::size_t count_nonfinite(const PyramidLevel& level) {
       std::count_if(level.values.begin(), level.values.end(), [](float v) { return !std::isfinite(v); }));
 }
 
-// What verify_pyramid() looks at in rows: of each level the sums of its channels.
+// Sums each channel of each level, for verify_pyramid().
 class PyramidScan {
  public:
   explicit PyramidScan(const PyramidHeader& header)
@@ -107,13 +107,14 @@ class PyramidScan {
         worst = off;
         worst_level = l;
       }
-    // Rounding to half takes up to 2^-11 of a value from each, in parts of the largest.
+    // Rounding to half changes each value by up to 2^-11. The tolerance is relative to the largest value.
     const double tolerance = encoding_ == StorageEncoding::kHalf ? 0x1p-11 : 1e-6;
     return {
-        {"finite", nonfinite_ == 0, fmt::format("{} values that are not finite, expected 0", nonfinite_)},
+        {"finite", nonfinite_ == 0, fmt::format("{} non-finite values, expected 0", nonfinite_)},
         {"means", worst <= tolerance,
-         fmt::format("every level has the mean of level 0 within {:.1e} of the largest value, expected {:.1e}{}", worst,
-                     tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
+         fmt::format(
+             "level means differ from the mean of level 0 by {:.1e} of the largest value, expected at most {:.1e}{}",
+             worst, tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
     };
   }
 
@@ -122,7 +123,7 @@ class PyramidScan {
     std::size_t count = 0;
     std::vector<double> sums;
   };
-  // How far a level's mean is from the finest level's, in parts of the largest value's size.
+  // Returns the difference between the means of a level and of the finest level, relative to the largest magnitude.
   double mean_difference(const Level& level) const {
     double worst = 0.0;
     for (std::size_t c = 0; c < channels_; ++c)
@@ -140,7 +141,7 @@ class PyramidScan {
 
 class PyramidPortion : public BakedRows {
  public:
-  /// `scan` is the writer's thread's, until it ends.
+  /// Only the writer's thread uses `scan` until that thread ends.
   PyramidPortion(int channels, PyramidScan& scan, int level, PyramidLevel rows)
       : channels_(static_cast<std::size_t>(channels)), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -168,7 +169,7 @@ BakedWriteOptions without_error(BakedWriteOptions options) {
   return options;
 }
 
-// A file, opened and its structure checked.
+// An opened file with checked structure.
 class PyramidReader {
  public:
   PyramidReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse)
@@ -179,9 +180,9 @@ class PyramidReader {
       for (const KindInfo& info : kinds())
         if (name == std::string(kPrefix) + info.name) header_.kind = info.kind;
       if (name != std::string(kPrefix) + info_of(header_.kind).name)
-        refuse_file(path, "representation '" + name + "'",
-                    "a pyramid of colours, reflectance, heights or positions, as `multum mip`, `reflectance` and "
-                    "`lod` write them");
+        refuse_file(
+            path, "representation '" + name + "'",
+            "a pyramid of colours, reflectance, heights or positions, written by `multum mip`, `reflectance` or `lod`");
       if (const int version = int_attribute(first, "multum:formatVersion", path); version != kFormatVersion)
         refuse_file(path, fmt::format("format version {}", version), fmt::format("version {}", kFormatVersion));
       header_.map = parse_map_header(first, kEncodings, path);
@@ -256,7 +257,7 @@ Pyramid read_pyramid(const std::string& path) {
   for (int l = 0; l < pyramid.header.level_count(); ++l) {
     pyramid.levels.push_back(reader.read(l));
     if (count_nonfinite(pyramid.levels.back()) > 0)
-      refuse_file(path, fmt::format("values in level {} that are not finite", l), "numbers");
+      refuse_file(path, fmt::format("non-finite values in level {}", l), "numbers");
   }
   return pyramid;
 }

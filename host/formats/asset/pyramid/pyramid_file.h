@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramids of plain averages (Williams 1983) in files that any reader of mip-mapped textures takes: one part, tiled,
-// every level, linear. docs/reference/file_format.md, "Pyramids", describes them.
+// Pyramids of plain averages (Williams 1983), in files for any reader of mip-mapped textures: one part, tiled, all
+// levels, linear (docs/reference/file_format.md, "Pyramids").
 #pragma once
 
 #include <memory>
@@ -13,9 +13,9 @@
 
 namespace multum {
 
-/// Kind of the numbers that a pyramid averages.
+/// Meaning of the averaged numbers.
 enum class PyramidKind {
-  kColour,       // linear RGB, or three numbers of another meaning
+  kColour,       // linear RGB, or three numbers with another meaning
   kReflectance,  // radiance towards the eye, RGB, over the normals of a surface (reflectance_mapping.h)
   kHeight,       // heights over a plane
   kPosition,     // x, y, z of a grid of points
@@ -25,13 +25,13 @@ const char* pyramid_kind_name(PyramidKind kind);
 
 struct PyramidHeader {
   PyramidKind kind = PyramidKind::kColour;
-  BakedHeader map;  // sizes, wrap modes, encoding (kHalf, kFloat) and provenance; all levels are stored
+  BakedHeader map;  // sizes, wrap modes, encoding (kHalf, kFloat) and provenance; stores all levels
 
   int channel_count() const { return kind == PyramidKind::kHeight ? 1 : 3; }
   int level_count() const { return map.level_count(); }
 };
 
-/// A level, or some of its rows. Row-major, from the image's top, channels interleaved.
+/// A level or some of its rows, row-major from the top of the image, with interleaved channels.
 struct PyramidLevel {
   int width = 0;
   int height = 0;
@@ -43,23 +43,23 @@ struct Pyramid {
   std::vector<PyramidLevel> levels;
 };
 
-/// Rounds to what the encoding stores; values beyond the largest half, 65504, become that one. Returns how many did.
+/// Rounds to what the encoding stores. Values beyond the largest half become 65504; returns their number.
 std::uint64_t quantize_pyramid(std::vector<float>& values, StorageEncoding encoding);
 
 class PyramidWriter {
  public:
-  /// Does not read the content hash of `header`: commit() knows it. Throws as AtomicFile does for places that cannot be
-  /// written, Error(kUsage) for an unknown compression.
+  /// Ignores the content hash in `header`: commit() sets it. Throws as AtomicFile does if the path cannot be written,
+  /// and Error(kUsage) for an unknown compression.
   PyramidWriter(const std::string& path, const PyramidHeader& header, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~PyramidWriter();
   PyramidWriter(const PyramidWriter&) = delete;
   PyramidWriter& operator=(const PyramidWriter&) = delete;
 
-  /// Rounded rows (quantize_pyramid), in order from row 0 within the level; levels in any order.
+  /// Takes rows rounded by quantize_pyramid(). Rows come in order from row 0 within a level; levels come in any order.
   void write_level(int level, int first_row, PyramidLevel rows);
   void commit(Progress* progress);
-  /// The content's checksum; after commit().
+  /// Returns the checksum of the content; call commit() first.
   const std::string& content_hash() const;
 
  private:
@@ -67,17 +67,17 @@ class PyramidWriter {
   std::unique_ptr<Work> work_;
 };
 
-/// True when the file's header says that it is a pyramid. Throws Error(kInput) where there is no EXR file.
+/// Returns whether the header says that the file is a pyramid. Throws Error(kInput) if the file is not an EXR file.
 bool is_pyramid_file(const std::string& path);
 
-/// Throws Error(kInput) naming the file, what was found and what was expected; also for texels that are not finite.
+/// Throws Error(kInput) naming the file, what was found and what was expected. Refuses texels that are not finite.
 Pyramid read_pyramid(const std::string& path);
 /// Reads a pyramid that must be of one kind.
 Pyramid read_pyramid(const std::string& path, PyramidKind expected);
 PyramidHeader read_pyramid_header(const std::string& path);
 
-/// Structure, checksums of pixels and headers, finite values, and that every level has the same mean (levels are
-/// averages of the finest).
+/// Checks structure, checksums of pixels and headers, and finite values. Also checks that every level has the same
+/// mean, because levels are averages of the finest.
 std::vector<VerifyFinding> verify_pyramid(const std::string& path, int threads);
 
 }  // namespace multum

@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-// The texel that stands at `i` beyond the border; -1: none, black.
+// Returns the texel at index `i`, which may be beyond the border; -1: black.
 int wrapped(int i, int size, WrapMode mode) {
   if (i >= 0 && i < size) return i;
   switch (mode) {
@@ -22,9 +22,9 @@ int wrapped(int i, int size, WrapMode mode) {
   return -1;
 }
 
-// A number's fractional place within many repeats, so that it fits an int.
+// Reduces a coordinate to one period, so that its texel index fits an int.
 double reduced(double place, WrapMode mode) {
-  constexpr double kFar = 1e6;  // clamp and black: all the same beyond
+  constexpr double kFar = 1e6;  // clamp and black: everything beyond is the same
   const double period = mode == WrapMode::kPeriodic ? 1.0 : 2.0;
   if (mode == WrapMode::kPeriodic || mode == WrapMode::kMirror) return place - period * std::floor(place / period);
   return std::clamp(place, -kFar, kFar);
@@ -36,7 +36,7 @@ PyramidSample sample_level(const Pyramid& pyramid, int level, double s, double t
   const BakedHeader& map = pyramid.header.map;
   const PyramidLevel& texels = pyramid.levels[static_cast<std::size_t>(level)];
   const auto channels = static_cast<std::size_t>(pyramid.header.channel_count());
-  // Texel centres lie at halves.
+  // Texel centres are at half-integers.
   const double x = reduced(s, map.wrap_s) * texels.width - 0.5, y = reduced(t, map.wrap_t) * texels.height - 0.5;
   const double fx = x - std::floor(x), fy = y - std::floor(y);
   PyramidSample sum{};

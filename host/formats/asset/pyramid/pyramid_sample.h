@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramidal parametric sampling (Williams 1983, sections 2 and 3): bilinear within a level, linear between two, at any
-// real level d; and the choice of d. In double: what the GL's filter is held to, and what makes meshes of a chosen
-// level of detail.
+// Pyramidal parametric sampling (Williams 1983, sections 2 and 3): bilinear within a level, linear between two levels,
+// at any real level d; and the choice of d. In double precision. The reference for the GL's filter, and the sampler
+// for meshes at a chosen level of detail.
 #pragma once
 
 #include <array>
@@ -10,23 +10,24 @@
 
 namespace multum {
 
-using PyramidSample = std::array<double, 3>;  // one channel: the first
+using PyramidSample = std::array<double, 3>;  // one channel: only the first is used
 
-/// At s, t (0..1 across the map, t downwards; beyond: as the header's wrap modes say), level `d`, held to those there
-/// are.
+/// Samples at s, t: 0..1 across the map, t downwards; the header's wrap modes apply beyond. `d` is clamped to the
+/// existing levels.
 PyramidSample sample_pyramid(const Pyramid& pyramid, double s, double t, double d);
 
-/// One level of it, bilinear.
+/// Samples one level bilinearly.
 PyramidSample sample_level(const Pyramid& pyramid, int level, double s, double t);
 
-/// Growth of texture coordinates, in texels of level 0, from one pixel to the next.
+/// Change of the texture coordinates from one pixel to the next, in texels of level 0.
 struct TexelDerivatives {
   double u_x, v_x;  // along a row of pixels
   double u_y, v_y;  // down a column
 };
 
-/// Heckbert's choice (Williams 1983, section 3): d = log2 max(|(u_x, v_x)|, |(u_y, v_y)|), the wider side of the
-/// pixel's parallelogram: blurred rather than aliased. Minus infinity where nothing changes.
+/// Returns the level by Heckbert's rule (Williams 1983, section 3): d = log2 max(|(u_x, v_x)|, |(u_y, v_y)|). The
+/// longer side of the pixel's parallelogram decides, which blurs rather than aliases. Minus infinity if nothing
+/// changes.
 double mip_level_of(const TexelDerivatives& derivatives);
 
 }  // namespace multum

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSurfaceSideMax = 4096;
 
-// Texels a side at a real level; a surface needs two points.
+// Returns the texels per side at a real level; at least 2, because a surface needs two points.
 int points(int size, double d) {
   return std::clamp(static_cast<int>(std::lround(static_cast<double>(size) * std::exp2(-d))), 2, kSurfaceSideMax);
 }
@@ -39,8 +39,9 @@ glm::vec3 unit_normal(const glm::vec3& right, const glm::vec3& up) {
   return size > 0.0f ? normal / size : glm::vec3(0.0f, 0.0f, 1.0f);
 }
 
-// A grid's points, and one more on every side: that of the other end where it is closed, else the border's neighbour
-// mirrored in the border, for which (p[-1] + 4 p[0] + p[1]) / 6 = p[0]: the spline ends in the border.
+// Points of a grid, with one more beyond every side. On a closed side, this is the point from the other end. On an
+// open side, it mirrors the border's neighbour about the border, so that (p[-1] + 4 p[0] + p[1]) / 6 = p[0]: the
+// spline ends in the border.
 class ControlGrid {
  public:
   ControlGrid(const PyramidSurface& surface, bool closed_s, bool closed_t)
@@ -64,14 +65,14 @@ class ControlGrid {
   const bool closed_s_, closed_t_;
 };
 
-// Positions are closed where their map is periodic; heights lie over a rectangle that has an end.
+// Closes positions in directions where the map is periodic. Heights always end at the rectangle's border.
 ControlGrid control_grid(const Pyramid& pyramid, const PyramidSurface& surface) {
   const BakedHeader& map = pyramid.header.map;
   const bool is_closable = pyramid.header.kind == PyramidKind::kPosition;
   return {surface, is_closable && map.wrap_s == WrapMode::kPeriodic, is_closable && map.wrap_t == WrapMode::kPeriodic};
 }
 
-// The four cubic B-splines that are not 0 within a span, and their derivatives.
+// The four cubic B-splines that are non-zero within a span, and their derivatives.
 struct CubicWeights {
   std::array<double, 4> value, slope;
 };
@@ -83,7 +84,7 @@ CubicWeights cubic_weights(double t) {
           {-0.5 * u * u, 1.5 * t * t - 2.0 * t, 2.0 * u - 1.5 * u * u, 0.5 * t * t}};
 }
 
-// Span and weights of point `i` of a side that has `steps` a span.
+// Returns the span and the weights of point `i` of a side with `steps` points per span.
 std::pair<int, CubicWeights> span_of(int i, int steps, int count) {
   const int span = std::min(i / steps, count - 2);
   return {span, cubic_weights(static_cast<double>(i - span * steps) / steps)};
@@ -152,7 +153,7 @@ PyramidSurface patches_at_level(const Pyramid& pyramid, double d, int steps) {
 double level_of_projection(const Pyramid& pyramid, const SurfaceView& view, double spacing) {
   MULTUM_CHECK(spacing > 0.0 && view.focal_length > 0.0);
   const BakedHeader& map = pyramid.header.map;
-  constexpr double kCoarseSide = 64.0;  // points a side: many enough for the distances across a surface
+  constexpr double kCoarseSide = 64.0;  // points per side, enough to estimate distances across a surface
   const PyramidSurface coarse =
       surface_at_level(pyramid, std::max(0.0, std::log2(std::max(map.width, map.height) / kCoarseSide)));
   const auto at = [&](int i, int j) { return glm::dvec3(coarse.positions[grid_index(coarse, i, j)]); };
@@ -160,7 +161,7 @@ double level_of_projection(const Pyramid& pyramid, const SurfaceView& view, doub
   for (int j = 0; j + 1 < coarse.rows; ++j)
     for (int i = 0; i + 1 < coarse.columns; ++i) {
       const glm::dvec3 a = at(i, j), b = at(i + 1, j), c = at(i, j + 1), e = at(i + 1, j + 1);
-      const double size = 0.5 * glm::length(glm::cross(e - a, b - c));  // of a quadrilateral, by its diagonals
+      const double size = 0.5 * glm::length(glm::cross(e - a, b - c));  // area of a quadrilateral, from its diagonals
       const glm::dvec3 away = 0.25 * (a + b + c + e) - view.eye;
       area += size * view.focal_length * view.focal_length / std::max(glm::dot(away, away), 1e-12);
     }

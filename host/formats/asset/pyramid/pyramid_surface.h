@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface of a chosen level of detail (Williams 1983, section 5): a grid of points sampled from a pyramid of heights
-// or positions at any real level, as many as that level has texels; as corners of triangles or as control points of
-// bicubic patches; and the level that its projection asks for.
+// Surfaces of a chosen level of detail (Williams 1983, section 5). A grid of points is sampled from a pyramid of
+// heights or positions at any real level, with as many points as the level has texels. The points are corners of
+// triangles or control points of bicubic patches. Also finds the level for a given projection.
 #pragma once
 
 #include <cstdint>
@@ -16,30 +16,32 @@ namespace multum {
 
 struct PyramidSurface {
   int columns = 0, rows = 0;
-  std::vector<glm::vec3> positions, normals;  // row by row from the image's top; normals by differences along the grid
+  std::vector<glm::vec3> positions, normals;  // row by row from the top; normals by differences
   std::vector<glm::vec2> uvs;                 // v grows upwards in the image
-  std::vector<std::uint32_t> indices;         // three a triangle, counterclockwise from above (heights)
+  std::vector<std::uint32_t> indices;         // three per triangle, counterclockwise from above (heights)
 };
 
-/// Heights: over the rectangle whose longer side is 1, about the origin, x to the image's right, y up, z the height.
-/// Positions: as they are. Level `d` is held to those there are, and to grids of at most 4096 points a side.
+/// Samples a surface at level `d`, clamped to the existing levels and to at most 4096 points per side. Heights are
+/// over a rectangle about the origin whose longer side is 1: x to the right of the image, y up, z the height.
+/// Positions are used unchanged.
 PyramidSurface surface_at_level(const Pyramid& pyramid, double d);
 
 constexpr int kPatchStepsMax = 64;
 
-/// The same points as control points of a uniform bicubic B-spline, `steps` (1..kPatchStepsMax) cells along each side
-/// of a patch; fewer where the grid would have more than 4096 points a side. Normals are the spline's own. It ends in
-/// the grid's border points; positions whose map wraps periodically are closed in that direction.
+/// Uses the points of surface_at_level() as control points of a uniform bicubic B-spline, with `steps`
+/// (1..kPatchStepsMax) cells along each side of a patch. Takes fewer steps if the grid would exceed 4096 points per
+/// side. Normals are exact for the spline. The spline ends in the grid's border points; positions are closed in
+/// directions where the map is periodic.
 PyramidSurface patches_at_level(const Pyramid& pyramid, double d, int steps);
 
 struct SurfaceView {
   glm::dvec3 eye{0.0};
-  double focal_length = 1.0;  // in pixels: half the picture's height over the tangent of half the field of view
+  double focal_length = 1.0;  // in pixels: half the picture's height / tan(half the field of view)
 };
 
-/// The level whose neighbouring points lie `spacing` pixels apart, in the root of the mean over the surface of a cell's
-/// area, each cell as large as it is seen face-on: turning the surface changes no level. 0 where the finest are farther
-/// apart. The area is that of a coarse level: bumps do not count.
+/// Returns the level whose neighbouring points are `spacing` pixels apart, as the root mean square over the surface.
+/// Every cell counts with its size seen face-on, so turning the surface does not change the level. Returns 0 if even
+/// the finest points are farther apart. The area comes from a coarse level, without bumps.
 double level_of_projection(const Pyramid& pyramid, const SurfaceView& view, double spacing);
 
 }  // namespace multum

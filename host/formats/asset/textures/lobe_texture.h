@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobes as a GPU takes them, `multum export FILE.ndf.exr --lobes`: a KTX2 file of one 2D array texture, one or two
-// layers a lobe, and of each lobe the affine map from what the layers hold to (a r, a) (docs/reference/file_format.md,
-// "Lobes for GPUs"). The map is affine, so that filters may mix texels as they lie.
+// Lobes as GPU textures (`multum export FILE.ndf.exr --lobes`): a KTX2 file of one 2D array texture with one or two
+// layers per lobe. For each lobe, an affine map turns the layers' values into (a r, a) (docs/reference/file_format.md,
+// "Lobes for GPUs"). Because the map is affine, filters may mix stored texels.
 #pragma once
 
 #include <array>
@@ -21,10 +21,11 @@ constexpr int kLobeTextureVersion = 1;
 constexpr int kLobeChannels = 4;
 
 int layers_per_lobe(LobeTexels texels);
-/// Of a layer of a level.
+/// Bytes of one layer of one level.
 std::uint64_t layer_bytes(LobeTexels texels, int width, int height);
 
-/// (a r, a) = offset + the sum of columns, each times its channel: those of a lobe's first layer, then its second.
+/// (a r, a) = offset + the sum of columns, each times its channel. A lobe's first layer holds the first channels, a
+/// second layer the others.
 struct LobeUnpacking {
   std::array<glm::vec4, kLobeChannels> columns{};
   glm::vec4 offset{0.0f};
@@ -36,9 +37,9 @@ struct LobeUnpacking {
   }
 };
 
-/// All but the texels.
+/// Everything except the texels.
 struct LobeTextureHeader {
-  BakedHeader map;  // first_level is that of the texture's level 0; the encoding means nothing
+  BakedHeader map;  // first_level: the texture's level 0; the encoding has no meaning
   LobeTexels texels = LobeTexels::kRgba16f;
   std::vector<LobeUnpacking> lobes;
 
@@ -48,26 +49,26 @@ struct LobeTextureHeader {
 
 struct LobeTexture {
   LobeTextureHeader header;
-  std::vector<std::vector<std::uint8_t>> levels;  // texture's level 0 first; layers behind one another
+  std::vector<std::vector<std::uint8_t>> levels;  // texture's level 0 first; layers one after another
 };
 
-/// What the key holds, JSON.
+/// Returns the key's value as JSON.
 std::string lobe_texture_text(const LobeTextureHeader& header);
 
-/// Is it a KTX2 file? No for what cannot be read.
+/// Returns whether the file is a KTX2 file; false if it cannot be read.
 bool is_ktx2_file(const std::string& path);
 
-/// The header alone, and all. Throws Error(kInput) naming the file, what was found and what was expected.
+/// Read only the header, or everything. Both throw Error(kInput) naming the file, what was found and what was expected.
 LobeTextureHeader read_lobe_texture_header(const std::string& path);
 LobeTexture read_lobe_texture(const std::string& path);
 
 /// Bytes of all layers and levels on a GPU.
 std::uint64_t lobe_texture_bytes(const LobeTextureHeader& header);
 
-/// Channels of a lobe's texels of a level, as shaders see them: [texel * kLobeChannels + channel].
+/// Returns the channels of a lobe's texels in a level, as shaders see them: [texel * kLobeChannels + channel].
 std::vector<float> lobe_channels(const LobeTexture& texture, int level, int lobe);
 
-/// The lobes that are stored, unpacked, as a baked file's: encoding kFloat.
+/// Unpacks the stored lobes into a mipmap with encoding kFloat.
 MovmfMipmap unpacked_mipmap(const LobeTexture& texture);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads KTX2 files of lobes and no others: every number is checked before anything is made of its size.
+// Reads KTX2 files of lobes only. Checks every number before using it as a size.
 #include <fmt/format.h>
 #include <zstd.h>
 
@@ -30,13 +30,13 @@ constexpr std::int64_t kZstandard = 2;
 
 std::string lobes_key(ByteFile& file, const std::string& path) {
   const std::int64_t begin = file.little_endian(56, 4, "the key/value data"),
-                     size = file.little_endian(60, 4, "the same");
+                     size = file.little_endian(60, 4, "the size of the key/value data");
   if (size > kKeysMax) refuse_texture(path, fmt::format("{} bytes of key/value data", size), "at most 16 MiB");
   const std::string data = file.bytes(begin, size, "the key/value data");
   for (std::size_t at = 0; at + 4 <= data.size();) {
     std::size_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length |= std::size_t{static_cast<unsigned char>(data[at + i])} << (8 * i);
-    if (length > data.size() - at - 4) refuse_texture(path, "a key longer than the key/value data", "it whole");
+    if (length > data.size() - at - 4) refuse_texture(path, "a key longer than the key/value data", "a complete key");
     std::string entry = data.substr(at + 4, length);
     const std::size_t end = entry.find('\0');
     if (end != std::string::npos && entry.substr(0, end) == kLobeTextureKey) {
@@ -46,7 +46,7 @@ std::string lobes_key(ByteFile& file, const std::string& path) {
     }
     at += 4 + (length + 3) / 4 * 4;
   }
-  refuse_texture(path, fmt::format("no key {}", kLobeTextureKey), "what multum export --lobes writes");
+  refuse_texture(path, fmt::format("no key {}", kLobeTextureKey), "a file written by multum export --lobes");
 }
 
 LobeTexels texels_of_format(std::int64_t vk_format, const std::string& path) {
@@ -63,7 +63,7 @@ glm::vec4 unpacking_vector(const nlohmann::json& json) {
   glm::vec4 v(0.0f);
   for (int i = 0; i < 4; ++i) {
     v[i] = json.at(size_of(i)).get<float>();
-    if (!std::isfinite(v[i])) throw std::out_of_range("a number that is not finite");
+    if (!std::isfinite(v[i])) throw std::out_of_range("a number is not finite");
   }
   return v;
 }
@@ -76,17 +76,17 @@ WrapMode wrap_of_name(const nlohmann::json& json) {
 
 void parse_texture_header(const nlohmann::json& json, LobeTextureHeader& header) {
   BakedHeader& map = header.map;
-  if (json_int(json, "version") != kLobeTextureVersion) throw std::out_of_range("another version");
+  if (json_int(json, "version") != kLobeTextureVersion) throw std::out_of_range("unknown version");
   map.width = json_int(json, "mapWidth");
   map.height = json_int(json, "mapHeight");
   map.first_level = json_int(json, "firstLevel");
   map.wrap_s = wrap_of_name(json.at("wrapS"));
   map.wrap_t = wrap_of_name(json.at("wrapT"));
   if (json_int(json, "layersPerLobe") != layers_per_lobe(header.texels))
-    throw std::out_of_range("layersPerLobe is not the format's");
+    throw std::out_of_range("'layersPerLobe' does not match the texel format");
   for (const nlohmann::json& one : json.at("lobes")) {
     LobeUnpacking& lobe = header.lobes.emplace_back();
-    if (one.at("columns").size() != lobe.columns.size()) throw std::out_of_range("columns that are not four");
+    if (one.at("columns").size() != lobe.columns.size()) throw std::out_of_range("'columns' does not have 4 entries");
     for (std::size_t c = 0; c < lobe.columns.size(); ++c) lobe.columns[c] = unpacking_vector(one.at("columns")[c]);
     lobe.offset = unpacking_vector(one.at("offset"));
   }
@@ -113,7 +113,7 @@ void check_texture_header(const LobeTextureHeader& header, const std::string& pa
     refuse_texture(path, fmt::format("meanCosine {}", map.mean_cosine), "above 0, at most 1");
 }
 
-// The file's own numbers must be those of the key.
+// Checks that the KTX2 header's sizes equal those in the key.
 void check_texture_sizes(ByteFile& file, const LobeTextureHeader& header, const std::string& path) {
   const std::pair<const char*, std::int64_t> numbers[] = {
       {"width", mip_level_size(header.map.width, header.map.first_level)},
@@ -143,7 +143,7 @@ LobeTextureHeader read_texture_header(ByteFile& file, const std::string& path) {
     if (holds_nul(text)) throw std::out_of_range("NUL in a text");
     parse_texture_header(nlohmann::json::parse(text), header);
   } catch (const std::exception& error) {
-    refuse_file(path, fmt::format("{} cannot be read: {}", kLobeTextureKey, error.what()));
+    refuse_file(path, fmt::format("cannot read {}: {}", kLobeTextureKey, error.what()));
   }
   check_texture_header(header, path);
   check_texture_sizes(file, header, path);
@@ -163,7 +163,7 @@ std::vector<std::uint8_t> read_texture_level(ByteFile& file, const LobeTextureHe
   if (static_cast<std::uint64_t>(stated) != bytes || (!is_compressed && size != stated))
     refuse_texture(path, fmt::format("{} bytes of level {}", stated, level), std::to_string(bytes));
   if (begin < 0 || size < 0 || begin > file.size() || size > file.size() - begin)
-    refuse_texture(path, fmt::format("level {} beyond the end of the file", level), "it whole");
+    refuse_texture(path, fmt::format("level {} beyond the end of the file", level), "a complete level");
   const std::string stored = file.bytes(begin, size, "a level");
   if (!is_compressed) return {stored.begin(), stored.end()};
   std::vector<std::uint8_t> texels(bytes);
@@ -178,7 +178,7 @@ void check_finite_texels(const LobeTexture& texture, const std::string& path) {
   if (texture.header.texels != LobeTexels::kRgba16f) return;
   for (const std::vector<std::uint8_t>& level : texture.levels)
     for (std::size_t i = 1; i < level.size(); i += 2)
-      if ((level[i] & 0x7c) == 0x7c) refuse_texture(path, "a half that is not finite", "finite values");
+      if ((level[i] & 0x7c) == 0x7c) refuse_texture(path, "a half float that is not finite", "finite values");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a block of BC4, or half a block of BC5: two ends of 8 bits and 3 bits a texel (Khronos Data Format
+// Decodes a block of BC4, or half a block of BC5: two endpoints of 8 bits and 3 bits per texel (Khronos Data Format
 // Specification 1.3, chapter 18).
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// 16 texels row by row, 0 to 1; `block`: 8 bytes.
+/// Returns 16 texels row by row, 0 to 1; `block` has 8 bytes.
 inline std::array<float, 16> decode_scalar_block(const std::uint8_t* block) {
   const int first = block[0], second = block[1], steps = first > second ? 7 : 5;
   std::uint64_t indices = 0;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenImageIO in a child process (host/foundation/sandbox/decoding_child.h).
+// Runs OpenImageIO in a child process (host/foundation/sandbox/decoding_child.h).
 //
-// What a child may take. Readers hold a whole picture at worst, some of them twice and with 4 channels (WebP), and
-// rows of it for every thread; so
-//   memory   memory_base + 2 file sizes + 16 bytes a declared texel; once the file is open, + 4 pictures as they are
-//   time     time_base + 1 s for every 4 MiB of such pictures, for one answer
+// Limits of a child. In the worst case, a reader holds the whole picture, some readers twice and with 4 channels
+// (WebP), and rows of it for every thread. So the limits are
+//   memory   memory_base + 2 file sizes + 16 bytes per declared texel; once the file is open, + 4 times the picture
+//   time     time_base + 1 s per 4 MiB of the picture, for one answer
 #include <chrono>
 #include <filesystem>
 #include <utility>
@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 std::chrono::seconds time_for(std::uint64_t picture_bytes) {
-  constexpr std::uint64_t kBytesASecond = std::uint64_t{4} << 20;  // what a slow machine decodes at least
+  constexpr std::uint64_t kBytesASecond = std::uint64_t{4} << 20;  // even a slow machine decodes this much
   return std::chrono::seconds(picture_bytes / kBytesASecond);
 }
 
@@ -30,7 +30,7 @@ std::uint64_t picture_bytes(const ImageDescription& description) {
 
 class ChildImageFile : public ImageFile {
  public:
-  // The container is looked at before a library sees it, and says how much there is to decode.
+  // Inspects the container before a library sees the file, which tells how much there is to decode.
   ChildImageFile(const DecodingChild& child, std::string path, const ImageFileSettings& settings)
       : path_(std::move(path)),
         container_(inspect_image_container(path_, settings.texel_count_max)),

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cryptomatte specification 1.2.0 (Psyop). A file's metadata says
-//   cryptomatte/KEY/name          the name of the Cryptomatte, as ViewLayer.CryptoObject; KEY is the beginning of its
-//   hash cryptomatte/KEY/hash          MurmurHash3_32 cryptomatte/KEY/conversion    uint32_to_float32: an identifier is
-//   the bits of a float cryptomatte/KEY/manifest      JSON: {"name": "identifier in hexadecimal", ...}
-// and its channels hold, for each pixel, ranks of (identifier, coverage), largest coverage first:
+// Cryptomatte specification 1.2.0 (Psyop). A file's metadata are
+//   cryptomatte/KEY/name          name of the Cryptomatte, such as ViewLayer.CryptoObject; KEY is the start of its hash
+//   cryptomatte/KEY/hash          MurmurHash3_32
+//   cryptomatte/KEY/conversion    uint32_to_float32: an identifier is the bits of a float
+//   cryptomatte/KEY/manifest      JSON: {"name": "identifier in hexadecimal", ...}
+// and its channels hold ranks of (identifier, coverage) per pixel, largest coverage first:
 //   NAME00.r .g | NAME00.b .a | NAME01.r .g | NAME01.b .a | ...
-// Departure: renderers and programs that repack files write R, red or Red for r, leave the view layer away from the
-// metadata's name or from the channels' or put it before them, lose the metadata, and cut manifests. So channels decide
-// which layer it is, metadata are matched to them by name or by KEY, and what a manifest lacks is looked for by its
-// hash. A manifest in a file of its own (manif_file) is not read: names are hashed then, which gives the same
+// Departure: some renderers, and programs that repack files, write R, red or Red for r. They omit the view layer from
+// the metadata's name or from the channels' names, or add it, lose the metadata, or truncate manifests. So the
+// channels decide which layer it is, metadata are matched to them by name or by KEY, and names missing in a manifest
+// are matched by their hash. A manifest in a separate file (manif_file) is not read; hashing the names gives the same
 // identifiers.
 #include <algorithm>
 #include <array>
@@ -55,13 +56,13 @@ std::uint32_t murmur_hash3(std::string_view text) {
   return h ^ h >> 16;
 }
 
-// Exponents of all zeros or ones would be denormals, infinities or NaN, which programs may change on the way.
+// Exponents of all zeros or all ones would be denormals, infinities or NaN, which programs may change.
 std::uint32_t as_identifier(std::uint32_t hash) {
   const std::uint32_t exponent = hash >> 23 & 255u;
   return exponent == 0 || exponent == 255 ? hash ^ 1u << 23 : hash;
 }
 
-// What can be read of a manifest, and what is wrong with it; empty: nothing.
+// Reads as much of a manifest as possible. Returns what is wrong with it, or an empty string.
 std::string parse_manifest(const std::string& text, std::map<std::string, std::uint32_t>& manifest) {
   if (holds_nul(text)) return "it holds NUL";
   std::string name, wrong;
@@ -76,7 +77,7 @@ std::string parse_manifest(const std::string& text, std::map<std::string, std::u
     return true;
   };
   const auto json = nlohmann::json::parse(text, take, false);
-  if (json.is_discarded()) return fmt::format("its {} bytes are cut, or no JSON", text.size());
+  if (json.is_discarded()) return fmt::format("its {} bytes are cut off or not JSON", text.size());
   return json.is_object() ? wrong : "it is not a JSON object";
 }
 
@@ -94,11 +95,11 @@ Metadata cryptomatte_metadata(const ExrFile& file) {
   return found;
 }
 
-// Names of the four channels of a level, as programs write them.
+// Names of the four channels of a level in various programs.
 constexpr const char* kSuffixes[][4] = {
     {"r", "g", "b", "a"}, {"R", "G", "B", "A"}, {"red", "green", "blue", "alpha"}, {"Red", "Green", "Blue", "Alpha"}};
 
-// The level's channel `index`, by whichever name it has; empty: there is none.
+// Returns the name of channel `index` of the level in this file, or an empty string.
 std::string channel_of(const ExrFile& file, const std::string& prefix, int level, std::size_t index) {
   for (const auto& suffixes : kSuffixes)
     if (std::string name = fmt::format("{}{:02}.{}", prefix, level, suffixes[index]); file.has_channel(name))
@@ -106,7 +107,7 @@ std::string channel_of(const ExrFile& file, const std::string& prefix, int level
   return "";
 }
 
-// What stands before "00.r" in names of channels.
+// Returns the parts of channel names before "00.r".
 std::vector<std::string> channel_prefixes(const std::vector<std::string>& channels) {
   std::vector<std::string> prefixes;
   for (const std::string& channel : channels)
@@ -119,14 +120,14 @@ std::vector<std::string> channel_prefixes(const std::vector<std::string>& channe
 
 std::string last_of(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
-// From the same name to names that share their last part alone: 0, 1 or 2; 3: another name.
+// Compares names: 0 equal, 1 one is a suffix of the other, 2 only the last parts are equal, 3 different.
 int distance_of(const std::string& a, const std::string& b) {
   if (a == b) return 0;
   if (a.ends_with("." + b) || b.ends_with("." + a)) return 1;
   return last_of(a) == last_of(b) ? 2 : 3;
 }
 
-// Those of `names` that are nearest to `name`.
+// Returns the `names` that match `name` best.
 std::vector<std::string> nearest_names(const std::vector<std::string>& names, const std::string& name) {
   std::vector<std::string> found;
   int least = 2;
@@ -142,7 +143,7 @@ std::string metadata_text(const std::map<std::string, std::string>& values, cons
   return found == values.end() ? std::string() : found->second;
 }
 
-// Of a layer's metadata, by the name that they state.
+// Finds a layer's metadata by the name in them.
 const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, const Metadata& metadata,
                                                            const std::string& prefix, const std::string& layer) {
   std::vector<std::string> names;
@@ -152,14 +153,14 @@ const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, 
   if (matches.size() != 1)
     if (const auto closer = nearest_names(matches.empty() ? names : matches, prefix); !closer.empty()) matches = closer;
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
                                          fmt::join(matches, ", ")));
   for (const auto& [key, values] : metadata)
     if (!matches.empty() && metadata_text(values, "name") == matches.front()) return &values;
   return nullptr;
 }
 
-// By KEY, where they state no name.
+// Finds metadata without a name by KEY.
 const std::map<std::string, std::string>* metadata_by_key(const Metadata& metadata,
                                                           const std::vector<std::string>& names) {
   for (const std::string& name : names) {
@@ -173,10 +174,10 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
   std::vector<std::string> matches = nearest_names(channel_prefixes(file.channels()), layer);
   if (matches.empty()) matches = nearest_names(channel_prefixes(file.all_names()), layer);
   if (matches.empty())
-    refuse_file(file.path(), fmt::format("has no channel \"{}00.r\" of a Cryptomatte \"{}\"; it has {}", layer, layer,
+    refuse_file(file.path(), fmt::format("has no channel \"{}00.r\" for Cryptomatte \"{}\"; it has {}", layer, layer,
                                          fmt::join(file.channels(), ", ")));
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give one's whole name", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
                                          fmt::join(matches, ", ")));
   Cryptomatte result{matches.front(), "", "", {}, {}};
   const Metadata metadata = cryptomatte_metadata(file);
@@ -184,10 +185,11 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
   if (values == nullptr) {
     values = metadata_by_key(metadata, {layer, result.prefix, last_of(result.prefix)});
     result.warnings.push_back(
-        values != nullptr ? fmt::format("metadata of Cryptomatte \"{}\" without a name were matched by its hash", layer)
-                          : fmt::format("no metadata of Cryptomatte \"{}\" were found: its objects are matched by the "
-                                        "MurmurHash3 of their names",
-                                        layer));
+        values != nullptr
+            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name and were matched by its hash", layer)
+            : fmt::format(
+                  "found no metadata of Cryptomatte \"{}\"; its objects are matched by the MurmurHash3 of their names",
+                  layer));
   }
   if (values == nullptr) return result;
   result.hash = metadata_text(*values, "hash");
@@ -198,8 +200,8 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
   if (const std::string text = metadata_text(*values, "manifest"); !text.empty())
     if (const std::string wrong = parse_manifest(text, result.manifest); !wrong.empty())
       result.warnings.push_back(
-          fmt::format("the manifest of Cryptomatte \"{}\" is damaged: {}. {} of its names can be "
-                      "used, others are matched by their hash",
+          fmt::format("the manifest of Cryptomatte \"{}\" is damaged: {}. {} of its names are usable; other names are "
+                      "matched by their hash",
                       layer, wrong, result.manifest.size()));
   return result;
 }
@@ -221,10 +223,10 @@ struct Rank {
 Rank read_rank(ExrFile& file, const std::string& identifier, const std::string& coverage) {
   Rank rank{file.read(identifier), file.read(coverage)};
   if (!file.is_float(identifier))
-    refuse_file(file.path(),
-                fmt::format("channel \"{}\" is of half floats, which hold no Cryptomatte identifiers; expected "
-                            "32-bit floats",
-                            identifier));
+    refuse_file(
+        file.path(),
+        fmt::format("channel \"{}\" has half floats, which cannot hold Cryptomatte identifiers; expected 32-bit floats",
+                    identifier));
   return rank;
 }
 
@@ -282,10 +284,8 @@ CryptomatteNames find_cryptomatte_names(const std::string& path, const std::stri
     const bool is_seen = std::any_of(coverages[i].begin(), coverages[i].end(), [](float c) { return c > 0.0f; });
     if (!is_seen) found.unseen.push_back(others[i]);
     else if (!cryptomatte.manifest.empty())
-      found.warnings.push_back(
-          fmt::format("the manifest of Cryptomatte \"{}\" has no \"{}\", which was found by its "
-                      "hash",
-                      layer, others[i]));
+      found.warnings.push_back(fmt::format(
+          "the manifest of Cryptomatte \"{}\" has no \"{}\"; the name was matched by its hash", layer, others[i]));
   }
   return found;
 }

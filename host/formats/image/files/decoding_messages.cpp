@@ -6,7 +6,7 @@
 namespace multum {
 namespace {
 
-// Of ImagePart, in their order in a message.
+// Visits the fields of ImagePart in the order of a message.
 template <typename Part, typename Action>
 void for_each_number(Part& part, const Action& action) {
   for (auto* number : {&part.x, &part.y, &part.width, &part.height, &part.depth, &part.full_x, &part.full_y,

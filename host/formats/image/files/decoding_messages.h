@@ -2,7 +2,7 @@
 // Messages between a process and its decoder of images (host/formats/decoder/image_decoder.h).
 //
 //   request   kOpenImage, path, texel_count_max, threads, all_parts   answer   description
-//             kReadImage, block, offset in the shared memory                   what the library says against it
+//             kReadImage, block, offset in the shared memory                   the library's error, or nothing
 #pragma once
 
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radiance's format (Ward 1991, "Real Pixels"; Radiance's filefmts): "#?" and lines of text up to an empty one, then
-// "-Y height +X width", then rows of RGBE texels: mantissas of 8 bits under one exponent, (R, G, B) 2^(E - 136). A row
-// of 8 to 32767 texels may be packed: 2 2 (width as two bytes), then four planes of runs, each (128 + n, value) or n
-// values, n <= 128. Other orders of rows and columns, and XYZE, are refused.
+// Reads Radiance's format (Ward 1991, "Real Pixels"; Radiance's filefmts). It consists of "#?" and lines of text up to
+// an empty one, then "-Y height +X width", then rows of RGBE texels: mantissas of 8 bits with one exponent, (R, G, B)
+// 2^(E - 136). A row of 8 to 32767 texels may be packed: 2 2 (width as two bytes), then four planes of runs, each (128
+// + n, value) or n values, n <= 128. Other orders of rows and columns, and XYZE, are refused.
 #include "host/formats/image/files/environment_file.h"
 
 #include <algorithm>
@@ -22,10 +22,9 @@ namespace {
 
 void check_size(const std::string& path, int width, int height) {
   if (height < 4 || height > kEnvironmentWidthLimit / 2 || width != 2 * height)
-    refuse_file(path,
-                fmt::format("found an image of {} x {}, expected an environment over latitude and longitude, twice as "
-                            "wide as high, 8 x 4 to {} x {}",
-                            width, height, kEnvironmentWidthLimit, kEnvironmentWidthLimit / 2));
+    refuse_file(path, fmt::format("found an image of {} x {}, expected an environment over latitude and longitude: "
+                                  "twice as wide as high, 8 x 4 to {} x {}",
+                                  width, height, kEnvironmentWidthLimit, kEnvironmentWidthLimit / 2));
 }
 
 bool is_radiance(const std::string& path) { return first_bytes(path, 2) == "#?"; }
@@ -36,7 +35,7 @@ class RadianceReader {
     constexpr std::uintmax_t kBytesMax = std::uintmax_t{1} << 30;
     std::error_code error;
     if (std::filesystem::file_size(path, error) > kBytesMax && !error)
-      refuse_file(path, "is larger than 1 GiB, expected an environment");
+      refuse_file(path, "is larger than 1 GiB, expected an environment of at most that size");
     RegularFileStream in(path);
     bytes_.assign(std::istreambuf_iterator<char>(in), {});
   }
@@ -67,7 +66,7 @@ class RadianceReader {
   std::string line() {
     const std::size_t end = bytes_.find('\n', position_);
     if (end == std::string::npos || end - position_ > 4096)
-      refuse_file(path_, "damaged Radiance file: no end of its header");
+      refuse_file(path_, "damaged Radiance file: its header does not end");
     const std::string text = bytes_.substr(position_, end - position_);
     position_ = end + 1;
     return text;
@@ -111,13 +110,13 @@ class RadianceReader {
       return;
     }
     if (static_cast<std::size_t>(head[2]) * 256 + head[3] != width)
-      refuse_file(path_, "damaged Radiance file: a row's width");
+      refuse_file(path_, "damaged Radiance file: a row has another width");
     for (std::size_t plane = 0; plane < 4; ++plane)
       for (std::size_t x = 0; x < width;) {
         const std::size_t code = *take(1);
         const bool is_run = code > 128;
         const std::size_t count = is_run ? code - 128 : code;
-        if (count == 0 || count > width - x) refuse_file(path_, "damaged Radiance file: a run beyond its row");
+        if (count == 0 || count > width - x) refuse_file(path_, "damaged Radiance file: a run goes beyond its row");
         const unsigned char* data = take(is_run ? 1 : count);
         for (std::size_t i = 0; i < count; ++i) row[4 * (x++) + plane] = data[is_run ? 0 : i];
       }

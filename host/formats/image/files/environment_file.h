@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environment maps over latitude and longitude: OpenEXR, Radiance (.hdr), or any image that albedos come in.
+// Reads environment maps over latitude and longitude: OpenEXR, Radiance (.hdr), or any format of albedo images.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@ namespace multum {
 
 constexpr int kEnvironmentWidthLimit = 16384;
 
-/// Linear radiance; what is negative or not finite is read as 0 and counted. Throws Error(kInput): not twice as wide as
-/// high, smaller than 8 x 4 or wider than the limit, damaged.
+/// Returns linear radiance; negative and non-finite values become 0 and are counted. Throws Error(kInput) if the map
+/// is damaged, not twice as wide as high, smaller than 8 x 4, or wider than the limit.
 ColourMap read_environment_map(const std::string& path);
-/// Looks at its size alone. Throws as read_environment_map() does.
+/// Checks only the size. Throws as read_environment_map() does.
 void check_environment_map(const std::string& path);
 
 }  // namespace multum

@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// Frames, not maps: 8192 x 8192, 256 MiB a channel.
+// Limit for frames, which are smaller than maps: 8192 x 8192, 256 MiB per channel.
 constexpr std::int64_t kTexelCountMax = std::int64_t{1} << 26;
 
 }  // namespace
@@ -63,7 +63,7 @@ std::vector<float> ExrFile::read(const std::string& channel) {
   const PixelBlock block = {place.part, part.y, part.y + height_, place.index, place.index + 1, number_type::kFloat};
   const std::byte* const memory = file_->reserve(block_bytes(part, block));
   if (const std::string message = file_->read(block, 0); !message.empty())
-    refuse_file(path_, fmt::format("damaged: channel \"{}\" cannot be read: {}", channel, message));
+    refuse_file(path_, fmt::format("damaged: cannot read channel \"{}\": {}", channel, message));
   std::memcpy(plane.data(), memory, plane.size() * sizeof(float));
   return plane;
 }

@@ -13,8 +13,8 @@ namespace multum {
 
 class ExrFile {
  public:
-  /// Throws Error(kInput) naming the file: missing, damaged, no EXR, deep, or a part whose data
-  /// window is not the display window (pixels would be in the wrong places).
+  /// Throws Error(kInput) naming the file if it is missing, damaged, not an EXR file, or deep. Also refuses a part
+  /// whose data window is not the display window, because pixels would be in the wrong places.
   explicit ExrFile(std::string path);
 
   int width() const { return width_; }
@@ -22,16 +22,16 @@ class ExrFile {
   const std::string& path() const { return path_; }
   const std::vector<std::string>& channels() const { return channels_; }
   bool has_channel(const std::string& name) const { return places_.count(name) > 0; }
-  /// The same, and where the file has several parts the names with the part's before them: "CryptoObject00.R" of
-  /// channel "R" of part "CryptoObject00". has_channel() and read() know these too.
+  /// Returns the names of all channels. If the file has several parts, adds the names with the part's name in front:
+  /// "CryptoObject00.R" for channel "R" of part "CryptoObject00". has_channel() and read() know these names too.
   std::vector<std::string> all_names() const;
-  /// String attributes of all parts; of one name, the first part's.
+  /// String attributes of all parts; if several parts have the same one, the value in the first part.
   const std::map<std::string, std::string>& attributes() const { return attributes_; }
 
-  /// width * height floats, row 0 at the top. Throws Error(kInput): no such channel (naming those there are), a channel
-  /// of integers, damaged rows.
+  /// Returns width * height floats, row 0 at the top. Throws Error(kInput) for a missing channel (naming the existing
+  /// ones), a channel of integers, or damaged rows.
   std::vector<float> read(const std::string& channel);
-  /// True when the channel's samples are 32-bit floats, so that their bits survive reading.
+  /// Returns whether the channel's samples are 32-bit floats, so that reading keeps their bits.
   bool is_float(const std::string& channel) const;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layouts: PNG (W3C PNG, 5 "Datastream structure"), JPEG (ITU T.81, B.1.1), WebP (RFC 9649, 2.3), TIFF (TIFF 6.0,
-// section 2; BigTIFF); of OpenEXR see host/foundation/base/files/exr_survey.h. Only lengths, sizes and markers are
-// read, each checked against the file.
+// section 2; BigTIFF). For OpenEXR see host/foundation/base/files/exr_survey.h. Reads only lengths, sizes and markers,
+// and checks each against the file.
 #include "host/formats/image/files/image_container.h"
 
 #include <algorithm>
@@ -37,13 +37,13 @@ void add_orientation(ImageContainer& container, int orientation) {
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 
-// What became of a signature of PNG that has most of its bytes; empty: it is none. Its line ends are there to show
-// transfers that take files for text.
+// Describes the damage to a PNG signature most of whose bytes are intact; empty for anything else. The signature
+// contains line ends, which reveal transfers in text mode.
 std::string damaged_png_signature(std::string_view head) {
   if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
-    return "its line ends were changed from \\n to \\r\\n, as by a transfer as text";
+    return "its line ends were changed from \\n to \\r\\n, as by a transfer in text mode";
   if (head.starts_with("\x89PNG\n\x1a"))
-    return "its line ends were changed from \\r\\n to \\n, as by a transfer as text";
+    return "its line ends were changed from \\r\\n to \\n, as by a transfer in text mode";
   if (head.size() < kPngSignature.size()) return "";
   std::string changed;
   std::size_t count = 0;
@@ -55,8 +55,7 @@ std::string damaged_png_signature(std::string_view head) {
   return count <= 2 ? changed : "";
 }
 
-// Throws for what no PNG may have: bits a sample that its colour type has not (W3C PNG, table 11.1), or other methods
-// than there are.
+// Throws for bits per sample that the colour type does not allow (W3C PNG, table 11.1), and for unknown methods.
 void check_png_header(const std::string& path, ByteFile& file) {
   const auto field = [&file](std::int64_t at) { return file.big_endian(at, 1, "a PNG header"); };
   const std::int64_t bits = field(24), colour = field(25);
@@ -75,18 +74,18 @@ void check_png_header(const std::string& path, ByteFile& file) {
   if (row == kColourTypes.end())
     refuse_file(path, fmt::format("damaged PNG: found colour type {}, expected 0, 2, 3, 4 or 6", colour));
   if (std::find(row->bits.begin(), row->bits.end(), bits) == row->bits.end())
-    refuse_file(path, fmt::format("damaged PNG: found {} bits a sample, expected {} of {}", bits,
+    refuse_file(path, fmt::format("damaged PNG: found {} bits per sample, expected {} for {}", bits,
                                   fmt::join(row->bits, ", "), row->name));
   if (field(26) != 0 || field(27) != 0 || field(28) > 1)
-    refuse_file(path, fmt::format("damaged PNG: found methods {}, {} and {} of compression, filters and interlacing, "
+    refuse_file(path, fmt::format("damaged PNG: found methods {}, {} and {} for compression, filters and interlacing, "
                                   "expected 0, 0 and 0 or 1",
                                   field(26), field(27), field(28)));
 }
 
-constexpr char kFirstFrame[] = "the file is an animation, of which the first frame is read";
+constexpr char kFirstFrame[] = "the file is an animation; only the first frame is read";
 
-// signature, then chunks of [length 4][type 4][data][CRC 4]; what the picture needs is IHDR PLTE tRNS gAMA sRGB IDAT
-// IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
+// signature, then chunks of [length 4][type 4][data][CRC 4]. The picture needs IHDR PLTE tRNS gAMA sRGB IDAT IEND. An
+// XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
 // (SharedDataDeathTest.DamagedAndHostileFilesEndInAnError).
 void inspect_png(const std::string& path, ByteFile& file, ImageContainer& container) {
   constexpr std::array<std::string_view, 7> kPicture = {"IHDR", "PLTE", "tRNS", "gAMA", "sRGB", "IDAT", "IEND"};
@@ -110,7 +109,8 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
     if (type == "IDAT" && !has_palette && file.big_endian(25, 1, "a PNG header") == 3)
       refuse_file(path, "damaged PNG: found no palette (PLTE) before its rows, expected one with colour type 3");
     has_rows |= type == "IDAT";
-    if (type == "IEND" && !has_rows) refuse_file(path, "damaged PNG: found no rows (IDAT), expected some");
+    if (type == "IEND" && !has_rows)
+      refuse_file(path, "damaged PNG: found no rows (IDAT), expected at least one chunk");
     if (std::find(kPicture.begin(), kPicture.end(), type) != kPicture.end()) {
       keep(container, position, end);
     } else {
@@ -129,14 +129,14 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
   if (is_srgb) container.gamma = 0.0;
 }
 
-// Segments FF marker [length 2][data] up to the first start of scan; APP0 (JFIF) and APP14 (Adobe: which colour model)
+// Segments FF marker [length 2][data] up to the first start of scan. APP0 (JFIF) and APP14 (Adobe: the colour model)
 // matter.
 void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& container) {
   keep(container, 0, 2);
   std::int64_t position = 2;
   for (;;) {
     if (file.big_endian(position, 1, "a JPEG marker") != 0xFF)
-      refuse_file(path, "damaged JPEG: no marker where one must be");
+      refuse_file(path, "damaged JPEG: found no marker, expected one");
     const std::int64_t marker = file.big_endian(position + 1, 1, "a JPEG marker");
     if (marker == 0xFF) {  // a fill byte
       ++position;
@@ -160,13 +160,14 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
     position = end;
   }
   keep(container, position, file.size());
-  // The library fills what is missing with grey, so look for the end marker (some tools append bytes behind it).
+  // Looks for the end marker, because the library fills missing rows with grey. Some tools append bytes after the
+  // marker.
   const std::int64_t tail_size = std::min<std::int64_t>(file.size(), 65536);
   if (file.bytes(file.size() - tail_size, tail_size, "the end").find("\xFF\xD9") == std::string::npos)
     refuse_file(path, "the file is cut: no JPEG end marker");
 }
 
-// Chunks [type 4][length 4][data], of an even number of bytes, behind VP8X.
+// Chunks [type 4][length 4][data], padded to an even number of bytes, after VP8X.
 void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& container) {
   for (std::int64_t position = 12; position + 8 <= end;) {
     const std::string type = file.bytes(position, 4, "a WebP chunk");
@@ -177,7 +178,7 @@ void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& conta
   }
 }
 
-// RIFF [size 4] WEBP, then a chunk that says the size: VP8X (of the canvas, 24 bits, less 1), VP8L (14 bits, less 1) or
+// RIFF [size 4] WEBP, then a chunk with the size: VP8X (of the canvas, 24 bits, minus 1), VP8L (14 bits, minus 1) or
 // VP8 (14 bits).
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
@@ -201,8 +202,8 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   keep(container, 0, file.size());
 }
 
-// Attributes of the first part, of those that baked files have (docs/reference/file_format.md): its channels are no
-// map's.
+// Refuses baked files, by the attributes of their first part (docs/reference/file_format.md): their channels do not
+// hold a map.
 void refuse_baked_file(const std::string& path, ByteFile& file) {
   std::string representation, source;
   walk_exr_headers(path, file, [&](const ExrAttribute& attribute) {
@@ -211,13 +212,14 @@ void refuse_baked_file(const std::string& path, ByteFile& file) {
     if (attribute.name == "multum:representation") representation = text();
     if (attribute.name == "multum:sourceName") source = text();
   });
-  // A pyramid's finest level is a picture or a height field as others are.
+  // Accepts pyramids: their finest level is a normal picture or height field.
   if (representation.empty() || representation.starts_with("pyramid of ")) return;
   const std::string map = source.empty() ? "the map" : source;
-  refuse_file(path, fmt::format("is a file that multum baked from {0} ({1}), expected a map. Give {2} itself, or the "
-                                "baked file to 'multum info', 'multum verify', 'multum export' (as NAME.ndf.exr), "
-                                "'multum look' or 'multum-view'",
-                                source.empty() ? "a map" : source, representation, map));
+  refuse_file(
+      path, fmt::format(
+                "is a file that multum baked from {0} ({1}), expected a map. Use {2} itself, or pass the baked file to "
+                "'multum info', 'multum verify', 'multum export' (as NAME.ndf.exr), 'multum look' or 'multum-view'",
+                source.empty() ? "a map" : source, representation, map));
 }
 
 void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& container, std::int64_t texel_count_max) {
@@ -228,16 +230,15 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   container.height = parts.front().height;
   if (!parts.front().subsampled.empty())
     refuse_file(path,
-                fmt::format("found a channel {} with fewer samples than texels, as brightness with differences of "
-                            "colour has (Y, RY, BY), expected red, green and blue of every texel: convert it to "
-                            "RGB first",
+                fmt::format("found channel {} with fewer samples than texels, as in brightness with differences of "
+                            "colour (Y, RY, BY); expected red, green and blue in every texel: convert it to RGB first",
                             parts.front().subsampled));
   if (parts.size() > 1)
-    container.notes.push_back(fmt::format("the file has {} parts, of which the first is read", parts.size()));
+    container.notes.push_back(fmt::format("the file has {} parts; only the first is read", parts.size()));
   keep(container, 0, file.size());
 }
 
-// Whether all words of a colour map are v * unit, and some are not 0. Some programs write v * 256 for v * 257.
+// Returns whether all words of a colour map are v * unit, and some are not 0. Some programs write v * 256 for v * 257.
 bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
   bool has_any = false;
   for (std::int64_t at = words.begin; at < words.end; at += 2) {
@@ -254,45 +255,45 @@ constexpr int kUnsigned = 1, kSigned = 2, kFloats = 3;
 
 std::string either(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, ", ")); }
 
-// What OpenImageIO 2.4.7 reads, but wrongly and without a word; each has a case in tests/cli/odd_cases.py. Colours of
-// inks and of Lab are numbers that mean neither vectors nor light; it mixes up the bytes of 24 bits, takes signed
-// integers of few bits for unsigned ones, and 8 bits where none are said, though one is meant.
+// Refuses files that OpenImageIO 2.4.7 misreads without an error; each has a case in tests/cli/odd_cases.py. Colours
+// of inks and of Lab mean neither vectors nor light. OpenImageIO mixes up the bytes of 24-bit samples, and takes
+// signed integers of few bits for unsigned ones. It assumes 8 bits if the file states none, although the standard
+// means 1.
 void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
-  if (!tiff.is_whole) return;                                   // the library says what is wrong
+  if (!tiff.is_whole) return;                                   // the library reports the fault
   const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
   if (std::find(kOtherColours.begin(), kOtherColours.end(), tiff.photometric) != kOtherColours.end())
     refuse_file(path, fmt::format("found a TIFF of CMYK, Lab or a colour filter array (PhotometricInterpretation {}), "
                                   "expected grey, RGB or a palette",
                                   tiff.photometric));
-  if (tiff.bits == 0)
-    refuse_file(path, "found a TIFF that does not say its bits a sample (BitsPerSample), expected one that does");
+  if (tiff.bits == 0) refuse_file(path, "found a TIFF without bits per sample (BitsPerSample), expected that tag");
   const std::vector<int> bits = tiff.sample_format == kFloats     ? std::vector{16, 32, 64}
                                 : tiff.sample_format == kSigned   ? std::vector{8, 16, 32}
                                 : tiff.sample_format == kUnsigned ? std::vector{1, 2, 4, 6, 8, 10, 12, 14, 16, 32}
                                                                   : std::vector<int>{};
   if (!bits.empty() && std::find(bits.begin(), bits.end(), tiff.bits) == bits.end())
-    refuse_file(path, fmt::format("found a TIFF of {} bits a sample, expected {} of {}", tiff.bits, either(bits),
+    refuse_file(path, fmt::format("found a TIFF with {} bits per sample, expected {} for {}", tiff.bits, either(bits),
                                   tiff.sample_format == kFloats   ? "floats"
                                   : tiff.sample_format == kSigned ? "signed integers"
                                                                   : "unsigned integers"));
   if (tiff.photometric == kPalette && tiff.samples > 1)
     refuse_file(path, fmt::format("found a TIFF with a palette and {} channels, expected one", tiff.samples));
   if (tiff.photometric == kWhiteIsZero && tiff.bits <= 8 && tiff.samples > 1)
-    refuse_file(path, fmt::format("found a TIFF of {} bits with 0 for white (MinIsWhite) and {} channels, all of which "
-                                  "would be turned round; expected one channel, or 0 for black",
+    refuse_file(path, fmt::format("found a TIFF with {} bits, 0 for white (MinIsWhite) and {} channels, all of which "
+                                  "would be inverted; expected one channel, or 0 for black",
                                   tiff.bits, tiff.samples));
   if (tiff.bits == 64 && tiff.is_tiled && (tiff.samples == 1 || !tiff.is_planar))
-    refuse_file(path,
-                "found a TIFF of 64-bit floats in tiles, which OpenImageIO leaves unread; expected 32-bit floats, or "
-                "strips");
+    refuse_file(
+        path,
+        "found a TIFF with 64-bit floats in tiles, which OpenImageIO leaves unread; expected 32-bit floats or strips");
   if (tiff.bits == 64 && tiff.compression != 1 && !tiff.is_tiled && tiff.rows_per_strip == 0)
     refuse_file(path,
-                "found a compressed TIFF of 64-bit floats that does not say the rows of a strip (RowsPerStrip), which "
-                "OpenImageIO leaves unread; expected 32-bit floats, or the rows");
+                "found a compressed TIFF with 64-bit floats and no rows per strip (RowsPerStrip), which OpenImageIO "
+                "leaves unread; expected 32-bit floats, or that tag");
 }
 
-// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows of a strip, which may be as many as the number
-// holds: it then runs for ever, or leaves doubles unread. More than the picture has are as many as it has.
+// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows per strip, which may be the largest number that
+// fits. It then runs forever, or leaves doubles unread. So the number is limited to the picture's rows.
 void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& container) {
   if (tiff.height < 1 || tiff.rows_per_strip <= tiff.height) return;
   const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";
@@ -303,17 +304,16 @@ void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& co
   container.patches.push_back({tiff.rows_per_strip_at.begin, bytes});
 }
 
-// Workaround "TIFF white": OpenImageIO 2.4.7 turns round what has 0 for white up to 8 bits, and leaves more bits as
-// they are (ImageReaderTest.WhiteIsZeroOfTiff). Of floats no value is black.
-// Workaround "TIFF palette": it divides words of a colour map by 257, which loses a code of those that are v * 256
-// (ImageReaderTest.PalettesOfTiff).
+// Workaround "TIFF white": OpenImageIO 2.4.7 inverts pictures with 0 for white up to 8 bits, but not with more bits
+// (ImageReaderTest.WhiteIsZeroOfTiff). With floats, no value means black. Workaround "TIFF palette": it divides words
+// of a colour map by 257, which makes words v * 256 one code too low (ImageReaderTest.PalettesOfTiff).
 void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& container) {
   keep(container, 0, file.size());
   const TiffSurvey tiff = survey_tiff(file, 0);
   if (tiff.photometric == kWhiteIsZero && tiff.sample_format != kUnsigned)
     refuse_file(path,
-                "found a TIFF of signed integers or floats with 0 for white (MinIsWhite), expected unsigned "
-                "integers, whose black is known, or 0 for black");
+                "found a TIFF with signed integers or floats and 0 for white (MinIsWhite); expected unsigned integers, "
+                "whose black is known, or 0 for black");
   refuse_misread_tiff(path, tiff);
   limit_strip_rows(file, tiff, container);
   container.inverts_integers = tiff.photometric == kWhiteIsZero && tiff.bits > 8;
@@ -324,19 +324,20 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
     if (have_unit(file, tiff.colour_map, is_big_endian, 256)) container.byte_words.push_back(tiff.colour_map);
     else if (!have_unit(file, tiff.colour_map, is_big_endian, 257))
       container.notes.emplace_back(
-          "its palette has colours of 16 bits, of which the upper 8 are read: what is lost is up to 1 of 255");
+          "its palette has colours of 16 bits, of which only the upper 8 are read: the error is up to 1 of 255");
   }
   add_orientation(container, tiff.orientation);
   if (tiff.page_count > 1)
     container.notes.push_back(
-        fmt::format("the file has {} pages, of which the first is read{}", tiff.page_count,
-                    tiff.is_reduced ? ", which says that it is a reduced version of another" : ""));
-  else if (tiff.is_reduced) container.notes.emplace_back("its picture says that it is a reduced version of another");
+        fmt::format("the file has {} pages; only the first is read{}", tiff.page_count,
+                    tiff.is_reduced ? ", although the file says that it is a reduced version of another page" : ""));
+  else if (tiff.is_reduced)
+    container.notes.emplace_back("the file says that its picture is a reduced version of another");
   container.texel_metres = tiff.texel_metres;
   container.no_data = tiff.no_data;
 }
 
-constexpr std::size_t kHeadBytes = 16;  // enough to know any of the formats
+constexpr std::size_t kHeadBytes = 16;  // enough to recognize every format
 
 std::string format_of(std::string_view head) {
   using namespace std::string_view_literals;
@@ -350,12 +351,12 @@ std::string format_of(std::string_view head) {
   return "";
 }
 
-// Files that are no image, but that somebody who works with multum may have at hand.
+// Recognizes files that are not images, but that users of multum may pass by mistake.
 std::string other_kind(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr char kExpected[] = "expected PNG, JPEG, WebP, TIFF or OpenEXR";
   if (head.starts_with("DDS "sv))
-    return fmt::format("a DDS texture for GPUs, {}: give the map that it was made of", kExpected);
+    return fmt::format("a DDS texture for GPUs, {}: give the map from which it was made", kExpected);
   if (head.starts_with("glTF"sv))
     return fmt::format("a glTF model, {}. 'multum gltf' converts a model, 'multum materials' lists its maps",
                        kExpected);
@@ -380,7 +381,7 @@ ImageContainer inspect_image_container(const std::string& path, std::int64_t tex
   const std::string head = file.bytes(0, std::min<std::int64_t>(kHeadBytes, file.size()), "the first bytes");
   container.format = format_of(head);
   if (const std::string changed = damaged_png_signature(head); container.format.empty() && !changed.empty())
-    refuse_file(path, fmt::format("damaged PNG: in its signature {}", changed));
+    refuse_file(path, fmt::format("damaged PNG: in its signature, {}", changed));
   if (container.format.empty()) {
     const std::string other = other_kind(head);
     refuse_file(path, other.empty() ? fmt::format("found an unknown format ({} bytes), expected PNG, JPEG, WebP, TIFF "

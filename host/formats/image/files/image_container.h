@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Examines an image file by our own few lines, before any image library sees it: which format it is by its first bytes,
-// how large it says it is, and which byte ranges hold the picture. Libraries trust headers (they allocate, or parse
-// metadata for minutes); fuzzed files show where.
+// Examines an image file with a few lines of our own code before any image library sees it: its format by the first
+// bytes, its declared size, and the byte ranges with the picture. Libraries trust headers: they allocate memory, or
+// parse metadata for minutes, as fuzzed files show.
 #pragma once
 
 #include <cstdint>
@@ -24,24 +24,24 @@ struct BytePatch {
 struct ImageContainer {
   std::string format;  // OpenImageIO's reader: "png", "jpeg", "webp", "tiff" or "openexr"
   std::int64_t file_size = 0;
-  std::int64_t width = 0;  // 0 where the format's own reader is the first to say (TIFF)
+  std::int64_t width = 0;  // 0 if only the format's own reader can tell (TIFF)
   std::int64_t height = 0;
-  bool has_metadata = false;               // ranges leave something out
+  bool has_metadata = false;               // `ranges` leave something out
   std::vector<ByteRange> ranges;           // the file without its metadata (texts, EXIF, XMP, ICC), in order
-  std::vector<std::string> notes = {};     // what the file says of its picture that is not heeded, a line each
-  double texel_metres = 0.0;               // GeoTIFF's ModelPixelScale where its unit is the metre; 0: not said
-  std::optional<double> no_data = {};      // GeoTIFF: the number, as stored, of texels that have none
-  bool inverts_integers = false;           // TIFF: 0 is white, which OpenImageIO 2.4.7 leaves so beyond 8 bits
+  std::vector<std::string> notes = {};     // statements of the file about its picture that are ignored, one per line
+  double texel_metres = 0.0;               // GeoTIFF's ModelPixelScale if its unit is the metre; 0: unknown
+  std::optional<double> no_data = {};      // GeoTIFF: stored number of texels without data
+  bool inverts_integers = false;           // TIFF: 0 is white, which OpenImageIO 2.4.7 does not invert beyond 8 bits
   std::vector<ByteRange> byte_words = {};  // TIFF: 16-bit words v * 256 of a colour map, meant as v * 257
-  std::vector<BytePatch> patches = {};     // TIFF: what OpenImageIO 2.4.7 takes otherwise than it is meant
+  std::vector<BytePatch> patches = {};     // TIFF: bytes that OpenImageIO 2.4.7 would misread
   double gamma = 0.0;                      // PNG: exponent from number to light (1 / gAMA); 0: none, or sRGB
 };
 
-/// ImageContainer::format by the first bytes alone; empty: of none of these formats, or not there.
+/// Returns ImageContainer::format from the first bytes; empty if the file is missing or has another format.
 std::string image_format(const std::string& path);
 
-/// Throws Error(kInput) when the file is missing, of another format, cut, or declares a size that is not within
-/// 1..texel_count_max texels or that its bytes cannot hold.
+/// Throws Error(kInput) if the file is missing, of another format or cut. Also refuses a declared size outside
+/// 1..texel_count_max texels, or larger than its bytes can hold.
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max);
 
 /// Throws Error(kInput) unless 1 <= width * height <= texel_count_max.

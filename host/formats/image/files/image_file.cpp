@@ -12,17 +12,17 @@
 namespace multum {
 namespace {
 
-// OpenImageIO's own bound is not ours to rely on when it speaks from another process.
+// Our own limit, because OpenImageIO's limit holds only in the other process.
 constexpr int kChannelCountMax = 1024;
 constexpr std::size_t kPartCountMax = 256;
 
 void check_part(const std::string& path, const ImagePart& part, std::int64_t texel_count_max) {
   check_image_size(path, part.width, part.height, texel_count_max);
-  constexpr int kFarthest = 1 << 30;  // so that sums of a place and a size stay ints
+  constexpr int kFarthest = 1 << 30;  // keeps sums of a place and a size within int
   for (const int place : {part.x, part.y, part.full_x, part.full_y})
     if (place < -kFarthest || place > kFarthest)
       refuse_file(path,
-                  fmt::format("found a data window at ({}, {}) of a frame at ({}, {}), expected places within 2^30",
+                  fmt::format("found a data window at ({}, {}) of a frame at ({}, {}), expected positions within 2^30",
                               part.x, part.y, part.full_x, part.full_y));
   if (part.width > kFarthest || part.height > kFarthest || part.tile_width < 0 || part.tile_height < 0 ||
       (part.tile_width > 0) != (part.tile_height > 0))
@@ -31,9 +31,9 @@ void check_part(const std::string& path, const ImagePart& part, std::int64_t tex
   if (part.channel_names.empty() || part.channel_count() > kChannelCountMax)
     refuse_file(path, fmt::format("found {} channels, expected 1 to {}", part.channel_count(), kChannelCountMax));
   if (!part.channel_types.empty() && part.channel_types.size() != part.channel_names.size())
-    refuse_file(path, "damaged: types of other channels than it has");
+    refuse_file(path, "damaged: the number of channel types differs from the number of channels");
   if (part.alpha_channel < -1 || part.alpha_channel >= part.channel_count())
-    refuse_file(path, "damaged: its alpha is none of its channels");
+    refuse_file(path, "damaged: its alpha channel does not exist");
   for (int channel = 0; channel < part.channel_count(); ++channel)
     if (!is_number_type(part.type_of(channel)) || !is_number_type(part.base_type))
       refuse_file(path, fmt::format("found samples of type {}, expected integers or floats",
@@ -66,7 +66,7 @@ void check_described(const std::string& path, const ImageDescription& descriptio
   constexpr std::size_t kNoteCountMax = 16;
   if (description.notes.size() > kNoteCountMax || !std::isfinite(description.texel_metres) ||
       !std::isfinite(description.no_data.value_or(0.0)))
-    refuse_file(path, "damaged: its description makes no sense");
+    refuse_file(path, "damaged: its description is inconsistent");
   for (const ImagePart& part : description.parts) check_part(path, part, texel_count_max);
 }
 

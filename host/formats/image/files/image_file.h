@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the numbers of an image file: the only view that the project has of OpenImageIO's readers. They run in a child
-// process (child_image_file.cpp), since some broken files end the process that opens them, and since their libraries
-// take a quarter of a second to load.
+// Reads the numbers of an image file; nothing else in the project sees OpenImageIO's readers. They run in a child
+// process (child_image_file.cpp), because some broken files crash the process that opens them, and loading their
+// libraries takes a quarter of a second.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,7 @@
 
 namespace multum {
 
-/// Description of one of a file's pictures, by the file itself. Only what is checked by check_described() can be relied
-/// on.
+/// Description of one of a file's pictures, by the file itself. Rely only on fields that check_described() checks.
 struct ImagePart {
   int x = 0, y = 0, width = 0, height = 0, depth = 1;  // of the data window
   int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
@@ -28,10 +27,10 @@ struct ImagePart {
   bool is_deep = false;
   int base_type = 0;                         // host/formats/image/files/number_type.h, of the widest channel
   std::vector<std::string> channel_names;    // one a channel
-  std::vector<int> channel_types = {};       // base types where they differ; empty: all are base_type
-  std::string colour_space, compression;     // as the file says, or empty
+  std::vector<int> channel_types = {};       // base types if they differ; empty: all are base_type
+  std::string colour_space, compression;     // as in the file; may be empty
   int rows_per_strip = 0;                    // of TIFF
-  std::map<std::string, std::string> texts;  // string attributes; of files opened with all_parts
+  std::map<std::string, std::string> texts;  // string attributes; only if opened with all_parts
 
   int channel_count() const { return static_cast<int>(channel_names.size()); }
   int type_of(int channel) const {
@@ -41,18 +40,18 @@ struct ImagePart {
 };
 
 struct ImageDescription {
-  std::string format;  // as ImageContainer's
+  std::string format;  // as in ImageContainer
   std::int64_t file_size = 0;
   std::vector<ImagePart> parts;
-  std::vector<std::string> notes = {};  // ImageContainer's
-  double texel_metres = 0.0;            // the same
-  std::optional<double> no_data = {};   // the same
+  std::vector<std::string> notes = {};  // as in ImageContainer
+  double texel_metres = 0.0;            // as in ImageContainer
+  std::optional<double> no_data = {};   // as in ImageContainer
 };
 
 /// Rows of some channels, interleaved, as numbers of one type.
 struct PixelBlock {
   int part = 0;
-  int y_begin = 0, y_end = 0;  // in the data window's own numbers
+  int y_begin = 0, y_end = 0;  // in the data window's coordinates
   int channel_begin = 0, channel_end = 0;
   int base_type = 0;
 };
@@ -60,8 +59,8 @@ std::size_t block_bytes(const ImagePart& part, const PixelBlock& block);
 
 struct ImageFileSettings {
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  int threads = 1;         // <= 0: as many as the machine has
-  bool all_parts = false;  // and their texts; else the first part
+  int threads = 1;         // <= 0: one per core
+  bool all_parts = false;  // true: all parts and their texts; false: the first part
 };
 
 class ImageFile {
@@ -70,10 +69,10 @@ class ImageFile {
   const ImageDescription& description() const { return description_; }
   const ImagePart& part(int index = 0) const { return description_.parts[static_cast<std::size_t>(index)]; }
 
-  /// Memory for read(), until the next call of this; what was in it is gone.
+  /// Returns memory for read(), valid until the next call, which discards the contents.
   virtual std::byte* reserve(std::size_t byte_count) = 0;
-  /// Puts the block at this offset of that memory. Returns what the library says against the file, and "" when it is
-  /// read. `while_waiting` may throw, and is called while a child is at work. Throws Error as open_image_file does.
+  /// Reads the block to this offset of the reserved memory. Returns the library's error message, or "" after success.
+  /// Calls `while_waiting`, which may throw, while a child works. Throws Error as open_image_file() does.
   virtual std::string read(const PixelBlock& block, std::size_t offset,
                            const std::function<void()>& while_waiting = {}) = 0;
 
@@ -81,18 +80,17 @@ class ImageFile {
   ImageDescription description_;
 };
 
-/// Throws Error(kInput) naming the file: missing, of another format, damaged, or its decoding came to no end.
+/// Throws Error(kInput) naming the file if it is missing, damaged, of another format, or takes too long to decode.
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings);
 
-/// Sets how open_image_file() opens files, for the whole process: in a child as DecodingChild's defaults have it,
-/// unless a program says otherwise at its start.
+/// Sets how open_image_file() opens files in the whole process. The default is a child with DecodingChild's defaults.
 using ImageOpener = std::function<std::unique_ptr<ImageFile>(const std::string&, const ImageFileSettings&)>;
 void set_image_opener(ImageOpener opener);
 
-/// In a child.
+/// Returns an opener that decodes in a child.
 ImageOpener open_in_child(const DecodingChild& child);
 
-/// Throws Error(kInput) when a description cannot be of any picture: what follows computes with its numbers.
+/// Throws Error(kInput) if a description cannot belong to a picture, because later code computes with its numbers.
 void check_described(const std::string& path, const ImageDescription& description, std::int64_t texel_count_max);
 
 }  // namespace multum

@@ -27,7 +27,7 @@ constexpr Ktx2Texels kKtx2Texels[] = {{9, number_type::kUint8, 1, 1, false},
                                       {43, number_type::kUint8, 4, 4, true},
                                       {97, number_type::kHalf, 4, 8, false}};
 
-// Of KHR_DF_MODEL and KHR_DF_TRANSFER, in the first descriptor block.
+// Values of KHR_DF_MODEL and KHR_DF_TRANSFER in the first descriptor block.
 constexpr std::int64_t kUastcModel = 166, kSrgbTransfer = 2;
 
 void find_texels(const std::string& path, ByteFile& file, Ktx2Survey& survey) {
@@ -44,11 +44,12 @@ void find_texels(const std::string& path, ByteFile& file, Ktx2Survey& survey) {
   const auto found = std::find_if(std::begin(kKtx2Texels), std::end(kKtx2Texels),
                                   [&](const Ktx2Texels& one) { return one.vk_format == vk_format; });
   if (found == std::end(kKtx2Texels))
-    refuse_file(path,
-                fmt::format("found a KTX2 texture of VkFormat {} (colour model {}), expected texels as they are "
-                            "(R8, RG8, RGBA8 or RGBA16F) or UASTC: give the image that it was made of, or the output "
-                            "of multum export --texels rgba8",
-                            vk_format, model));
+    refuse_file(
+        path,
+        fmt::format(
+            "found a KTX2 texture of VkFormat {} (colour model {}), expected uncompressed texels (R8, RG8, RGBA8 or "
+            "RGBA16F) or UASTC: give the image from which it was made, or the output of multum export --texels rgba8",
+            vk_format, model));
   survey.base_type = found->base_type;
   survey.channel_count = found->channels;
   survey.is_srgb = survey.is_srgb || found->is_srgb;
@@ -64,11 +65,12 @@ Ktx2Survey survey_ktx2(const std::string& path, ByteFile& file) {
   survey.width = word(20);
   survey.height = word(24);
   if (survey.width < 1 || survey.height < 1 || survey.width > kSideMax || survey.height > kSideMax)
-    refuse_file(path, fmt::format("found a KTX2 texture of {} x {} texels, expected 1 to 2^20 a side", survey.width,
+    refuse_file(path, fmt::format("found a KTX2 texture of {} x {} texels, expected 1 to 2^20 per side", survey.width,
                                   survey.height));
   if (word(28) > 1 || word(32) > 0 || word(36) != 1)
-    refuse_file(path, fmt::format("found a KTX2 texture {} deep, of {} layers and {} faces, expected a single picture",
-                                  word(28), word(32), word(36)));
+    refuse_file(path,
+                fmt::format("found a KTX2 texture with depth {}, {} layers and {} faces, expected a single picture",
+                            word(28), word(32), word(36)));
   const std::int64_t scheme = word(44);
   if (scheme != 0 && scheme != kZstandard)
     refuse_file(path, fmt::format("found a KTX2 texture with supercompression {}, expected none or Zstandard", scheme));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libpng, one row after another.
+// Writes PNG files with libpng, row by row.
 #include "host/formats/image/files/png_writer.h"
 
 #include <png.h>
@@ -30,7 +30,7 @@ int colour_type(int channels) {
   }
 }
 
-// libpng's two objects of a file.
+// libpng's two objects for a file.
 struct PngObjects {
   PngObjects(void* owner, png_error_ptr on_error) {
     png = png_create_write_struct(PNG_LIBPNG_VER_STRING, owner, on_error, [](png_structp, png_const_charp) {});
@@ -54,7 +54,7 @@ class PngFile {
     guarded([this] { write_header(); });
   }
 
-  /// In the format that the file was opened with.
+  /// Writes rows in the format that the file was opened with.
   void write_rows(int row_count, const void* interleaved) {
     MULTUM_CHECK(row_ + row_count <= format_.height);
     const auto row_bytes = static_cast<std::size_t>(format_.width * format_.channels * (format_.bits / 8));
@@ -88,7 +88,7 @@ class PngFile {
     if (format_.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
   }
 
-  // libpng ends by longjmp where it fails: `work` holds nothing that has a destructor.
+  // libpng reports failures by longjmp, so `work` must not hold objects with destructors.
   template <typename Work>
   void guarded(const Work& work) {
     if (setjmp(png_jmpbuf(objects_.png)) != 0) {
@@ -105,7 +105,7 @@ class PngFile {
   }
   static void on_write(png_structp png, png_bytep bytes, png_size_t count) {
     auto* const self = static_cast<PngFile*>(png_get_io_ptr(png));
-    if (!self->bytes_.write(bytes, count)) png_error(png, "");  // close() says why
+    if (!self->bytes_.write(bytes, count)) png_error(png, "");  // close() reports the reason
   }
 
   [[noreturn]] void fail(const char* what) const {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files of the project's own making: RGB of 16 or 8 bits, row by row, for maps; 8-bit, whole, for pictures to look
-// at.
+// Writes PNG files: RGB of 16 or 8 bits, row by row, for maps; whole 8-bit pictures for viewing.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +9,7 @@
 
 namespace multum {
 
-/// A file that appears whole or not at all. Everything throws Error(kEnvironment) when it cannot be written.
+/// Writes a file that appears whole or not at all. Everything throws Error(kEnvironment) if the file cannot be written.
 class Png16Writer {
  public:
   Png16Writer(const std::string& path, int width, int height, const std::string& colour_space);
@@ -18,16 +17,16 @@ class Png16Writer {
   Png16Writer(const Png16Writer&) = delete;
   Png16Writer& operator=(const Png16Writer&) = delete;
 
-  /// The next rows; `interleaved` holds 3 values a texel.
+  /// Writes the next rows; `interleaved` holds 3 values per texel.
   void write_rows(int row_count, const std::uint16_t* interleaved);
-  /// Gives the file its name, after all rows.
+  /// Gives the file its name; call it after all rows.
   void finish();
 
  private:
   std::unique_ptr<class PngFile> file_;
 };
 
-/// The same of 8 bits, whose numbers are data: the file names no colour space.
+/// Writes 8-bit data like Png16Writer; the file names no colour space.
 class Png8Writer {
  public:
   /// `channels`: 3, or 4 with alpha.
@@ -36,7 +35,7 @@ class Png8Writer {
   Png8Writer(const Png8Writer&) = delete;
   Png8Writer& operator=(const Png8Writer&) = delete;
 
-  /// The next rows; `interleaved` holds `channels` values a texel.
+  /// Writes the next rows; `interleaved` holds `channels` values per texel.
   void write_rows(int row_count, const std::uint8_t* interleaved);
   void finish();
 
@@ -51,7 +50,7 @@ void write_png16(const std::string& path, int width, int height, const std::vect
 /// sRGB, row 0 at the top.
 struct Png8Image {
   int width = 0, height = 0;
-  int channels = 3;  // 1: grey; 4: with alpha, which colours are not multiplied by
+  int channels = 3;  // 1: grey; 4: with alpha, not premultiplied
   std::vector<std::uint8_t> interleaved;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directories: [count 2][entry 12]...[next 4], of BigTIFF [count 8][entry 20]...[next 8].
-//   entry   [tag 2][type 2][count 4 or 8][value, or where it is: 4 or 8]
-// GeoTIFF 1.1 (OGC 19-008): ModelPixelScale is three doubles; GeoKeyDirectory is words, [header 4], then [key, 0, 1,
-// value] of those that are kept in it. GDAL_NODATA is a text (gdal.org/drivers/raster/gtiff.html).
+// Directories: [count 2][entry 12]...[next 4]; in BigTIFF [count 8][entry 20]...[next 8].
+//   entry   [tag 2][type 2][count 4 or 8][value or its position: 4 or 8]
+// GeoTIFF 1.1 (OGC 19-008): ModelPixelScale is three doubles. GeoKeyDirectory is words: [header 4], then [key, 0, 1,
+// value] for each value stored in it. GDAL_NODATA is a text (gdal.org/drivers/raster/gtiff.html).
 #include "host/formats/image/files/tiff_survey.h"
 
 #include <bit>
@@ -18,13 +18,13 @@
 namespace multum {
 namespace {
 
-constexpr int kPageCountMax = 1000;  // as many are worth counting
+constexpr int kPageCountMax = 1000;  // pages beyond this number are not counted
 constexpr std::int64_t kEntryCountMax = 4096;
 
 struct Value {
   int type;
   std::int64_t count;
-  std::int64_t position;  // of its first number, in the file
+  std::int64_t position;  // of its first number in the file
 };
 
 class Directories {
@@ -39,7 +39,8 @@ class Directories {
     return is_big_endian_ ? file_.big_endian(position, count, "a TIFF directory")
                           : file_.little_endian(position, count, "a TIFF directory");
   }
-  // Where the next directory is, `base` after the last. Every entry goes to `visit`.
+  // Passes every entry of a directory to `visit`. Returns the position of the next directory; positions are relative
+  // to `base`.
   template <typename Visit>
   std::int64_t walk(std::int64_t directory, const Visit& visit) {
     const int count_bytes = is_big_tiff_ ? 8 : 2, entry_bytes = is_big_tiff_ ? 20 : 12, word = is_big_tiff_ ? 8 : 4;
@@ -56,7 +57,7 @@ class Directories {
     }
     return base_ + number(entry, word);
   }
-  // A short or a long.
+  // Returns a short or a long.
   int integer(const Value& value) {
     if (value.type != 3 && value.type != 4) return -1;
     return static_cast<int>(number(value.position, value.type == 3 ? 2 : 4));
@@ -66,7 +67,7 @@ class Directories {
     const auto half = [&](int i) { return static_cast<std::uint64_t>(number(value.position + 4 * i, 4)); };
     return std::bit_cast<double>(is_big_endian_ ? half(0) << 32 | half(1) : half(1) << 32 | half(0));
   }
-  // A number that is written as text.
+  // Reads a number written as text.
   std::optional<double> text_number(const Value& value) {
     constexpr std::int64_t kLengthMax = 64;
     if (value.type != 2 || value.count > kLengthMax) return std::nullopt;
@@ -75,7 +76,7 @@ class Directories {
     const double number = std::strtod(text.c_str(), &end);
     return end != text.c_str() && std::isfinite(number) ? std::optional(number) : std::nullopt;
   }
-  // Whether the directory of GeoTIFF's keys says that x and y are metres.
+  // Returns whether the directory of GeoTIFF's keys says that x and y are in metres.
   bool is_in_metres(const Value& keys) {
     if (keys.type != 3) return false;
     constexpr int kModelType = 1024, kProjected = 1, kLinearUnit = 3076, kMetre = 9001;
@@ -141,12 +142,12 @@ TiffSurvey survey_tiff(ByteFile& file, std::int64_t base) {
     });
     survey.is_whole = true;
     if (!geo_keys || !directories.is_in_metres(*geo_keys)) survey.texel_metres = 0.0;
-    std::set<std::int64_t> seen;  // a chain may bite its tail
+    std::set<std::int64_t> seen;  // a chain of directories may contain a loop
     while (next > base && survey.page_count < kPageCountMax && seen.insert(next).second) {
       next = directories.walk(next, [](int, const Value&) {});
       ++survey.page_count;
     }
-  } catch (const Error&) {  // cut or damaged: libtiff decides whether the picture is still there
+  } catch (const Error&) {  // cut or damaged; libtiff decides whether the picture can be read
   }
   if (!(survey.texel_metres > 0.0) || !std::isfinite(survey.texel_metres)) survey.texel_metres = 0.0;
   return survey;
@@ -174,9 +175,9 @@ std::string orientation_note(int orientation) {
                                                  "turned by 270 degrees"};
   if (orientation < 2 || orientation > 8) return "";
   return fmt::format(
-      "the file says that its picture is to be shown {} (orientation {}), which is not applied: rows are read as they "
-      "are stored. Where that is wrong, turn height fields before (oiiotool --autoorient IN -o OUT); turning a normal "
-      "map so leaves its vectors unturned",
+      "the file says that its picture should be shown {} (orientation {}), which is not applied: rows are read in "
+      "stored order. If that is wrong, rotate a height field first (oiiotool --autoorient IN -o OUT). Do not rotate a "
+      "normal map this way: its vectors would not be rotated",
       kNames[static_cast<std::size_t>(orientation)], orientation);
 }
 

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rules, in order. Thresholds lie between real maps on either side, whose numbers stand next to them; the test
-// SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
+// Rules, in order. Each threshold separates real maps on either side, and the comment next to it has their numbers.
+// The test SharedData.EveryFileOfTheManifestIsUnderstood prints the numbers of every file.
 //  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
-//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo is like a height: a warning says so. One
-//     value tells nothing and two are a mask: refused.
-//     So are heights whose bytes are spread over channels (packed_heights.h).
-//  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt, if x^2 + y^2 <= 1 allows it.
-//     What nearly flat normals round their z to is not set aside: there both readings are the same up to rounding.
+//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo looks like a height, so a warning says so.
+//     An image with one value says nothing and one with two values is a mask; both are refused. Heights whose bytes are
+//     spread over channels count too (packed_heights.h).
+//  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt if x^2 + y^2 <= 1 allows it.
+//     A blue that equals the rounded z of nearly flat normals is kept: both readings are then the same up to rounding.
 //  3. Floats: 0..1 or signed, whichever gives unit vectors. Integers are 0..1.
-//  4. z in 0..1: blue itself, where only that gives unit length (`is_z_positive`).
-//  5. Refused unless it looks like normals (`refusal` below), and where blue is not z (`blue_doubt`).
-//  6. Green by the gradient agreement; up when it is undecided. What the caller says goes before it; a warning names
-//  the
-//     disagreement.
+//  4. z in 0..1: blue itself, if only that gives unit length (`is_z_positive`).
+//  5. Refused unless it looks like normals (`refusal` below), and if blue is not z (`blue_doubt`).
+//  6. Green by the gradient agreement; up if that is undecided. The caller's settings take precedence; a warning names
+//     the disagreement.
 #include "host/formats/image/normals/encoding_detection.h"
 
 #include <algorithm>
@@ -34,10 +33,10 @@ namespace {
 struct Reading {
   VectorEncoding encoding;
   VectorStatistics statistics;
-  double signed_z_error = 0.0;  // of a positive z: the error of lengths with the other
+  double signed_z_error = 0.0;  // for a positive z: the length error of z = 2 * blue - 1
 };
 
-// Where the numbers about the numbers come from: the survey, or the image again for what the survey could not foresee.
+// Sources of statistics: the survey, or the image again for encodings that the survey did not cover.
 struct Evidence {
   const RawImage& image;
   const ImageSurvey& survey;
@@ -50,12 +49,12 @@ struct Evidence {
   }
 };
 
-// Compression leaves colours of up to a code of 8 bits. With more bits, what differs between channels as much as it
-// does between texels is no such noise: normals that are short, around mid-grey.
+// Compression adds colours of up to one code of 8 bits. With more bits, channels that differ as much as texels do are
+// not noise, but short normals around mid-grey.
 bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
-// Whether a finite value of the first channel is further than `margin` from both ends of its range. Of most images the
-// first rows say so.
+// Returns whether a finite value of the first channel differs by more than `margin` from both ends of its range. In
+// most images the first rows decide.
 bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, double margin) {
   const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
   RawRows rows;
@@ -69,26 +68,28 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
   return false;
 }
 
-// Why a grey image is no height field, nullopt when it may be one: all its finite values are the same, or are one of
-// two, up to a fiftieth of what lies between them (8 bits of a compressed mask).
+// Says why a grey image is not a height field; nullopt if it may be one. Refuses images with one or two finite values,
+// up to a fiftieth of their difference (an 8-bit compressed mask).
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
   const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
-  if (range.high == range.low) return fmt::format("every texel is {:.4g}, which tells nothing", range.low);
+  if (range.high == range.low)
+    return fmt::format("every texel is {:.4g}, so the image holds no information", range.low);
   const double margin = 0.02 * (static_cast<double>(range.high) - static_cast<double>(range.low));
   if (has_value_between(evidence.image, range, margin)) return std::nullopt;
   return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
 }
 
-// Vectors around +Z that all have one length, whatever it is: normals times a constant, which normalising takes away.
+// Returns whether vectors around +Z all have one length, whatever it is. Such vectors are normals times a constant,
+// which normalising removes.
 bool has_one_length(const VectorStatistics& s) {
   constexpr double kSpreadMax = 0.05;
   return s.length_spread <= kSpreadMax && s.below_share <= 0.05 && s.mean_z >= 0.4 * s.length_mean &&
          std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
 }
 
-// How well a reading explains the numbers: unit vectors, less well vectors of one other length; or for a rebuilt z:
-// possible ones, not all leaning to one side.
+// Rates how well a reading explains the numbers. Unit vectors rate best, then vectors of one other length. A rebuilt z
+// rates by possible vectors that do not all lean to one side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.texel_count == 0.0) return -1.0;
@@ -96,7 +97,7 @@ double plausibility(const Reading& reading) {
   return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
 }
 
-// The encodings that compete for a given use of blue, the one that wins a tie first.
+// Returns the encodings that compete for a given use of blue; the first one wins a tie.
 std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, VectorEncoding encoding,
                                                   const NormalMapSettings& settings) {
   encoding.is_signed = settings.is_signed.value_or(false);
@@ -108,7 +109,7 @@ std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, Vector
   return candidates;
 }
 
-// Unsigned or signed for a given use of blue: the more plausible one, unsigned when they tie.
+// Chooses unsigned or signed for a given use of blue: the more plausible one, unsigned in a tie.
 Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
   std::optional<Reading> best;
   for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
@@ -118,7 +119,7 @@ Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding
   return *best;
 }
 
-// What is tried first: blue as it is, unless there is none.
+// Returns the first encoding to try: blue as z, unless there is no blue.
 VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings& settings) {
   VectorEncoding encoding;
   encoding.flat_pair = info.sample_type == SampleType::kUint8;
@@ -127,8 +128,8 @@ VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings&
   return encoding;
 }
 
-// The same in every texel, up to the noise of compression; but blue varies little too where vectors are short all over,
-// which floats and 16 bits may hold.
+// Returns whether blue is the same in every texel, up to compression noise. Blue also varies little if all vectors are
+// short, which floats and 16 bits may hold.
 bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
   constexpr double kNoise = 2.5 / 255.0;
   const double range = s.blue_max - s.blue_min;
@@ -136,16 +137,16 @@ bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
   return range <= (is_short ? 0.0 : kNoise);
 }
 
-// By how much the z of unit vectors may differ from a constant blue by its rounding and compression alone: with 8 bits,
-// signed ones too, up to 0.02, with half two steps below 1.
+// Returns the largest difference between the z of unit vectors and a constant blue that rounding and compression
+// explain. With 8 bits, also signed, it is 0.02; with half floats, two steps below 1.
 double filler_noise(const RawImageInfo& info) {
   if (info.base_type == number_type::kUint8 || info.base_type == number_type::kInt8) return 2 * 2.5 / 255.0;
   return info.base_type == number_type::kHalf ? 1.0 / 512.0 : 2 * 2.5 / 65535.0;
 }
 
-// Whether a constant blue is further from the z of unit vectors than that: filler, as in two-channel maps that were
-// saved with three. 0.02 are what 11 degrees reach; there (x, y, 1) and the rebuilt vector are 0.2 degrees apart, half
-// a code of 8 bits. Flat maps have no say: they are flat either way.
+// Returns whether a constant blue differs from the z of unit vectors by more than filler_noise(). Such a blue is
+// filler, as in two-channel maps saved with three channels. A tilt of 11 degrees changes z by 0.02; there (x, y, 1) and
+// the rebuilt vector differ by 0.2 degrees, half a code of 8 bits. For flat maps both readings are flat.
 bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.tilted_share == 0.0) return false;
@@ -154,15 +155,16 @@ bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
 }
 
-// Old tools and some models store z in 0..1. Read as 2 * blue - 1, tilts are too large: by 0.6 degrees at 16 degrees, 8
-// at 36, 30 at 60. Measured: files so made have an error of positive lengths of 0.0012 to 0.002 in 8 bits, 0.01 to 0.02
-// after JPEG, at most a third of the other where it matters. Real maps that blurring or compression shortened reach
-// 0.020 and a ratio of 2.4, or 0.023 and 4.5; one of 636 (a picture frame) has 0.005 and 5, and is such a file.
+// Old tools and some models store z in 0..1. Read as 2 * blue - 1, tilts are too large: by 0.6 degrees at 16 degrees,
+// 8 at 36, 30 at 60. Measured: such files have a positive length error of 0.0012 to 0.002 in 8 bits, or 0.01 to 0.02
+// after JPEG. This is at most a third of the other error where it matters. Real maps shortened by blurring or
+// compression reach 0.020 and a ratio of 2.4, or 0.023 and 4.5. Of 636 real maps, one (a picture frame) has 0.005 and
+// 5; it does store z in 0..1.
 bool is_z_positive(const Evidence& evidence, const Reading& reading, const NormalMapSettings& settings) {
   constexpr double kExact = 0.012, kExactRatio = 3.0, kCompressed = 0.03, kCompressedRatio = 6.0;
   const VectorStatistics& s = reading.statistics;
   if (settings.z_range || reading.encoding.is_signed || reading.encoding.rebuild_z) return false;
-  // Half a step of 8 bits in x, y and z makes an error of 0.0023, and codes of 254 for 1 three times that.
+  // Half a step of 8 bits in x, y and z makes an error of 0.0023; codes of 254 for 1 make three times that.
   const double least = evidence.info().sample_type == SampleType::kUint8 ? 0.007 : 0.0005;
   if (s.length_error < least) return false;
   const double ratio = s.length_error / std::max(1e-9, s.positive_length_error);
@@ -184,7 +186,7 @@ Reading best_reading(const Evidence& evidence, const NormalMapSettings& settings
   if (first.statistics.unit_share_10 >= 0.8 && !is_blue_filler(evidence, first)) return first;
   encoding.rebuild_z = true;
   const Reading rebuilt = best_signedness(evidence, encoding, settings);
-  // Where x^2 + y^2 > 1 the vectors are (x, y, 1) of no unit length, and blue is meant.
+  // If x^2 + y^2 > 1, the rebuilt vectors are (x, y, 1), without unit length, so blue is meant.
   return rebuilt.statistics.beyond_share <= 0.005 ? rebuilt : first;
 }
 
@@ -201,8 +203,8 @@ std::string summary(const Reading& reading) {
       100.0 * s.unit_share_10, s.mean_x, s.mean_y, s.mean_z, 100.0 * s.below_share, s.gradient_agreement);
 }
 
-// Why (x, y) with a rebuilt z are no normals. Flow maps are the trap: directions of length up to 1 with an empty blue,
-// but no surface's gradients and far from flat (measured: agreement 0.00, rebuilt z 0.67).
+// Says why (x, y) with a rebuilt z are not normals. Flow maps are the trap: directions of length up to 1 with an empty
+// blue, but without the gradients of a surface, and far from flat (measured: agreement 0.00, rebuilt z 0.67).
 std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
   if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
   if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector leans to one side";
@@ -212,12 +214,12 @@ std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
   return std::nullopt;
 }
 
-// Why vectors (x, y, z) are no normals; nullopt when they are.
+// Says why vectors (x, y, z) are not normals; nullopt if they are. Normals need
 //   below the horizon <= 5 %            normal maps reach 1 % (gutters of an atlas), colours start at 9 %
-//   |mean xy| <= 0.5 mean z, z >= 0.4   normal maps 0.27 and 0.61, sky blue (135, 206, 235) 0.74; not asked of vectors
-//   of unit length
+//   |mean xy| <= 0.5 mean z, z >= 0.4   normal maps 0.27 and 0.61, sky blue (135, 206, 235) 0.74; not required of
+//                                       vectors of unit length
 //   and one of: unit within 10 % on 80 %; within 20 % on 60 % with blue or gradients agreeing; gradients agreeing
-//   strongly (maps of vectors that are not of unit length)
+//   strongly (maps of vectors without unit length)
 std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   if (s.below_share > 0.05) {
     const char* object_space = s.unit_share_10 >= 0.9 ? ", as in an object-space normal map" : "";
@@ -225,12 +227,12 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   }
   const double agreement = std::abs(s.gradient_agreement);
   if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;
-  // Normals times a constant; colours of little contrast have one length too, but no gradients.
+  // Normals times a constant. Colours of low contrast also have one length, but no gradients.
   if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
   if (s.length_mean < 0.4)
     return fmt::format(
-        "vectors are {:.3g} long in the mean, expected 1, and neither of one length nor clearly the "
-        "slopes of a surface (multiply them until they are of unit length)",
+        "vectors have a mean length of {:.3g}, expected 1, and neither one length nor clearly the slopes of a surface "
+        "(scale them to unit length)",
         s.length_mean);
   if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
   if (s.unit_share_10 >= 0.8) return std::nullopt;
@@ -245,7 +247,7 @@ std::optional<std::string> refusal(const Reading& reading) {
   return reading.encoding.rebuild_z ? two_channel_refusal(s) : vector_refusal(s);
 }
 
-// Share of texels for which is_empty() holds.
+// Returns the share of texels for which is_empty() holds.
 double empty_share(const Evidence& evidence, const Reading& reading) {
   const bool is_zero_empty = reading.encoding.is_signed && !reading.encoding.rebuild_z;
   const std::int64_t count =
@@ -253,7 +255,8 @@ double empty_share(const Evidence& evidence, const Reading& reading) {
   return static_cast<double>(count) / (static_cast<double>(evidence.info().width) * evidence.info().height);
 }
 
-// A constant red beside an alpha: compressed maps of one good channel and a better alpha keep x there (DXT5nm).
+// Detects a constant red next to an alpha: compressed maps with one good channel and a better alpha store x there
+// (DXT5nm).
 bool has_x_in_alpha(const Evidence& evidence) {
   if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
   const auto spread = [&evidence](int channel) {
@@ -264,7 +267,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
-// The reading of x and y alone, where it makes sense: the slopes of a surface, and lengths that leave room for z.
+// Returns whether x and y are plausible without z: they are the slopes of a surface, and their lengths leave room for
+// z.
 bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
   if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
   VectorEncoding encoding = reading.encoding;
@@ -274,13 +278,13 @@ bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) 
   return s.texel_count > 0.0 && !two_channel_refusal(s) && std::abs(s.gradient_agreement) >= 0.25;
 }
 
-// Why blue is not the z of red and green: another map is kept there (occlusion, smoothness, height), as in LabPBR
-// packs. Lengths then scatter at every scale, and the tilt explains little of blue. Measured (share of unit lengths,
-// dependence of z on the tilt, spread of lengths of 4 x 4 texels): 12 lossy maps have 0.23 to 0.75, 0.11 to 0.86, 0.02
-// to 0.11; of 109 maps made of 25 real ones with occlusion, gloss or height in blue half have a dependence below 0.26
-// and a spread above 0.11. Blue that is an occlusion computed from the same surface depends on the tilt by up to 0.8,
-// as some antialiased maps do: such maps are warned of. `turn`: degrees rms by which the two readings differ; where
-// they hardly do, nothing is said.
+// Doubt whether blue is the z of red and green. LabPBR packs, for example, store another map there (occlusion,
+// smoothness, height). Lengths then scatter at every scale, and the tilt explains little of blue. Measured: share of
+// unit lengths, dependence of z on the tilt, and spread of lengths of 4 x 4 texels. 12 lossy maps have 0.23 to 0.75,
+// 0.11 to 0.86, 0.02 to 0.11. Of 109 maps made from 25 real ones with occlusion, gloss or height in blue, half have a
+// dependence below 0.26 and a spread above 0.11. An occlusion computed from the same surface depends on the tilt by up
+// to 0.8, as in some antialiased maps; such maps get a warning. `turn` is the difference of the two readings in
+// degrees rms; if it is small, nothing is said.
 enum class BlueDoubt { kNone, kWarned, kRefused };
 BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
@@ -311,14 +315,14 @@ void check_blue(const std::string& path, const Evidence& evidence, const Reading
   if (doubt == BlueDoubt::kNone) return;
   const std::string text = blue_doubt_text(reading.statistics);
   const std::string advised =
-      advice(". <two_channel> reads red and green alone") + advice(", <z_range signed> takes blue for z all the same");
+      advice(". Use <two_channel> to read only red and green") + advice(", or <z_range signed> to use blue as z");
   const bool is_refusing = settings.bump_format == BumpFormat::kAuto || settings.refuse_doubts;
   if (doubt == BlueDoubt::kRefused && is_refusing)
     throw Error(ErrorCode::kInput, fmt::format("{}: {}; expected the z of unit vectors{}", path, text, advised));
   warnings.push_back(text + advised);
 }
 
-// --bumpformat cannot help a map with its x in alpha, which is not read: the message does not offer it.
+// --bumpformat cannot help a map with x in alpha, because alpha is not read; so the message does not offer it.
 [[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const Reading& reading,
                                  const std::string& why) {
   if (has_x_in_alpha(evidence))
@@ -326,19 +330,18 @@ void check_blue(const std::string& path, const Evidence& evidence, const Reading
                 path +
                     ": found a constant red and an alpha, as in a map with x in alpha (DXT5nm), expected x in red "
                     "and y in green: move alpha to red (oiiotool --no-autopremult IN --ch R=A,G,B=1.0 -o OUT)");
-  throw Error(
-      ErrorCode::kInput,
-      fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
-                  "grey{}{}",
-                  path, why,
-                  is_two_channel_plausible(evidence, reading)
-                      ? advice(". If blue is not z (occlusion, smoothness, height), give <two_channel>: red and "
-                               "green are the slopes of a surface")
-                      : "",
-                  advice(". If it is one all the same, give <bumpformat normal> or <bumpformat height>")));
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: found neither a normal map nor a height field: {}; expected unit vectors around +Z, or "
+                          "grey{}{}",
+                          path, why,
+                          is_two_channel_plausible(evidence, reading)
+                              ? advice(". If blue is not z (occlusion, smoothness, height), use <two_channel>: red and "
+                                       "green are the slopes of a surface")
+                              : "",
+                          advice(". If it is one of these, use <bumpformat normal> or <bumpformat height>")));
 }
 
-// Of the options given, those that say nothing of what the file was taken for.
+// Warns about given options that do not apply to this kind of file.
 void warn_of_ignored(const std::vector<std::pair<bool, const char*>>& given, const char* what,
                      std::vector<std::string>& warnings) {
   std::vector<std::string> names;
@@ -370,12 +373,12 @@ DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, c
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
                             "values{}",
-                            path, *why, advice(". If it is one all the same, give <bumpformat height>")));
-  return height_field(reason + "; a grey gloss, mask or albedo cannot be told from a height",
+                            path, *why, advice(". If it is a height field, use <bumpformat height>")));
+  return height_field(reason + "; a grey gloss, mask or albedo looks like a height",
                       {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
 }
 
-// The coding that was asked for.
+// Returns the requested coding.
 std::optional<HeightCoding> coding_of(BumpFormat format) {
   switch (format) {
     case BumpFormat::kPacked16: return HeightCoding::kPacked16;
@@ -394,11 +397,11 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
                                                evidence.info().format, channel_count, height_coding_name(coding)));
   return height_field(coding_of(settings.bump_format)
                           ? height_coding_name(coding) + ", as asked for"
-                          : height_coding_name(coding) + ": they are continuous, where the channels by themselves jump",
+                          : height_coding_name(coding) + ": they are continuous, but single channels jump",
                       {coding, std::nullopt}, settings);
 }
 
-// Reads what the caller said to be heights.
+// Reads a file as heights because the caller asked for it.
 DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
   if (is_grey(evidence))
     return height_field(
@@ -409,14 +412,14 @@ DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence
   throw Error(
       ErrorCode::kInput,
       fmt::format("{}: found colours, whose channels differ by {:.3g} of their {} rms, expected heights as asked for: "
-                  "one channel, or equal ones. Save the channel that has them as grey (oiiotool IN --ch R -o OUT){}",
+                  "one channel, or equal ones. Save the channel with the heights as grey (oiiotool IN --ch R -o OUT){}",
                   path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
-                  advice("; if its bytes are spread over the channels, give <bumpformat packed16>, packed24, terrarium "
-                         "or mapbox")));
+                  advice("; if the bytes of heights are spread over the channels, use <bumpformat packed16>, packed24, "
+                         "terrarium or mapbox")));
 }
 
-// The threshold lies between the maps that are known and those that are not (0.15 and 0.31, see vector_statistics.cpp);
-// four standard deviations of the correlation of independent samples where they are few.
+// The threshold separates maps with known green from the others (0.31 and 0.15, see vector_statistics.cpp). With few
+// samples, it is four standard deviations of the correlation of independent samples.
 std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
   const double threshold = std::max(0.25, 4.0 / std::sqrt(std::max(1.0, s.gradient_sample_count)));
   if (s.gradient_agreement >= threshold) return GreenAxis::kUp;
@@ -426,30 +429,30 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
 
 const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
 
-// Normals times a constant are normalised, which a file of something else would be too.
+// Warns about normals times a constant, because a file of something else would be normalised too.
 void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
   warnings.push_back(
-      fmt::format("its vectors are {:.3g} long instead of 1, all alike: they are read as normals times a "
-                  "constant, and made unit vectors",
+      fmt::format("all its vectors have length {:.3g} instead of 1; they are read as scaled normals, and normalised",
                   s.length_mean));
 }
 
-// Green that cannot be told, or that was told against the evidence: bumps and dents are then mixed up along y.
+// Warns if the direction of green is unknown, or was set against the evidence. A wrong green swaps bumps and dents
+// along y.
 void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
                    std::vector<std::string>& warnings) {
   if (!settings.green && !found) {
-    // Where nothing is tilted, green is 0 either way.
+    // If nothing is tilted, green is 0 in both cases.
     if (s.tilted_share > 0.0)
-      warnings.emplace_back("which way green points cannot be told from the statistics; up (OpenGL) is taken" +
-                            advice(", <green up> or <green down> says it"));
+      warnings.emplace_back("the statistics do not tell the direction of green; assuming up (OpenGL)" +
+                            advice(", <green up> or <green down> sets it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
-        fmt::format("green is read as {}, as asked for, but red and green are the slopes of a surface whose green "
-                    "points {} (gradient agreement {:+.2f}){}",
+        fmt::format("green was set to {}, but red and green are the slopes of a surface whose green points {} "
+                    "(gradient agreement {:+.2f}){}",
                     green_name(*settings.green), green_name(*found), s.gradient_agreement,
-                    advice(fmt::format(": unless you know better, leave the setting out, or say <green {}>",
+                    advice(fmt::format(": remove the setting or use <green {}> unless you are sure",
                                        choice_name(kGreenAxes, *found)))));
   }
 }
@@ -462,13 +465,13 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      green_name(encoding.green), green_note);
 }
 
-// Warns where a set's green is not the one that the map by itself seems to have.
+// Warns if a set's green differs from the green found in the map.
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
-  warnings.push_back(fmt::format(
-      "green is read as {}, as in the first tile of its set that can tell, but this tile is the slopes of a "
-      "surface whose green points {}{}",
-      green_name(*of_set), green_name(*own), advice(": <green up> or <green down> says what holds for all tiles")));
+  warnings.push_back(
+      fmt::format("green is read as {}, as in the first tile of its set that decides, but this tile is the slopes of a "
+                  "surface whose green points {}{}",
+                  green_name(*of_set), green_name(*own), advice(": <green up> or <green down> sets it for all tiles")));
 }
 
 }  // namespace
@@ -496,12 +499,14 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (const std::optional<HeightCoding> coding = coding_of(settings.bump_format))
     return packed_heights(path, evidence, *coding, settings);
   if (channel_count == 1 && settings.two_channel.value_or(false))
-    throw Error(ErrorCode::kInput, fmt::format("{}: found {}: 1 colour channel, expected red and green, where a "
-                                               "two-channel map has x and y",
-                                               path, image.info().format));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: found {}: 1 colour channel, expected red and green, which hold x and y of a two-channel map",
+                    path, image.info().format));
   if (channel_count == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
-      throw Error(ErrorCode::kInput, path + ": found 1 colour channel, expected a normal map of 2 or 3 as asked for");
+      throw Error(ErrorCode::kInput,
+                  path + ": found 1 colour channel, expected a normal map with 2 or 3 channels as asked for");
     return grey_image(path, evidence, "1 channel", settings);
   }
   if (settings.bump_format == BumpFormat::kAuto) {
@@ -528,7 +533,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
   const char* green_note = settings.green.has_value()             ? ", as asked for"
                            : !found_green.has_value()             ? ", undecided"
-                           : asks_set && found_green != own_green ? ", as its set has it"
+                           : asks_set && found_green != own_green ? ", as in its set"
                                                                   : "";
   result.description = describe(result.vectors, green_note);
   result.reason = summary(reading);
@@ -537,7 +542,8 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   const bool is_scaled = settings.height_scale != NormalMapSettings().height_scale;
   warn_of_ignored({{is_scaled, "height_scale"}, {settings.dequantize, "dequantize"}}, "a normal map", result.warnings);
   if (reading.encoding.rebuild_z && channel_count > 2 && !settings.two_channel)
-    result.reason += fmt::format(", blue is {:.3g} throughout, which completes no vector", reading.statistics.blue_min);
+    result.reason +=
+        fmt::format(", blue is {:.3g} everywhere, which is not the z of unit vectors", reading.statistics.blue_min);
   if (reading.signed_z_error > 0.0)
     result.reason += fmt::format(
         ", lengths are within {:.2g} % of 1 (rms of tilted texels) if z is blue, within {:.2g} % "

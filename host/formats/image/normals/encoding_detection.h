@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Detects the meaning of an image's numbers from their statistics: height field or normal map, signed or 0..1, two or
-// three channels, green up or down. The answer carries its reason; a file that is neither is refused with the reason.
+// three channels, green up or down. The answer includes its reason. A file that is neither is refused with the reason.
 #pragma once
 
 #include <functional>
@@ -25,18 +25,18 @@ struct DetectedEncoding {
   std::vector<std::string> warnings;  // NormalMapReport::warnings
 };
 
-/// The readings whose statistics detect_encoding() will ask for as far as can be told before the rows: what the survey
-/// of the image should take.
+/// Returns the encodings whose statistics detect_encoding() will probably need, as far as known before reading rows.
+/// The survey of the image should cover them.
 std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings);
 
-/// Whether an image is grey, up to the noise of compression.
+/// Returns whether an image is grey, up to compression noise.
 bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey);
 
-/// Green of a set of tiles, given that of the map by itself; nullopt where it cannot be told.
+/// Returns the green of a set of tiles, given the green found in this map; nullopt if unknown.
 using GreenOfSet = std::function<std::optional<GreenAxis>(std::optional<GreenAxis> own)>;
 
-/// Follows the overrides in `settings`. Throws Error(kInput) with the reason when the file is neither a normal map nor
-/// a height field, unless settings.bump_format says which.
+/// Follows the overrides in `settings`. Throws Error(kInput) with the reason if the file is neither a normal map nor a
+/// height field, unless settings.bump_format says which.
 DetectedEncoding detect_encoding(const std::string& path, const RawImage& image, const ImageSurvey& survey,
                                  const NormalMapSettings& settings, int threads, const GreenOfSet& green_of_set = {});
 

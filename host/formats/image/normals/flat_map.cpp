@@ -30,8 +30,8 @@ Flatness flatness_of(const PlaneStore& normals) {
 
 std::string flat_note(Flatness flatness) {
   if (flatness == Flatness::kRelief) return "";
-  return std::string("its normals are all alike") + (flatness == Flatness::kFlat ? ", and flat" : "") +
-         ": averages show them exactly, so there is nothing to gain for them from lobes or fitted levels";
+  return std::string("its normals are all equal") + (flatness == Flatness::kFlat ? ", and flat" : "") +
+         ": averages represent them exactly, so lobes and fitted levels gain nothing";
 }
 
 }  // namespace multum

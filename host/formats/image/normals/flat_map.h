@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a map has one normal everywhere, so that averages of it are as good as anything.
+// Tells whether a map has the same normal everywhere; for such a map, plain averages are as good as any method.
 #pragma once
 
 #include <string>
@@ -10,10 +10,11 @@ namespace multum {
 
 enum class Flatness { kRelief, kOneNormal, kFlat };
 
-/// Whether all normals are within a step of 8 bits of one another, and of +Z. Reads rows until one differs.
+/// Returns whether all normals are within one 8-bit step of each other, and of +Z. Stops reading at the first row that
+/// differs.
 Flatness flatness_of(const PlaneStore& normals);
 
-/// What to say of it; empty of a relief.
+/// Returns a note for the user; empty for a relief.
 std::string flat_note(Flatness flatness);
 
 }  // namespace multum

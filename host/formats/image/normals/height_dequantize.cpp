@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In tiles, so that the largest maps fit: a tile is solved with kOverlap texels more on each side, and neighbours are
-// faded into each other over both overlaps. Of two surfaces within the bounds any mean is within them too.
+// Solves tiles, so that the largest maps fit into memory. Each tile is solved with kOverlap more texels on each side,
+// and neighbours are blended over both overlaps. Any mean of two surfaces within the bounds is within the bounds too.
 //
 //   tile 0   1 1 1 1 1 1 \ . . .
 //   tile 1       . . . . / 1 1 1 1        weights along a row; the border is in the middle of the slope
@@ -22,7 +22,7 @@ namespace {
 constexpr int kTileSide = 1024;  // about
 constexpr int kOverlap = kDequantizeMargin;
 
-// Tiles along one direction of `count` texels. What is beyond a side counts where it is known.
+// Tiles along one direction of `count` texels. Texels beyond a side count if they are known.
 struct TileCuts {
   std::vector<int> cuts;  // from 0 to count
   int before, after;      // texels beyond the sides
@@ -37,10 +37,10 @@ struct TileCuts {
   bool is_first(int tile) const { return tile == 0; }
   bool is_last(int tile) const { return tile + 1 == tile_count(); }
   int cut(int i) const { return cuts[static_cast<std::size_t>(i)]; }
-  // The texels that a tile is solved from.
+  // Range of texels from which a tile is solved.
   int begin(int tile) const { return cut(tile) - (is_first(tile) ? before : kOverlap); }
   int end(int tile) const { return cut(tile + 1) + (is_last(tile) ? after : kOverlap); }
-  // Share of a tile at a texel.
+  // Weight of a tile at a texel.
   float weight(int tile, int texel) const {
     const auto rise = [](int from_cut) {
       return std::clamp((static_cast<float>(from_cut + kOverlap) + 0.5f) / (2.0f * kOverlap), 0.0f, 1.0f);
@@ -56,12 +56,12 @@ bool goes_on(const HeightSide& side) {
   return side.beyond == HeightSide::Beyond::kWrapped || side.beyond == HeightSide::Beyond::kStrip;
 }
 
-// Where the surface ends.
+// Height beyond a side where the surface ends.
 float height_beyond(const HeightSide& side) {
   return side.beyond == HeightSide::Beyond::kBlack ? 0.0f : std::numeric_limits<float>::quiet_NaN();
 }
 
-// The heights of a tile, in steps from its first one, so that floats have room for the rest.
+// Returns the heights of a tile in steps from the first one, so that floats keep precision for the differences.
 PlateProblem plate_of(const HeightRows& rows, int column_begin, int column_end, double step, float& first) {
   PlateProblem problem{column_end - column_begin, rows.row_count(), {}};
   problem.codes.reserve(static_cast<std::size_t>(problem.width) * static_cast<std::size_t>(problem.height));
@@ -76,7 +76,7 @@ PlateProblem plate_of(const HeightRows& rows, int column_begin, int column_end, 
   return problem;
 }
 
-// A row of tiles, faded into one another along it: rows [begin, end) and the columns from -1 to width.
+// A row of tiles, blended along the row: rows [begin, end) and columns from -1 to width.
 struct TileRow {
   int begin = 0, end = 0;
   std::vector<float> heights;
@@ -112,7 +112,7 @@ class Dequantization {
     image.write({begin + 1, count, reinterpret_cast<const std::byte*>(heights)});
   }
 
-  // The row beyond a side where the surface ends.
+  // Writes the row beyond a side where the surface ends.
   void write_end(const HeightSide& side, int row, RawImage& image) const {
     const std::vector<float> heights(row_size(), height_beyond(side));
     if (!goes_on(side)) write_rows(row, 1, heights.data(), image);
@@ -155,7 +155,7 @@ class Dequantization {
     }
   }
 
-  // The first rows of a tile are the last of the one before it as well.
+  // Blends the first rows of a tile with the same rows of the tile before.
   void fade_rows(int tile, const TileRow& before, TileRow& now) const {
     for (int row = now.begin; row < std::min(now.end, before.end); ++row) {
       const float weight = rows_.weight(tile, row);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// With h in texels, +X right and +Y up (row 0 on top), by central differences of second order:
+// With h in texels, +X right and +Y up (row 0 on top), uses central differences of second order:
 //   dh/dx = (h(column + 1) - h(column - 1)) / 2      dh/dy = (h(row - 1) - h(row + 1)) / 2
 //   n = (-dh/dx, -dh/dy, 1) / |..|
-// Beyond the border: periodic wraps round, a neighbouring tile goes on, black is height 0. Where nothing is beyond it
-// (clamp and mirror, or no data), the difference to the one neighbour that is there is the slope:
+// Beyond the border, a periodic map wraps around, a neighbouring tile continues the surface, and black means height
+// 0. If nothing is beyond the border (clamp and mirror, or no data), the slope is the difference to the only
+// neighbour:
 //   dh/dx = h(column + 1) - h(column)   or   h(column) - h(column - 1)
 #include "host/formats/image/normals/height_field.h"
 
@@ -28,13 +29,13 @@
 namespace multum {
 namespace {
 
-// A number with two significant digits, as one would type it.
+// Rounds to two significant digits, as a person would type.
 double rounded(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
   return std::round(value / unit) * unit;
 }
 
-// The scale that a usual slope, or texels of a known size and heights in metres, ask for.
+// Suggests a scale that gives a usual slope, or that fits texels of a known size and heights in metres.
 std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool is_slope_odd,
                             const NormalMapSettings& settings) {
   const RawImageInfo& info = surface.info();
@@ -43,35 +44,36 @@ std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool
   if (info.texel_metres > 0.0) {
     const double of_metres = value_unit(info, surface.reading()) / info.texel_metres;
     if (std::abs(scale - of_metres) > 0.01 * of_metres)
-      text += fmt::format("; its texels are {:g} m wide: heights in metres need --height-scale {:.4g}",
+      text += fmt::format("; its texels are {:g} m wide, so heights in metres need --height-scale {:.4g}",
                           info.texel_metres, of_metres);
   } else if (is_slope_odd && slope_rms > 0.0) {
-    constexpr double kSlopeDefault = 0.5;  // 27 degrees, in the middle of what is expected
+    constexpr double kSlopeDefault = 0.5;  // 27 degrees, in the middle of the expected range
     text += fmt::format(
-        "; --height-scale {:g} would make it {:g}. Heights and texels in metres give it exactly: metres of a value "
-        "difference of 1 / metres of a texel",
+        "; --height-scale {:g} would make it {:g}. If heights and texels are in metres, the exact scale is (metres per "
+        "value difference of 1) / (metres per texel)",
         rounded(std::abs(scale) * kSlopeDefault / slope_rms), kSlopeDefault);
   }
   return text;
 }
 
-constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // surfaces that a bake is for: 3 to 79 degrees
+constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // expected surfaces: 3 to 79 degrees
 
 bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
 
-// A height's scale is not in the file, and a grey image may be none: both show in the slopes.
+// Warns about odd slopes. The file does not hold a height's scale, and a grey image may not be a height; slopes reveal
+// both.
 void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, double slope_rms,
                     const NormalMapSettings& settings) {
-  const bool is_scale_said = settings.height_scale != 1.0f;  // nobody says the default
+  const bool is_scale_said = settings.height_scale != 1.0f;  // nobody sets the default explicitly
   std::string text;
   if (settings.bump_format == BumpFormat::kAuto && surface.reading().coding == HeightCoding::kGrey)
-    text = fmt::format("a grey image, taken for a height field with a height scale of {:g}{}", settings.height_scale,
-                       advice(" (<bumpformat height> says that it is one)"));
+    text = fmt::format("a grey image, read as a height field with a height scale of {:g}{}", settings.height_scale,
+                       advice(" (<bumpformat height> confirms it)"));
   if (!text.empty() && is_odd(slope_rms)) text += "; ";
   if (slope_rms > kSlopeMax && !is_scale_said)
     text += fmt::format(
-        "no height scale is given, so heights are taken in texels, which is almost certainly wrong: the surface "
-        "would be {:.1f} degrees steep (rms slope {:.3g} is too steep, expected {:g} to {:g})",
+        "no height scale is given, so heights are read in texels, which is almost certainly wrong: the surface would "
+        "be {:.1f} degrees steep (rms slope {:.3g} is too steep, expected {:g} to {:g})",
         std::atan(slope_rms) * 180.0 / std::numbers::pi, slope_rms, kSlopeMin, kSlopeMax);
   else if (is_odd(slope_rms))
     text +=
@@ -84,7 +86,7 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
   if (!text.empty()) report.warnings.push_back(text);
 }
 
-// What one row gives, row by row: sums do not depend on how rows were put into bands.
+// Sums over one row, so that the total does not depend on the division into bands.
 struct RowSums {
   std::int64_t lifted = 0;
   std::int64_t missing = 0;  // texels without a height
@@ -92,7 +94,7 @@ struct RowSums {
   float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();  // heights
 };
 
-// Twice the slope at a texel, from its two neighbours or the one that has a height.
+// Returns twice the slope at a texel, from both neighbours, or from the only one with a height.
 double twice_slope(float before, float at, float after) {
   const bool has_before = !std::isnan(before), has_after = !std::isnan(after);
   const auto difference = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
@@ -101,14 +103,14 @@ double twice_slope(float before, float at, float after) {
   return has_before ? 2.0 * difference(at, before) : 0.0;
 }
 
-// Rows of dequantized_heights(), from -1 on.
+// Reads rows of dequantized_heights(), from -1 on.
 HeightRows rows_of(const RawImage& dequantized, int row_begin, int row_end) {
   RawRows raw;
   dequantized.read_rows(row_begin + 1, row_end - row_begin, raw);
   return {-1, row_begin, dequantized.info().width, std::move(raw.values)};
 }
 
-// The normals of one row, whose neighbours `heights` holds. A texel without a height is flat.
+// Returns the normals of one row; `heights` also holds its neighbours. A texel without a height is flat.
 RowSums row_normals(const HeightRows& heights, int row, int width, double height_scale,
                     const std::array<float*, 3>& normals) {
   const double half_scale = 0.5 * height_scale;
@@ -143,7 +145,7 @@ RowSums& operator+=(RowSums& sums, const RowSums& more) {
   return sums;
 }
 
-// Writes the normals of a surface, or of its dequantized_heights() where they are not null.
+// Writes the normals of a surface, or of its dequantized_heights() if not null.
 RowSums write_normals(const HeightSurface& surface, const RawImage* dequantized, const NormalMapSettings& settings,
                       const SpillPolicy& spill, int threads, Progress* progress, PlaneStore& store) {
   const int width = surface.width(), height = surface.height();
@@ -166,22 +168,22 @@ RowSums write_normals(const HeightSurface& surface, const RawImage* dequantized,
   return total;
 }
 
-// Warns of steps that turn smooth slopes into terraces.
+// Warns about steps that turn smooth slopes into terraces.
 void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const HeightSurface& surface,
                    const NormalMapSettings& settings) {
   const auto scale = static_cast<double>(settings.height_scale);
   if (settings.dequantize && steps.step == 0.0)
-    report.warnings.push_back("settings without effect on heights that come in no steps" +
-                              names_as_advice({"dequantize"}));
+    report.warnings.push_back("settings without effect on heights without steps" + names_as_advice({"dequantize"}));
   if (settings.dequantize || !steps.are_terraces(scale)) return;
-  report.warnings.push_back(fmt::format(
-      "its heights come in steps of {}: at a height scale of {:g} one step tilts a texel by {:.1f} degrees, "
-      "and smooth slopes become terraces. Heights of more bits have none{}",
-      step_text(steps, surface), settings.height_scale, steps.degrees(scale),
-      advice("; <dequantize> smooths these within half a step")));
+  report.warnings.push_back(
+      fmt::format("its heights have steps of {}: at a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "
+                  "so smooth slopes become terraces. Heights with more bits avoid this{}",
+                  step_text(steps, surface), settings.height_scale, steps.degrees(scale),
+                  advice("; <dequantize> smooths them within half a step")));
 }
 
-// "height field, Terrarium elevation in metres, -12 to 1830, no data on 3.2 % of the texels, scale 30 texels, ..."
+// Returns "height field, Terrarium elevation in metres, -12 to 1830, no data on 3.2 % of the texels, scale 30 texels,
+// ..."
 std::string description(const HeightSurface& surface, const RowSums& sums, double slope_rms,
                         const NormalMapSettings& settings) {
   std::string text = "height field";
@@ -224,7 +226,7 @@ NormalMapRows normals_from_heights(const std::string& path, const HeightField& f
   map.report.unused_texels = sums.missing;
   map.report.nonfinite_repaired = field.nonfinite_count;
   map.report.below_horizon_repaired = sums.lifted;
-  // Slopes beyond the horizon are most often a matter of the scale.
+  // Slopes beyond the horizon usually mean a wrong scale.
   check_repair_share(path, map, settings, suggested_scale(surface, slope_rms, is_odd(slope_rms), settings));
   return map;
 }

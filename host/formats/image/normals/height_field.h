@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Height fields: the normal of the surface (x, y, height) by central differences, one-sided where it ends.
+// Height fields: computes the normal of the surface (x, y, height) by central differences, one-sided where the surface
+// ends.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +15,13 @@ namespace multum {
 struct HeightField {
   const RawImage& image;
   HeightReading reading;
-  std::int64_t nonfinite_count = 0;  // texels that are repaired by NormalMapSettings::fix_nan
+  std::int64_t nonfinite_count = 0;  // texels repaired by NormalMapSettings::fix_nan
   HeightSides sides;
 };
 
-/// Fills the report's counts, its encoding (with the rms slope: a wrong height_scale shows there) and its warnings.
-/// Texels without a height are flat and counted as unused. Terraces are warned of, and smoothed where
-/// settings.dequantize asks for it. Throws and cancels as decode_normals() does.
+/// Fills the report's counts, warnings and encoding. The encoding names the rms slope, which reveals a wrong
+/// height_scale. Texels without a height are flat and counted as unused. Warns about terraces, and smooths them if
+/// settings.dequantize is set. Throws and cancels as decode_normals() does.
 NormalMapRows normals_from_heights(const std::string& path, const HeightField& field, const NormalMapSettings& settings,
                                    const SpillPolicy& spill, int threads, Progress* progress);
 

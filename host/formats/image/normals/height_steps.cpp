@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of 8 bits are known in whatever type they are stored. Else the step of integers, and of floats that are whole
-// numbers, is the greatest common divisor of what they differ by: 1 where 16 bits are used.
+// Values of 8 bits are recognized in any type. Otherwise, the step of integers, and of floats that are whole numbers,
+// is the greatest common divisor of their differences: 1 if all 16 bits are used.
 #include "host/formats/image/normals/height_steps.h"
 
 #include <algorithm>
@@ -19,8 +19,8 @@ namespace {
 
 constexpr int kStepRowsMax = 512;
 
-// Sees whether values are multiples of 1 / unit, up to a tolerance in them; and, where the step is not known to be that
-// one, of how many.
+// Checks whether values are multiples of 1 / unit, within a tolerance. With Step::kFound, also finds the largest step,
+// as a multiple of 1 / unit.
 class Lattice {
  public:
   enum class Step { kOne, kFound };
@@ -41,7 +41,7 @@ class Lattice {
       high_ = std::max(high_, code);
     }
   }
-  // A few values are a mask's, or a shape of few levels: whatever lies between them is no step of rounding.
+  // Few distinct values mean a mask or a shape with few levels, whose differences are not rounding steps.
   double step() const {
     constexpr std::int64_t kStepsMin = 15;
     if (!holds_ || divisor_ == 0) return 0.0;
@@ -57,7 +57,7 @@ class Lattice {
   std::int64_t divisor_ = 0, low_ = 0, high_ = 0;
 };
 
-// The coarsest lattice that can be expected comes first: 8 bits, as v * 257, v * 256 or v / 255.
+// Returns lattices to try, the coarsest first: 8 bits, as v * 257, v * 256 or v / 255.
 std::vector<Lattice> lattices(const HeightSurface& surface) {
   using Step = Lattice::Step;
   const RawImageInfo& info = surface.info();
@@ -68,22 +68,22 @@ std::vector<Lattice> lattices(const HeightSurface& surface) {
   if (reading.coding != HeightCoding::kGrey) return {codes};
   if (info.base_type == number_type::kUint16)
     return {Lattice(255.0, 1e-3, Step::kOne), Lattice(65535.0 / 256.0, 1e-3, Step::kOne), codes};
-  // A half's own steps are up to 0.12 of these.
+  // The steps of half floats are up to 0.12 of these.
   if (is_float_type(info.sample_type))
     return {Lattice(255.0, info.base_type == number_type::kHalf ? 0.065 : 1e-3, Step::kOne),
             Lattice(1.0, 0.0, Step::kFound)};
   return {codes};
 }
 
-// Compression leaves 8 bits what they are.
+// Compression does not change the step of 8-bit files.
 double known_step(const HeightSurface& surface) {
   const bool is_byte =
       surface.info().base_type == number_type::kUint8 && surface.reading().coding == HeightCoding::kGrey;
   return is_byte ? 1.0 / 255.0 : 0.0;
 }
 
-// Three texels in a line. At the edge of a terrace they are two equal ones and one a step apart; on slopes, and where
-// there is noise, both pairs differ.
+// Counts triples of texels in a line. At the edge of a terrace, two are equal and the third differs by one step. On
+// slopes, and with noise, both pairs differ.
 struct StepCounts {
   double edges = 0.0, others = 0.0;
 
@@ -94,7 +94,7 @@ struct StepCounts {
     const double first = steps(a, b), second = steps(b, c);
     const double larger = std::max(first, second), smaller = std::min(first, second);
     if (larger > 0.5 && larger <= 1.5 && smaller <= 0.5) edges += 1.0;
-    else if (larger > 0.5) others += 1.0;  // not of texels without a height
+    else if (larger > 0.5) others += 1.0;  // false for texels without a height
   }
 };
 
@@ -104,8 +104,8 @@ double HeightSteps::degrees(double height_scale) const {
   return std::atan(0.5 * std::abs(height_scale) * step) * 180.0 / std::numbers::pi;
 }
 
-// A step of 1 degree is twice what a normal map of 8 bits has. Of steep heights, whose neighbours are several steps
-// apart, a step more or less is little.
+// A step of 1 degree is twice the step of an 8-bit normal map. On steep heights, neighbours are several steps apart, so
+// one step matters little.
 bool HeightSteps::are_terraces(double height_scale) const {
   constexpr double kDegreesMin = 1.0, kEdgeShareMin = 0.5;
   return step > 0.0 && edge_share >= kEdgeShareMin && degrees(height_scale) >= kDegreesMin;
@@ -144,7 +144,7 @@ std::string step_text(const HeightSteps& steps, const HeightSurface& surface) {
   constexpr double kByte = 1.0 / 255.0;
   if (std::abs(steps.step - kByte) < 0.005 * kByte) {
     const bool is_byte = surface.info().base_type == number_type::kUint8;
-    return is_byte ? "1/255 (8 bits)" : "1/255 (they are of 8 bits, stored in more)";
+    return is_byte ? "1/255 (8 bits)" : "1/255 (8 bits stored in more)";
   }
   return fmt::format("{:.4g}{}", steps.step * value_unit(surface.info(), surface.reading()),
                      is_float_type(surface.info().sample_type) ? "" : " in the file's own numbers");

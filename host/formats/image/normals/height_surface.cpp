@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+// Heights beyond the image:
 //              above
 //         +-----------+
-//    left |   image   | right        a corner beyond a strip is nobody's: NaN
+//    left |   image   | right        a corner beyond a strip is unknown: NaN
 //         +-----------+
 //              below
 #include "host/formats/image/normals/height_surface.h"
@@ -32,7 +33,7 @@ HeightSide side_of(WrapMode mode) {
   return {};
 }
 
-// The bytes of 8-bit channels as one number, red the highest.
+// Combines the bytes of 8-bit channels into one number; red is the highest byte.
 double number_of_bytes(const float* texel, int byte_count) {
   std::uint32_t number = 0;
   for (int c = 0; c < byte_count; ++c) number = number << 8 | static_cast<std::uint32_t>(texel[c] * 255.0f + 0.5f);
@@ -99,14 +100,14 @@ HeightSurface::HeightSurface(const RawImage& image, const HeightReading& reading
                              HeightSides sides)
     : image_(image), reading_(reading), is_finite_(is_finite), fix_nan_(fix_nan), sides_(std::move(sides)) {}
 
-// Tiles of elevation are black where they hold none; Terrarium's black is 32768 m below the sea.
+// Elevation tiles are black where they have no data; in Terrarium, black would be 32768 m below the sea.
 bool HeightSurface::is_no_data(const float* texel, std::size_t channel_count) const {
   if (reading_.coding == HeightCoding::kTerrarium || reading_.coding == HeightCoding::kMapbox)
     return texel[0] == 0.0f && texel[1] == 0.0f && texel[2] == 0.0f;
   return reading_.no_data && channel_count == 1 && texel[0] == *reading_.no_data;
 }
 
-// Any non-finite channel makes the texel non-finite: infinite, as NaN is for texels without a height.
+// A non-finite channel makes the texel non-finite: infinite, because NaN stands for texels without a height.
 HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   RawRows raw;
   image_.read_rows(row_begin, row_end - row_begin, raw);
@@ -136,7 +137,7 @@ HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   return rows;
 }
 
-// Non-finite heights are filled from rows that are not repaired, one more on either side.
+// Fills non-finite heights from unrepaired rows, including one more row on either side.
 HeightRows HeightSurface::repaired_rows(int row_begin, int row_end) const {
   if (is_finite_) return merged_rows(row_begin, row_end);
   const int found_end = std::min(height(), row_end + 1);
@@ -154,7 +155,7 @@ HeightRows HeightSurface::repaired_rows(int row_begin, int row_end) const {
   return repaired;
 }
 
-// One of the image's rows, with what is beyond its ends.
+// Appends one of the image's rows, with the columns beyond its ends.
 void HeightSurface::append_own_row(const float* own, int row, int margin, HeightRows& rows) const {
   const auto append_side = [&](const HeightSide& side, int column_begin) {
     for (int column = column_begin; column < column_begin + margin; ++column) {
@@ -172,7 +173,7 @@ void HeightSurface::append_own_row(const float* own, int row, int margin, Height
   append_side(sides_.right, width());
 }
 
-// A row above or below the image.
+// Appends a row above or below the image.
 void HeightSurface::append_row(int row, int margin, HeightRows& rows) const {
   const HeightSide& side = row < 0 ? sides_.above : sides_.below;
   if (side.beyond == Beyond::kWrapped) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The heights of an image, and what is beyond its borders: the one place where slopes, their measurements and
-// dequantization take heights from.
+// Heights of an image and beyond its borders. Slopes, their measurements and dequantization all take heights from here.
 #pragma once
 
 #include <array>
@@ -14,25 +13,25 @@
 
 namespace multum {
 
-/// How the colour channels hold a height. kGrey: their mean. The others are of 8 bits a channel, V the number whose
-/// bytes they are, red the highest: kPacked16 is V / 65535 of red and green, kPacked24 V / 16777215 of all three,
-/// kTerrarium V / 256 - 32768 metres, kMapbox V / 10 - 10000 metres.
+/// Ways in which the colour channels hold a height. kGrey is their mean. The others have 8 bits per channel, and V is
+/// the number with these bytes, red the highest. kPacked16: V / 65535 of red and green. kPacked24: V / 16777215 of all
+/// three. kTerrarium: V / 256 - 32768 metres. kMapbox: V / 10 - 10000 metres.
 enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
 
-/// "16-bit heights packed in red and green", "Terrarium elevation in metres"; empty for kGrey.
+/// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres"; empty for kGrey.
 std::string height_coding_name(HeightCoding coding);
 
 struct HeightReading {
   HeightCoding coding = HeightCoding::kGrey;
-  std::optional<float> no_data;  // a value, as RawImage converts it, that says that there is no height
+  std::optional<float> no_data;  // value, as converted by RawImage, that marks a missing height
 };
 
-/// A value difference of 1, in the file's own numbers: 255 for 8 bits, 1 for floats and metres.
+/// Returns the size of a value difference of 1 in the file's own numbers: 255 for 8 bits, 1 for floats and metres.
 double value_unit(const RawImageInfo& info, const HeightReading& reading);
 
-/// Rows of heights. NaN: there is none.
+/// Rows of heights. NaN: no height.
 struct HeightRows {
-  int column_begin = 0;  // below 0: with columns beyond the border
+  int column_begin = 0;  // below 0: includes columns beyond the border
   int row_begin = 0;
   int row_width = 0;
   std::vector<float> values;
@@ -48,11 +47,11 @@ struct HeightRows {
   const float* row(int number) const { return &values[index(column_begin, number)]; }
 };
 
-/// What lies beyond one side: nothing, the image's opposite side, heights of 0, or a strip of another image.
+/// The surface beyond one side: nothing, the image's opposite side, heights of 0, or a strip of another image.
 struct HeightSide {
   enum class Beyond { kEnd, kWrapped, kBlack, kStrip };
   Beyond beyond = Beyond::kEnd;
-  // kStrip: the rows or columns next to the border, as they lie in the picture; beyond its depth there is nothing.
+  // kStrip: rows or columns next to the border, in picture order; nothing is known beyond its depth.
   std::shared_ptr<const HeightRows> strip = nullptr;
 };
 
@@ -60,14 +59,14 @@ struct HeightSides {
   HeightSide left, right, above, below;
 };
 
-/// As wrap modes have them: clamp and mirror end the surface. A mirror line lies between texels, so that a slope across
-/// it would turn there: a texel keeps the slope of its own side.
+/// Returns sides for wrap modes; clamp and mirror end the surface. A mirror line is between texels, and a slope would
+/// change its sign there, so a texel keeps the slope of its own side.
 HeightSides wrapped_sides(WrapMode wrap_s, WrapMode wrap_t);
 
 class HeightSurface {
  public:
-  /// The image must outlive it. Non-finite heights, where `is_finite` does not rule them out, are repaired by
-  /// `fix_nan` (kBox3: mean of the finite 3 x 3 neighbours, else 0; kBlack: 0).
+  /// The image must outlive it. Repairs non-finite heights by `fix_nan`, unless `is_finite` says that there are none.
+  /// kBox3: mean of the finite 3 x 3 neighbours, otherwise 0; kBlack: 0.
   HeightSurface(const RawImage& image, const HeightReading& reading, bool is_finite, FixNan fix_nan,
                 HeightSides sides = {});
 
@@ -77,8 +76,8 @@ class HeightSurface {
   const HeightReading& reading() const { return reading_; }
   const HeightSides& sides() const { return sides_; }
 
-  /// Rows [row_begin, row_end), which may be beyond the image, of the columns from -margin to width + margin. Any
-  /// number of threads may read at once.
+  /// Returns rows [row_begin, row_end), which may be beyond the image, with the columns from -margin to width +
+  /// margin. Several threads may read at once.
   HeightRows rows(int row_begin, int row_end, int margin) const;
 
  private:

@@ -12,7 +12,7 @@ namespace multum {
 
 namespace {
 
-// A number of the file as SampleConverter converts it: integers are divided by their largest.
+// Converts a number of the file as SampleConverter does: integers are divided by their largest value.
 float converted(double number, int base_type) {
   const auto value = static_cast<float>(number);
   switch (base_type) {
@@ -43,7 +43,7 @@ void ImageSurvey::add(const RawBand& band) {
   }
 }
 
-// Adds a value of an image of one channel.
+// Adds a value of an image with one channel.
 void ImageSurvey::add_value(float value) {
   if (value == stated_) {
     ++stated_count_;
@@ -61,8 +61,8 @@ void ImageSurvey::add_value(float value) {
   range.high = std::max(range.high, value);
 }
 
-// Knows what programs write without naming it: int16's lowest and the next, -9999, and the lowest float. All other
-// heights must be less than half as deep.
+// Knows the values that programs write without declaring them: the lowest int16 and the next, -9999, and the lowest
+// float. All other heights must be less than half as deep.
 std::optional<float> ImageSurvey::no_data() const {
   if (info_.channel_count != 1) return std::nullopt;
   if (stated_) return stated_count_ > 0 ? stated_ : std::nullopt;
@@ -104,7 +104,7 @@ void ImageSurvey::add_row(int row, const float* values) {
     if (!is_finite) {
       if (nonfinite_count_++ == 0) first_nonfinite_ = std::int64_t{row} * info_.width + column;
     } else if (channel_count > 1) {
-      // A third channel that is the mean of two tells nothing, and changes nothing.
+      // Adds the mean of two channels as a third, which changes nothing.
       const glm::dvec3 v(values[0], values[1], channel_count > 2 ? values[2] : 0.5f * (values[0] + values[1]));
       const glm::dvec3 chroma = v - (v.x + v.y + v.z) / 3.0;
       const auto largest = static_cast<float>(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
@@ -127,7 +127,7 @@ void ImageSurvey::ChromaSums::add(const ChromaSums& sums) {
 }
 
 std::array<ImageSurvey::ChromaSums, 2> ImageSurvey::chroma_sums() const {
-  constexpr double kOutlierShareMax = 0.01;  // as many as may be repaired, NormalMapSettings::repair_share_max
+  constexpr double kOutlierShareMax = 0.01;  // as NormalMapSettings::repair_share_max
   ChromaSums all, without_outliers;
   for (const ChromaSums& sums : chroma_) all.add(sums);
   for (const ChromaSums& sums : chroma_)
@@ -135,7 +135,7 @@ std::array<ImageSurvey::ChromaSums, 2> ImageSurvey::chroma_sums() const {
   return {all, without_outliers};
 }
 
-// Rms of the values of floats, 1 of integers.
+// Returns the rms of the values for floats, 1 for integers.
 double ImageSurvey::unit_of(const ChromaSums& sums) const {
   return is_float_type(info_.sample_type) ? std::sqrt(sums.values / sums.count) : 1.0;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects statistics of an image while it is read, so that its numbers need not be read again: finite or not, how
-// grey, between which bounds, and how they look as vectors.
+// Collects statistics of an image while it is read, so that the image need not be read again: non-finite values,
+// greyness, ranges, and statistics as vectors.
 #pragma once
 
 #include <array>
@@ -16,34 +16,34 @@ namespace multum {
 
 class ImageSurvey {
  public:
-  /// `readings`: of what the numbers may mean, the ones whose statistics are taken.
+  /// `readings`: the interpretations of the numbers whose statistics are collected.
   ImageSurvey(const RawImageInfo& info, const std::vector<VectorEncoding>& readings);
 
-  /// Adds a band; all come, in order, from the top.
+  /// Adds a band; bands come in order from the top.
   void add(const RawBand& band);
 
   struct Range {
     float low = std::numeric_limits<float>::infinity();
-    float high = -std::numeric_limits<float>::infinity();  // below `low` while nothing is finite
+    float high = -std::numeric_limits<float>::infinity();  // below `low` until a value is finite
   };
-  /// Range of a channel's finite values; of images of one channel without no_data().
+  /// Range of a channel's finite values; in images with one channel, without no_data().
   Range range(int channel) const;
-  /// Of images of one channel: the value that says that a texel has none, as SampleConverter gives it. Where the file
-  /// does not name it, it is the lowest, one of those that are usual for it, and far below all others.
+  /// For images with one channel: the value of texels without data, as converted by SampleConverter. If the file does
+  /// not state it, it is the lowest value, provided that it is a usual one and far below all others.
   std::optional<float> no_data() const;
   std::int64_t no_data_count() const { return no_data() ? stated_count_ + (stated_ ? 0 : low_count_) : 0; }
-  /// Texels of which a channel is NaN or infinite, and the first of them, by rows.
+  /// Number of texels with a channel that is NaN or infinite, and the index of the first one, row by row.
   std::int64_t nonfinite_count() const { return nonfinite_count_; }
   std::int64_t first_nonfinite() const { return first_nonfinite_; }
-  /// Texels of which every channel is NaN, and those of which every channel is 0.
+  /// Numbers of texels whose channels are all NaN, or all 0.
   std::int64_t all_nan_count() const { return all_nan_count_; }
   std::int64_t all_zero_count() const { return all_zero_count_; }
-  /// Rms distance of three channels from their mean, over the finite texels. For floats relative to the rms of the
-  /// values (a height in metres and a dim photograph both have their own scale), for integers in units of the whole
-  /// range; the larger of that over all texels and that without the 1 % of the largest values, so that a few outliers
-  /// cannot hide what all others are. 1 where nothing is finite.
+  /// Rms distance of three channels from their mean, over the finite texels; 1 if none is finite. For floats, it is
+  /// relative to the rms of the values, because a height in metres and a dim photograph have different scales. For
+  /// integers, it is relative to the whole range. Returns the larger result of all texels, and of those without the 1
+  /// % largest values, so that a few outliers cannot hide the rest.
   double chroma_rms() const;
-  /// Standard deviation of the channels' mean, in the same unit and of the same texels as what chroma_rms() is of.
+  /// Standard deviation of the channels' mean, in the unit and over the texels of chroma_rms().
   double grey_deviation() const;
   /// Statistics of one of `readings`; nullopt for others.
   std::optional<VectorStatistics> statistics(const VectorEncoding& encoding) const;
@@ -55,8 +55,8 @@ class ImageSurvey {
   RawImageInfo info_;
   SampleConverter converter_;
   std::array<Range, 3> ranges_;
-  // In images of one channel: what the file says of texels without a value, and their number; else the lowest value,
-  // how often it comes, and the lowest of all others.
+  // For images with one channel: the value that the file states for texels without data, and its count. Otherwise, the
+  // lowest value, its count, and the second lowest.
   std::optional<float> stated_;
   std::int64_t stated_count_ = 0, low_count_ = 0;
   float second_low_ = std::numeric_limits<float>::infinity();
@@ -69,11 +69,11 @@ class ImageSurvey {
     double grey = 0.0;                               // three times the channels' mean
     void add(const ChromaSums& sums);
   };
-  // Of all texels, and of those without the 1 % of the largest values.
+  // Sums over all texels, and without the 1 % largest values.
   std::array<ChromaSums, 2> chroma_sums() const;
   double unit_of(const ChromaSums& sums) const;
   double chroma_of(const ChromaSums& sums) const;
-  // Of floats by the binary exponent of the texel's largest value, from -149 to 127; of integers together.
+  // Floats are summed by the binary exponent of the texel's largest value, from -149 to 127; integers all together.
   static constexpr int kExponentMin = -149, kExponentCount = 278;
   std::array<ChromaSums, kExponentCount> chroma_;
   std::vector<VectorStatisticsSums> statistics_;

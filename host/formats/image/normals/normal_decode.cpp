@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two steps, so that a repair never reads a repaired texel and no order of threads and no border of bands can be seen:
-// the first decodes every texel and marks those that hold no direction; the second fills the marked ones from unmarked
-// neighbours.
+// Works in two steps, so that a repair never reads a repaired texel, and neither threads nor bands change the result.
+// The first step decodes every texel and marks those without a direction. The second step fills the marked texels from
+// unmarked neighbours.
 #include "host/formats/image/normals/normal_decode.h"
 
 #include <algorithm>
@@ -27,8 +27,8 @@ struct TexelCounts {
   std::int64_t below_horizon = 0;
 };
 
-// Shorter than this is zero as far as the file can tell: for 8 bits mid-grey, where no code is 0, has length
-// sqrt(3) / 255 = 0.0068; half and float hold 0 itself.
+// A shorter vector is zero within the file's precision. With 8 bits, no code is 0, and mid-grey has length sqrt(3) /
+// 255 = 0.0068. Half and float store 0 exactly.
 double zero_length_of(SampleType type) {
   switch (type) {
     case SampleType::kUint8: return 0.007;
@@ -37,13 +37,13 @@ double zero_length_of(SampleType type) {
   }
 }
 
-// What is the same for every band.
+// Values that are equal for every band.
 struct Decoding {
   const RawImage& image;
   VectorEncoding encoding;
   double zero_length;
 
-  // The normal of one texel, flat where there is none.
+  // Decodes one texel's normal; flat if it has none.
   TexelState decode(float r, float g, float b, glm::dvec3& n, TexelCounts& counts) const {
     n = glm::dvec3(0.0, 0.0, 1.0);
     if (encoding.empty_is_unused && is_empty(encoding, r, g, b)) {
@@ -105,7 +105,8 @@ DecodedRows decode_rows(const Decoding& decoding, int row_begin, int row_end, Te
   return rows;
 }
 
-// Mean of the good texels among the 8 neighbours inside the image; flat when there is none or they cancel.
+// Returns the mean of the good texels among the 8 neighbours inside the image; flat if there are none, or if they
+// cancel.
 glm::dvec3 neighbours_mean(const DecodedRows& rows, int column, int row) {
   glm::dvec3 sum(0.0);
   for (int y = std::max(rows.row_begin, row - 1); y < std::min(rows.row_end, row + 2); ++y) {
@@ -124,8 +125,8 @@ bool is_repaired(TexelState state, FixNan fix_nan) {
   return state == TexelState::kZeroLength || (state == TexelState::kNonfinite && fix_nan == FixNan::kBox3);
 }
 
-// Rows [row_begin, row_end) without holes. Where there are any, the rows are decoded once more with those above and
-// below, which is seldom.
+// Returns rows [row_begin, row_end) without holes. If there are holes, which is rare, decodes the rows again with the
+// rows above and below.
 DecodedRows repaired_rows(const Decoding& decoding, int row_begin, int row_end, FixNan fix_nan, TexelCounts& counts) {
   DecodedRows rows = decode_rows(decoding, row_begin, row_end, counts);
   const bool has_holes = std::any_of(rows.states.begin(), rows.states.end(),
@@ -141,8 +142,9 @@ DecodedRows repaired_rows(const Decoding& decoding, int row_begin, int row_end, 
   return rows;
 }
 
-// Adds a warning to the report when more than kUnusedShareNoted of the texels were never written; throws Error(kInput)
-// for more than kUnusedShareMax unless the settings say that it is a normal map. `empty`: what such texels hold.
+// Adds a warning to the report if more than kUnusedShareNoted of the texels were never written. Throws Error(kInput)
+// for more than kUnusedShareMax, unless the settings say that the file is a normal map. `empty` names the contents of
+// such texels.
 void check_unused_share(const std::string& path, NormalMapRows& map, const NormalMapSettings& settings,
                         const char* empty) {
   const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
@@ -153,8 +155,8 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
   if (share > kUnusedShareMax && settings.bump_format != BumpFormat::kNormal)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: {}; expected at most {:.0f} %{}", path, found, 100.0 * kUnusedShareMax,
-                            advice(" (if it is a normal map all the same, give <bumpformat normal>)")));
-  map.report.warnings.push_back(found + "; they are taken as never written, and as flat");
+                            advice(" (if it is a normal map, use <bumpformat normal>)")));
+  map.report.warnings.push_back(found + "; they are read as never written, and as flat");
 }
 
 }  // namespace
@@ -173,7 +175,7 @@ void check_repair_share(const std::string& path, const NormalMapRows& map, const
           "the horizon; expected at most {:.2f} %{}{}",
           path, repaired, texel_count, 100.0 * share, report.nonfinite_repaired, report.zero_length_repaired,
           report.below_horizon_repaired, 100.0 * static_cast<double>(settings.repair_share_max),
-          advice(" (raise <repair_max> to repair them all the same)"), hint));
+          advice(" (use <repair_max> to allow more repairs)"), hint));
 }
 
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,

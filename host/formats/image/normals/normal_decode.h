@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a file's numbers to unit normals, once their meaning is known, and repairs texels that hold none.
+// Decodes a file's numbers to unit normals, once their meaning is known, and repairs texels without a normal.
 #pragma once
 
 #include <cmath>
@@ -14,25 +14,25 @@ namespace multum {
 
 struct VectorEncoding {
   bool is_signed = false;        // numbers are the vector; otherwise v * 2 - 1
-  bool rebuild_z = false;        // z = sqrt(1 - x^2 - y^2), whatever blue holds
-  bool positive_z = false;       // unsigned numbers whose blue is z itself: ZRange::kPositive
+  bool rebuild_z = false;        // z = sqrt(1 - x^2 - y^2), ignoring blue
+  bool positive_z = false;       // unsigned numbers, except that blue is z itself: ZRange::kPositive
   bool empty_is_unused = false;  // texels for which is_empty() holds were never written
   bool flat_pair = false;        // 8 bits: a texel whose red and green are both 127 or 128 has x = y = 0
   GreenAxis green = GreenAxis::kUp;
-  float tilt = 1.0f;  // x and y times this, once the vector is whole: NormalMapSettings::normal_scale
+  float tilt = 1.0f;  // scales x and y of the whole vector: NormalMapSettings::normal_scale
 
   bool operator==(const VectorEncoding&) const = default;
 };
 
-/// The least z of a unit normal, 1/512. Below it the slope x/z means nothing: an 8-bit file's least positive z is
-/// 1/255, 0.0023 after normalising even a vector of length sqrt(3), so that every 8-bit normal above the surface stays
-/// as it is and every one below is lifted.
+/// Smallest z of a unit normal, 1/512; below it, the slope x/z is meaningless. The smallest positive z in an 8-bit
+/// file is 1/255, or 0.0023 after normalising even a vector of length sqrt(3). So every 8-bit normal above the surface
+/// stays unchanged, and every one below is lifted.
 constexpr double kHorizonZ = 1.0 / 512.0;
 
-/// v / 255 * 2 - 1, which is what every GPU decodes. No code is 0 then: 127 and 128 are -+0.0039. Tools write either
-/// for 0 (of the lossless maps measured, the mean slopes of four say 127, of two 128: within half a code of 127.5
-/// all), so that 127.5 is the unbiased choice; but a flat texel is (127|128, 127|128, 255) everywhere, up to half the
-/// texels of a map, and is read as exactly flat instead of tilted by 0.3 degrees.
+/// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0: 127 and 128 are -+0.0039. Tools write either for 0,
+/// so 127.5 is the unbiased choice. (Of the measured lossless maps, the mean slopes of four suggest 127, of two 128;
+/// all are within half a code of 127.5.) But a flat texel is (127|128, 127|128, 255) in all maps, and up to half of a
+/// map's texels are flat. Such a texel is read as exactly flat instead of tilted by 0.3 degrees.
 inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g, float b) {
   glm::dvec3 v(r, g, b);
   if (!encoding.is_signed)
@@ -46,42 +46,42 @@ inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g
   return v;
 }
 
-/// False for NaN, infinities, and what a broken pixel of a renderer exceeds but no scale of normals does.
+/// False for NaN, infinities, and values that only a renderer's broken pixels reach, never a scale of normals.
 inline bool is_vector_value(float v) { return std::abs(v) <= 1e9f; }
 
-/// True where an unsigned file was never written: the area between the charts of an atlas is black, up to the noise of
-/// lossy compression (4 codes of 8 bits). No normal is near (-1, -1, -1).
+/// True if a texel of an unsigned file was never written. The area between the charts of an atlas is black, up to the
+/// noise of lossy compression (4 codes of 8 bits), and no normal is near (-1, -1, -1).
 inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b) {
   constexpr float kBlackMax = 4.5f / 255.0f;
   return !encoding.is_signed && r <= kBlackMax && g <= kBlackMax && b <= kBlackMax && r >= 0.0f && g >= 0.0f &&
          b >= 0.0f;
 }
 
-/// True where a file with signs or floats was never written: painters and bakers leave 0 or NaN outside of charts. It
-/// is no vector either way. Single ones are faults of a renderer, which are repaired. Where z is rebuilt, 0 is flat.
+/// True if a texel of a file with signs or floats was never written: painters and bakers leave 0 or NaN outside
+/// charts. Single such texels are a renderer's faults and are repaired. If z is rebuilt, 0 is flat.
 inline bool is_empty(const VectorEncoding& encoding, float r, float g, float b) {
   if (std::isnan(r)) return std::isnan(g) && (encoding.rebuild_z || std::isnan(b));
   return encoding.is_signed && !encoding.rebuild_z && r == 0.0f && g == 0.0f && b == 0.0f;
 }
 
-/// An image of 2 or 3 channels, by bands, of which at most a few a thread are in memory. Fills the report's counts, not
-/// its encoding. Throws Error(kInput) when more than repair_share_max of the texels needed repair, and when too many
-/// are black; Error(kEnvironment) when scratch files cannot be written. Cancels between bands.
+/// Decodes an image of 2 or 3 channels by bands, with at most a few bands per thread in memory. Fills the report's
+/// counts, but not its encoding. Throws Error(kInput) if more than repair_share_max of the texels need repair, or if
+/// too many are black, and Error(kEnvironment) if scratch files cannot be written. Can cancel between bands.
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
                              const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
                              Progress* progress);
 
-/// Throws Error(kInput) with the counts when they exceed settings.repair_share_max of all texels; `hint` ends its
-/// message.
+/// Throws Error(kInput) with the counts if they exceed settings.repair_share_max of all texels. The message ends with
+/// `hint`.
 void check_repair_share(const std::string& path, const NormalMapRows& map, const NormalMapSettings& settings,
                         const std::string& hint = "");
 
-/// A normal of any length to a unit normal with z >= kHorizonZ. Returns false where z was lifted.
+/// Turns a normal of any length into a unit normal with z >= kHorizonZ. Returns false if z was lifted.
 inline bool normalise_above_horizon(glm::dvec3& n) {
   n /= std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
   if (n.z >= kHorizonZ) return true;
   const double xy = std::sqrt(n.x * n.x + n.y * n.y);
-  if (xy == 0.0) {  // straight down has no side to be projected to
+  if (xy == 0.0) {  // straight down: has no side to project to
     n = glm::dvec3(0.0, 0.0, 1.0);
     return false;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Read, find out what the numbers mean, decode, repair: in this order, since a repair must not change the evidence.
+// Reads, finds out what the numbers mean, decodes, and repairs, in this order, because a repair must not change the
+// evidence.
 #include "host/formats/image/normals/normal_map.h"
 
 #include <array>
@@ -56,15 +57,15 @@ struct Direction {
   const char* option;  // "swrap"
   const SeamStep& step;
   WrapOrigin origin;
-  bool has_neighbour;  // a tile of its set goes on there
+  bool has_neighbour;  // a tile of the set continues the map there
 };
 
-// Nobody said that it repeats, and it does not seem to.
+// True if the map only repeats by default, and does not seem to repeat.
 bool is_doubtful(const Direction& direction, WrapMode said) {
   return direction.step.is_seam() && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic;
 }
 
-// The mode of one direction, `said` where it is not to be found; and what was found.
+// Returns the mode of one direction: `said`, unless the map decides; adds the finding to the reason.
 WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
   if (direction.origin != WrapOrigin::kFound) return said;
   const WrapMode mode = direction.step.is_seam() ? WrapMode::kClamp : WrapMode::kPeriodic;
@@ -72,19 +73,19 @@ WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncodi
   return mode;
 }
 
-// Of one direction or of both, in one warning.
+// Warns about one or both directions in one warning.
 void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& found) {
   if (doubtful.empty()) return;
-  std::string text = "it is taken to repeat, but does not seem to:";
+  std::string text = "it is assumed to repeat, but does not seem to:";
   for (const Direction& one : doubtful)
     text += fmt::format("{} along {} {}", &one == &doubtful.front() ? "" : ";", one.name, step_text(one.step));
   text += advice(fmt::format(
-      ". <{0} clamp> ends it at its border, <{0} auto> lets the map decide, <{0} periodic> says that it repeats",
+      ". <{0} clamp> ends it at its border, <{0} auto> lets the map decide, <{0} periodic> confirms that it repeats",
       doubtful.size() > 1 ? "wrap" : doubtful.front().option));
   found.warnings.push_back(text);
 }
 
-// The settings with the wrap modes that hold.
+// Returns the settings with the final wrap modes.
 NormalMapSettings with_wrap(NormalMapSettings settings, const Direction& s, const Direction& t,
                             DetectedEncoding& found) {
   std::vector<Direction> doubtful;
@@ -103,7 +104,7 @@ Direction direction_t(const MapSeams& seams, const NormalMapSettings& settings, 
   return {"t (y)", "twrap", seams.t, settings.wrap_t_origin, has_neighbour};
 }
 
-// A map that decides itself does not repeat where its surface goes on in another tile, whatever lies at the other end.
+// With wrap "auto", a map that continues in another tile does not repeat, whatever its other end looks like.
 void report_wrap(const NormalMapSettings& wrapped, const Direction& s, const Direction& t, NormalMapReport& report) {
   const auto mode = [](const Direction& direction, WrapMode resolved) {
     return direction.has_neighbour && direction.origin == WrapOrigin::kFound ? WrapMode::kClamp : resolved;
@@ -112,7 +113,7 @@ void report_wrap(const NormalMapSettings& wrapped, const Direction& s, const Dir
   report.wrap_t = mode(t, wrapped.wrap_t);
 }
 
-// A file's numbers, and what was seen of them.
+// A file's numbers and their statistics.
 struct ReadImage {
   RawImage image;
   ImageSurvey survey;
@@ -132,8 +133,8 @@ ReadImage read_image(const std::string& path, const NormalMapSettings& settings,
   return read;
 }
 
-// Green of a tile by itself; nullopt where it cannot tell, is no normal map or cannot be read, which is said where it
-// is baked.
+// Returns the green found in one tile; nullopt if unknown, or if the tile is not a normal map or cannot be read. The
+// bake of that tile reports such a fault.
 std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSettings& settings,
                                       const SpillPolicy& spill, int threads, Progress* progress) {
   std::optional<GreenAxis> green;
@@ -149,7 +150,7 @@ std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSe
   return green;
 }
 
-// Asks the set of a tile about green, and notes in `record` who answered.
+// Asks the other tiles of a set about green, and notes in `record` which tile decided.
 GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& spill, int threads, Progress* progress,
                         std::string& record) {
   if (settings.tiles == nullptr) return {};
@@ -163,7 +164,7 @@ GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& sp
   };
 }
 
-// Chooses the neighbouring tile, or what the wrap mode has there.
+// Chooses the neighbouring tile, or else the side given by the wrap mode.
 HeightSide side_of(const HeightSide& neighbour, const HeightSide& repeated, const HeightSide& wrapped) {
   if (neighbour.beyond != HeightSide::Beyond::kEnd) return neighbour;
   return wrapped.beyond == HeightSide::Beyond::kWrapped ? repeated : wrapped;
@@ -247,7 +248,7 @@ NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSetti
   if (!encoding.is_height_field) map.report.tiles = record;
   map.report.format = info.format;
   map.report.encoding_reason = encoding.reason;
-  // Heights that are all alike but for a small scale are warned of already, and a ramp of heights is a surface.
+  // Equal heights with a small scale already have a warning, and a ramp of heights is a surface.
   const Flatness flatness = flatness_of(map.normals);
   if (!encoding.is_height_field || (flatness == Flatness::kFlat && map.report.warnings.empty()))
     if (const std::string note = flat_note(flatness); !note.empty()) map.report.warnings.push_back(note);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading of normal maps and height fields: what the file's numbers mean is found from their statistics, printed, and
-// can be overridden. What is neither normals nor heights is refused with the reason; where a single property cannot be
-// told, green above all, the usual one is taken with a warning (docs/reference/input_maps.md has the rules).
+// Reads normal maps and height fields. Statistics tell what the file's numbers mean; the meaning is printed and can be
+// overridden. A file that holds neither normals nor heights is refused with the reason. If a single property is
+// unclear, above all green, the usual value is used with a warning (docs/reference/input_maps.md has the rules).
 #pragma once
 
 #include <cstdint>
@@ -21,65 +21,64 @@ namespace multum {
 
 class TileSet;  // host/formats/image/normals/tile_set.h
 
-/// Origin of a wrap mode: nobody said one, somebody did, or it is to be found: periodic where the map tiles, else
-/// clamp.
+/// Origin of a wrap mode: the default, a setting, or the map itself (periodic if it tiles, otherwise clamp).
 enum class WrapOrigin { kDefault, kSaid, kFound };
 
 struct NormalMapSettings {
   BumpFormat bump_format = BumpFormat::kAuto;
-  std::optional<GreenAxis> green = std::nullopt;   // unset: from statistics, up when they cannot tell
+  std::optional<GreenAxis> green = std::nullopt;   // unset: from statistics, up if undecided
   std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are the vector, false: 0..1
   std::optional<bool> two_channel = std::nullopt;  // unset: from statistics; true: z = sqrt(1 - x^2 - y^2)
-  std::optional<ZRange> z_range = std::nullopt;    // unset: from statistics; of unsigned files that store z
-  float height_scale = 1.0f;  // height difference in texels that a value difference of 1 stands for; finite, != 0
-  bool dequantize = false;    // heights of few bits: take the smoothest that round to them
-  float normal_scale = 1.0f;  // x and y of a normal map times this, as glTF scales normal textures; finite
-  WrapMode wrap_s = WrapMode::kPeriodic;  // used by height differences at the border
+  std::optional<ZRange> z_range = std::nullopt;    // unset: from statistics; for unsigned files that store z
+  float height_scale = 1.0f;                       // height in texels of a value difference of 1; finite, != 0
+  bool dequantize = false;                         // heights of few bits: use the smoothest surface that rounds to them
+  float normal_scale = 1.0f;              // scales x and y of a normal map, as glTF scales normal textures; finite
+  WrapMode wrap_s = WrapMode::kPeriodic;  // for height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
-  WrapOrigin wrap_s_origin = WrapOrigin::kDefault;  // kFound: wrap_s says nothing
+  WrapOrigin wrap_s_origin = WrapOrigin::kDefault;  // kFound: wrap_s has no meaning
   WrapOrigin wrap_t_origin = WrapOrigin::kDefault;
-  bool refuse_doubts = false;  // grey, or a blue that is no z, even where bump_format says that it is a normal map
-  bool check_nan = false;      // refuse the first NaN or Inf, with its position
+  bool refuse_doubts = false;  // refuses grey, and a blue that is not z, even if bump_format is kNormal
+  bool check_nan = false;      // refuses the first NaN or Inf, with its position
   FixNan fix_nan = FixNan::kBox3;
-  float repair_share_max = 0.01f;  // of all texels, 0..1: more repairs than this refuse the file
+  float repair_share_max = 0.01f;  // of all texels, 0..1: more repairs refuse the file
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  // A tile of a set that is read as one surface; null: a map by itself. Jobs of one set share it.
+  // A tile of a set that is read as one surface; null: a single map. Jobs of one set share it.
   std::shared_ptr<TileSet> tiles = nullptr;
   std::string tile = "";
 };
 
-/// Texels that were never written, as a share of all: more than the first is warned of, more than the second is refused
-/// unless BumpFormat::kNormal says that the file is a normal map. Up to the first, texels of NaN and signed texels of 0
-/// are single faults, which are repaired.
+/// Shares of texels that were never written. Above the first, a warning follows. Above the second, the file is
+/// refused, unless BumpFormat::kNormal says that it is a normal map. Up to the first, texels of NaN and signed texels
+/// of 0 count as single faults, which are repaired.
 constexpr double kUnusedShareNoted = 0.01;
 constexpr double kUnusedShareMax = 0.5;
 
-/// Findings and repairs; printed by the bake and written into its report.
+/// Findings and repairs; the bake prints them and writes them into its report.
 struct NormalMapReport {
   std::string format;                       // "png uint8, 3 channels"
   std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
   std::string encoding_reason;              // the statistics behind it, one line
-  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md), or no data: flat, no repair
+  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md), or no data: flat
   std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
-  std::int64_t zero_length_repaired = 0;    // mean of the 3 x 3 neighbours, else flat
+  std::int64_t zero_length_repaired = 0;    // mean of the 3 x 3 neighbours, otherwise flat
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/formats/image/normals/normal_decode.h)
-  WrapMode wrap_s = WrapMode::kPeriodic;    // as the settings have it, or as it was found
+  WrapMode wrap_s = WrapMode::kPeriodic;    // from the settings, or found in the map
   WrapMode wrap_t = WrapMode::kPeriodic;
-  std::string tiles;                  // what was taken from other tiles of a set (tile_source_hash()); empty: nothing
-  std::vector<std::string> warnings;  // what was taken in doubt, and the option that settles it; a line each
+  std::string tiles;                  // taken from other tiles of a set (tile_source_hash()); may be empty
+  std::vector<std::string> warnings;  // doubtful choices, and the option that settles each; one per line
 };
 
-/// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out; planes of width * height floats, row 0 on
+/// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out. Planes of width * height floats, row 0 on
 /// top.
 struct NormalMap {
   int width = 0;
   int height = 0;
   std::vector<float> x, y, z;
   NormalMapReport report;
-  bool is_shortened = false;  // by roughness, as PlaneStore::is_shortened() has it
+  bool is_shortened = false;  // by roughness, like PlaneStore::is_shortened()
 };
 
-/// The map's planes, to be read by rows; the map must outlive it.
+/// Gives access to the map's planes by rows; the map must outlive the result.
 inline PlaneStore planes_of(const NormalMap& map) {
   PlaneStore planes(map.width, map.height, {map.x.data(), map.y.data(), map.z.data()});
   planes.set_shortened(map.is_shortened);
@@ -93,12 +92,12 @@ struct NormalMapRows {
 };
 
 /// Reads PNG, JPEG, WebP, TIFF or OpenEXR. Throws Error(kInput) naming the file, what was found and what was expected;
-/// Error(kUsage) for settings outside their ranges. Progress: names its stage and cancels at bands of rows, counts no
-/// units. The result does not depend on `threads` (<= 0: as many as the machine has).
+/// Error(kUsage) for settings outside their ranges. Progress names its stage, counts no units, and can cancel between
+/// bands. The result does not depend on `threads` (<= 0: one per core).
 NormalMap read_normal_map(const std::string& path, const NormalMapSettings& settings, int threads, Progress* progress);
 
-/// The same numbers, kept as `place` says. Of the file and of the map a few bands of rows are in memory, but for
-/// formats that OpenImageIO decodes whole (docs/reference/input_maps.md). Throws Error(kEnvironment) when scratch files
+/// Reads the map into a store made by `spill`. Only a few bands of rows of file and map are in memory, except for
+/// formats that OpenImageIO decodes whole (docs/reference/input_maps.md). Throws Error(kEnvironment) if scratch files
 /// cannot be written.
 NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings, const SpillPolicy& spill,
                                    int threads, Progress* progress);

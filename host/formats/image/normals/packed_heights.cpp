@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A byte and the next lower one hold one number if the lower one completes the higher: where the higher one bends by b,
-// which is 256 b of the lower one's units, the two together bend much less, since the lower one jumps the other way.
+// A byte and the next lower byte hold one number if the lower byte completes the higher one. Where the higher byte
+// bends by b, that is 256 b in units of the lower byte. The two bytes together bend much less, because the lower byte
+// jumps the other way.
 //
 //   high       5   5   6   6          256 high + low   1430 1480 1536 1590
-//   low      150 200   0  54          bends            by 6, and 256 high alone by 256
+//   low      150 200   0  54          bends            by 6; 256 high bends by 256
 //
-// Colours never do that: their channels go together, so that the sum of the two bends as much as the higher one.
-// Measured: smooth heights 0.02 to 0.4, the normal maps and colours of shared/data 0.97 and more.
+// Colours never do that: their channels vary together, so the sum bends as much as the higher byte. Measured ratio:
+// 0.02 to 0.4 for smooth heights, 0.97 and more for the normal maps and colours of shared/data.
 #include "host/formats/image/normals/packed_heights.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ namespace {
 
 constexpr int kPackedRowsMax = 128;
 constexpr double kBendShareMax = 0.5;
-constexpr double kBendsMin = 32.0;  // of fewer nothing is known
+constexpr double kBendsMin = 32.0;  // fewer bends say nothing
 
 struct BytePair {
   double together = 0.0, high_alone = 0.0, count = 0.0;
@@ -45,7 +46,7 @@ struct PackedSums {
   }
 };
 
-// Second differences along a row. Black is no data in tiles of elevation, and has no part in their range.
+// Adds second differences along a row. Black means no data in elevation tiles, and does not count in their range.
 void add_row(const float* values, std::size_t width, std::size_t channel_count, PackedSums& sums) {
   const auto code = [&](std::size_t column, std::size_t channel) {
     return std::round(values[column * channel_count + channel] * 255.0f);
@@ -67,18 +68,18 @@ void add_row(const float* values, std::size_t width, std::size_t channel_count, 
   }
 }
 
-// Ranges of red: of Terrarium 11,000 m below the sea to 9,500 above, of Mapbox, by 6553.6 m, the same.
+// Ranges of red: Terrarium from 11,000 m below the sea to 9,500 m above; Mapbox, whose red counts 6553.6 m, the same.
 std::optional<HeightCoding> coding_of(const PackedSums& sums, bool has_blue) {
   const bool is_terrarium_red = sums.is_within(0, 85.0f, 165.0f), is_mapbox_red = sums.is_within(0, 0.0f, 2.0f);
   if (has_blue && !sums.is_constant(2)) {
     if (is_mapbox_red && sums.green_blue.is_number()) return HeightCoding::kMapbox;
     const bool is_number = sums.red_green.is_number() || (sums.is_constant(0) && sums.green_blue.is_number());
     if (is_terrarium_red && is_number) return HeightCoding::kTerrarium;
-    // Blue, too, continues a number, or is what was left over.
+    // Blue also continues the number; it is not only unused.
     if (sums.red_green.is_number() && sums.green_blue.is_number()) return HeightCoding::kPacked24;
   }
   if (!sums.red_green.is_number()) return std::nullopt;
-  // Whole metres: a picture of 16 bits whose heights use so little of its range would hardly be at the sea's level.
+  // Whole metres. A 16-bit picture whose heights use so little of its range would hardly be exactly at sea level.
   constexpr float kTerrariumLow = 127.0f, kTerrariumHigh = 163.0f;
   const bool are_metres =
       has_blue && sums.is_constant(2) && sums.low[2] == 0.0f && sums.is_within(0, kTerrariumLow, kTerrariumHigh);

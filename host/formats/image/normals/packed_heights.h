@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// The coding whose heights are continuous where the channels by themselves are not; nullopt where there is none. Looks
-/// at 128 rows at most.
+/// Returns the coding whose heights are continuous where single channels are not; nullopt if there is none. Examines
+/// at most 128 rows.
 std::optional<HeightCoding> find_packed_heights(const RawImage& image);
 
 }  // namespace multum

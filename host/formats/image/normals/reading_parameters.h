@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Applies the parameters that say how a map is read (kSourceGroup of bake_parameters()).
+// Applies the parameters that say how to read a map (kSourceGroup of bake_parameters()).
 #pragma once
 
 #include <optional>
@@ -10,13 +10,13 @@
 
 namespace multum {
 
-/// The parameter `surface`, where it is given.
+/// Returns the parameter `surface`, if given.
 std::optional<MapSurface> map_surface(const ParameterValues& values);
 
-/// The parameter `z_range`, where it is given.
+/// Returns the parameter `z_range`, if given.
 std::optional<ZRange> z_range(const ParameterValues& values);
 
-/// What was given replaces what `settings` hold. `values` are of bake_parameters().
+/// Overwrites `settings` with the given parameters; `values` belong to bake_parameters().
 void apply_reading(const ParameterValues& values, NormalMapSettings& settings);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map that tiles goes on across its border as it does inside. One that does not jumps there, unless its texels are
-// independent of one another: then no one can tell, and nothing is lost. Lines along the border, as of tiles and
-// bricks, are steps inside as well, so that the border is held to the largest of those too.
+// A map that tiles is as continuous across its border as inside. Any other map jumps there, unless its texels are
+// independent of each other; then nobody can tell, and nothing is lost. Lines along the border, as with tiles and
+// bricks, are steps inside too. So the border is also compared with the largest step inside.
 #include "host/formats/image/normals/seam.h"
 
 #include <algorithm>
@@ -12,10 +12,10 @@ namespace multum {
 namespace {
 
 constexpr int kRowsMax = 512;
-constexpr int kStepsMin = 15;    // inside: of fewer none is usual
-constexpr double kPairsMin = 8;  // of texels, of which a step is the rms
+constexpr int kStepsMin = 15;    // inside; fewer steps do not show what is usual
+constexpr double kPairsMin = 8;  // of texels, over which a step is the rms
 
-// Mean squares over the channels of finite texels.
+// Sums of squares over the channels of finite texels.
 struct Sum {
   double squares = 0.0;
   double count = 0.0;
@@ -61,9 +61,9 @@ struct SeamSums {
 
 }  // namespace
 
-// Measured on both directions of 55 real maps: of those that tile, the border is at most 1.35 times the largest step
-// inside and then 1.8 times the median; of those that do not (terrain, photographs) at least 1.46 and 1.9 times.
-// Maps with hard lines along the border may not tile and still be below.
+// Measured on both directions of 55 real maps. In maps that tile, the border is at most 1.35 times the largest step
+// inside and then 1.8 times the median. In other maps (terrain, photographs), it is at least 1.46 and 1.9 times. Maps
+// with hard lines along the border may be below, although they do not tile.
 bool SeamStep::is_seam() const { return border > 1.85 * median && border > 1.4 * largest; }
 
 MapSeams measure_seams(const RawImage& image) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a map tiles: the step from its last column to its first, and from its last row to its first, beside the
-// steps between neighbours inside.
+// Tells whether a map tiles, by comparing the steps between opposite borders with the steps between neighbours inside.
 #pragma once
 
 #include "host/formats/image/normals/height_surface.h"
@@ -9,13 +8,13 @@
 
 namespace multum {
 
-/// Steps in one direction: rms differences over the pairs of texels of two columns or rows, in the file's own numbers.
+/// Steps in one direction: rms differences between two columns or rows, in the file's own numbers.
 struct SeamStep {
   double border = 0.0;   // from the last to the first
-  double median = 0.0;   // median of those inside
-  double largest = 0.0;  // of those inside that were looked at
+  double median = 0.0;   // median of the steps inside
+  double largest = 0.0;  // largest of the examined steps inside
 
-  /// Whether the border is a step that the map has nowhere inside. False where there are too few texels to tell.
+  /// Returns whether the step at the border is larger than any inside. False if there are too few texels to tell.
   bool is_seam() const;
 };
 
@@ -24,8 +23,8 @@ struct MapSeams {
   SeamStep t;  // rows
 };
 
-/// Measures at most 512 rows, evenly spaced, each with the one below it. The second form compares heights at borders
-/// with those beyond, which may be another tile's, in units of their values. Where nothing lies beyond, it finds no
+/// Measures at most 512 rows, evenly spaced, each with the row below. The second form compares heights at the borders
+/// with those beyond, which may belong to another tile, in the unit of their values. If nothing is beyond, it finds no
 /// seam.
 MapSeams measure_seams(const RawImage& image);
 MapSeams measure_seams(const HeightSurface& surface);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// From coarse to fine: a level's code is the mean of the 2 x 2 below it, and its plate is where the next finer one
-// starts. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009, "A fast iterative
-// shrinkage-thresholding algorithm", FISTA with constant steps): the largest eigenvalue of the energy is 64.
+// Solves from coarse to fine: a level's code is the mean of the 2 x 2 below it, and its plate is the start for the
+// next finer one. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009, "A fast
+// iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest eigenvalue of the energy is 64.
 //
-// Measured on smooth surfaces of 8 bits at a step of 45 degrees: the mean error of normals falls from 17 degrees to
-// 0.8 with 64 steps at the finest level, to 2.3 with 16 and 0.2 with 300. Ramps are the plate's own shape: below 0.1
-// degrees, and 0.6 at most where a plateau is longer than the map is high. More steps at coarse levels would not help:
-// the bounds of their means are too wide for a plate that is left to itself.
+// Measured on smooth 8-bit surfaces with a step of 45 degrees: the mean error of normals falls from 17 degrees to 0.8
+// with 64 steps at the finest level, to 2.3 with 16, and to 0.2 with 300. Ramps, which plates represent exactly, have
+// errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More steps at coarse levels
+// would not help: the bounds of their means are too wide to determine a plate.
 #include "host/formats/image/normals/thin_plate.h"
 
 #include <algorithm>
@@ -19,16 +19,16 @@ namespace multum {
 namespace {
 
 constexpr int kFinestSteps = 64, kMostSteps = 250;  // twice as many at each coarser level
-constexpr int kCoarsestSide = 8;                    // of the longer one
-constexpr int kLeastSide = 3;                       // fewer rows do not bend, and say nothing of a slope
+constexpr int kCoarsestSide = 8;                    // the longer side
+constexpr int kLeastSide = 3;                       // fewer rows do not bend and have no slope
 constexpr float kCut = 1.5f;                        // codes
 constexpr float kEigenvalueMax = 64.0f;
 
-// A level. Weights are 1 where no cut crosses a second difference, else 0.
+// A level. A weight is 1 if no cut crosses the second difference, otherwise 0.
 struct Plate {
   int width = 0, height = 0;
-  std::vector<float> codes;                          // 0 where there are none
-  std::vector<std::uint8_t> is_whole;                // has a code, and no cut within
+  std::vector<float> codes;                          // 0 without a code
+  std::vector<std::uint8_t> is_whole;                // has a code, and no cut inside
   std::vector<std::uint8_t> right_link, below_link;  // to the neighbour: 0 is cut
   std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights of h_xx, h_yy at a texel, h_xy at its lower right
 
@@ -60,7 +60,7 @@ Plate finest_plate(const PlateProblem& problem) {
   plate.right_link.assign(plate.size(), 0);
   plate.below_link.assign(plate.size(), 0);
   const auto is_linked = [&](std::size_t a, std::size_t b) {
-    return std::abs(problem.codes[a] - problem.codes[b]) <= kCut;  // not of NaN
+    return std::abs(problem.codes[a] - problem.codes[b]) <= kCut;  // false for NaN
   };
   for (int row = 0; row < plate.height; ++row) {
     for (int column = 0; column < plate.width; ++column) {
@@ -75,8 +75,8 @@ Plate finest_plate(const PlateProblem& problem) {
   return plate;
 }
 
-// A texel of 2 x 2, of which none is cut off from another; its code is their mean. An odd last row or column has no
-// part: half a texel would stand for a place that is not its own, and bend the plate.
+// Makes a level of texels with 2 x 2 uncut texels each; its code is their mean. An odd last row or column is dropped:
+// half a texel would stand for a wrong place and bend the plate.
 Plate coarser_plate(const Plate& fine) {
   Plate plate{fine.width / 2, fine.height / 2, {}, {}, {}, {}, {}, {}, {}};
   plate.codes.assign(plate.size(), 0.0f);
@@ -88,7 +88,7 @@ Plate coarser_plate(const Plate& fine) {
       const std::size_t upper = fine.at(2 * column, 2 * row), lower = fine.at(2 * column, 2 * row + 1);
       const std::size_t i = plate.at(column, row);
       plate.codes[i] = 0.25f * (fine.codes[upper] + fine.codes[upper + 1] + fine.codes[lower] + fine.codes[lower + 1]);
-      // Links are there only between texels that have codes; a 2 x 2 has four.
+      // Links exist only between texels with codes; a 2 x 2 has four.
       plate.is_whole[i] =
           fine.right_link[upper] & fine.right_link[lower] & fine.below_link[upper] & fine.below_link[upper + 1];
       plate.right_link[i] = column + 1 < plate.width ? fine.right_link[upper + 1] & fine.right_link[lower + 1] : 0;
@@ -106,21 +106,20 @@ Plate coarser_plate(const Plate& fine) {
   return plate;
 }
 
-// A quarter of the difference of two neighbours on either side, as far as they are linked.
+// Returns a quarter of the slope at a texel, from the linked neighbours on either side.
 float quarter_slope(float before, float at, float after, bool has_before, bool has_after) {
   if (has_before && has_after) return 0.125f * (after - before);
   if (has_after) return 0.25f * (after - at);
   return has_before ? 0.25f * (at - before) : 0.0f;
 }
 
-// Sums what the texels in several directions say of one.
+// Sums the predictions of one texel from several directions.
 struct Continuation {
   float sum = 0.0f;
   int count = 0;
 };
 
-// Continues heights that are known into texels that are not, once: straight on through two linked neighbours, level
-// from one.
+// Extends known heights by one texel into unknown ones: linearly from two linked neighbours, constant from one.
 void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<std::uint8_t>& is_known) {
   const std::vector<float> before(heights);
   const std::vector<std::uint8_t> was_known(is_known);
@@ -151,8 +150,8 @@ void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<
   }
 }
 
-// Starts the finer level from planes through the coarser texels. Those that are cut have none: there the heights of the
-// texels around them go on, and where there are none it starts from the codes.
+// Starts the finer level from planes through the coarser texels. Cut texels have no plane: there, the surrounding
+// heights continue, or if there are none, the codes are used.
 std::vector<float> refined(const Plate& coarse, const std::vector<float>& heights, const Plate& fine) {
   std::vector<float> result(fine.codes);
   std::vector<std::uint8_t> is_known(fine.size(), 0);
@@ -174,14 +173,14 @@ std::vector<float> refined(const Plate& coarse, const std::vector<float>& height
         }
     }
   }
-  constexpr int kContinuations = 2;  // texels of the finer level in one of the coarser
+  constexpr int kContinuations = 2;  // texels of the finer level in one coarser texel
   for (int i = 0; i < kContinuations; ++i)
     if (std::find(is_known.begin(), is_known.end(), 0) != is_known.end()) continue_once(fine, result, is_known);
   return result;
 }
 
-// One step of the descent, row by row. Second differences of a row are needed by those next to it: of each kind the
-// last rows are kept.
+// One step of the descent, row by row. A row needs the second differences of its neighbours, so the last rows of each
+// kind are kept.
 class Descent {
  public:
   Descent(const Plate& plate, std::vector<float>& heights)
@@ -192,7 +191,7 @@ class Descent {
     bend_x_.resize(row);
   }
 
-  // `momentum` of the step before this one.
+  // `momentum` comes from the previous step.
   void step(float momentum) {
     std::fill(bend_y_[2].begin(), bend_y_[2].end(), 0.0f);  // of the row above the first
     std::fill(twist_[1].begin(), twist_[1].end(), 0.0f);
@@ -243,7 +242,7 @@ class Descent {
                      (point_[at] - point_[at + 1] - point_[at + row_step] + point_[at + row_step + 1]);
     }
   }
-  // Down the gradient, back between the bounds, and on by the momentum.
+  // Moves down the gradient, back into the bounds, and on by the momentum.
   void move_row(int row, float momentum) {
     const std::vector<float>&above = bend_y_[static_cast<std::size_t>((row + 2) % 3)],
           &own = bend_y_[static_cast<std::size_t>(row % 3)], &below = bend_y_[static_cast<std::size_t>((row + 1) % 3)];

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thin plate between bounds: minimises the bending energy of heights h on a grid,
+// A thin plate between bounds. Minimises the bending energy of heights h on a grid,
 //   E(h) = 1/2 sum (h_xx^2 + h_yy^2 + 2 h_xy^2)   subject to   |h - code| <= 1/2,
-// over those second differences that no cut crosses.
+// over the second differences that no cut crosses.
 #pragma once
 
 #include <vector>
 
 namespace multum {
 
-/// A grid of `width` x `height` codes, row-major; NaN: there is no height.
+/// A grid of `width` x `height` codes, row-major; NaN: no height.
 struct PlateProblem {
   int width = 0;
   int height = 0;
   std::vector<float> codes;
 };
 
-/// The plate's heights, within 1/2 of the codes: 0 where there are none. Neighbours whose codes differ by more than 1.5
-/// are cut apart. Computed in a fixed order.
+/// Returns the plate's heights, within 1/2 of the codes; 0 without a code. Neighbours whose codes differ by more than
+/// 1.5 are cut apart. Computes in a fixed order.
 std::vector<float> thin_plate(const PlateProblem& problem);
 
 }  // namespace multum

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// UDIM: 1001 + u + 10 v, u from 0 to 9 to the right and v upwards. Row 0 of an image is on top, so that tile 1011 ends
+// UDIM: 1001 + u + 10 v, with u from 0 to 9 to the right and v upwards. Row 0 of an image is on top, so tile 1011 ends
 // where tile 1001 begins.
 //
 //   record  {"heights": {"coding": 0, "depth": 1, "sides": {"left": ["neighbour", TILE, SHA of its file, of its
-//   border]}},
-//            "green": {"axis": "down", "tiles": [[TILE, SHA of its file], ...]}}
+//            border]}}, "green": {"axis": "down", "tiles": [[TILE, SHA of its file], ...]}}
 #include "host/formats/image/normals/tile_set.h"
 
 #include <algorithm>
@@ -32,11 +31,11 @@ constexpr int kTilesPerRow = 10;
 
 int number_of(const std::string& tile) { return std::stoi(tile) - 1001; }
 
-// Tiles of one row or column, by their place in it.
+// Tiles of one row or column, by their position.
 struct TileLine {
   int own = 0;
   std::vector<int> places;  // in order
-  int step = 1;             // of tile numbers
+  int step = 1;             // between tile numbers
 
   bool is_whole() const { return places.back() - places.front() + 1 == static_cast<int>(places.size()); }
   bool has(int place) const { return std::binary_search(places.begin(), places.end(), place); }
@@ -78,7 +77,7 @@ HeightSide& side_of(HeightSides& sides, TileSide side) {
   return sides.below;
 }
 
-// The first or last columns, by bands.
+// Returns some columns, read by bands.
 HeightRows columns_of(const HeightSurface& surface, int begin, int end) {
   constexpr int kRows = 64;
   HeightRows strip{begin, 0, end - begin, {}};
@@ -110,7 +109,7 @@ TileBorders read_borders(const std::string& path, const TileSet::BorderReading& 
   TileBorders borders{info.width, info.height, info.base_type, "", {}, {}};
   const int channel_count = reading.coding == HeightCoding::kPacked16 ? 2 : 3;
   if (reading.coding == HeightCoding::kGrey ? !is_grey_image(info, survey) : info.channel_count < channel_count)
-    borders.failure = fmt::format("holds no such heights ({})", info.format);
+    borders.failure = fmt::format("does not hold such heights ({})", info.format);
   if (!borders.failure.empty()) return borders;
   const HeightSurface surface(image, {reading.coding, survey.no_data()}, survey.nonfinite_count() == 0,
                               reading.fix_nan);
@@ -124,7 +123,7 @@ TileBorders read_borders(const std::string& path, const TileSet::BorderReading& 
   return borders;
 }
 
-// Moves a strip of another tile to where it lies next to this one.
+// Moves a strip of another tile to its position next to this tile.
 std::shared_ptr<const HeightRows> placed(const HeightRows& strip, TileSide side, const RawImageInfo& info) {
   HeightRows moved = strip;
   if (side == TileSide::kLeft) moved.column_begin = -strip.row_width;
@@ -138,7 +137,7 @@ bool is_unsigned_integer(int base_type) {
   return base_type == number_type::kUint8 || base_type == number_type::kUint16 || base_type == number_type::kUint32;
 }
 
-// Why two tiles do not make one surface; empty: they do.
+// Says why two tiles do not form one surface; empty if they do.
 std::string difference(const TileBorders& other, const RawImageInfo& info) {
   if (!other.failure.empty()) return other.failure;
   if (other.width != info.width || other.height != info.height)
@@ -160,9 +159,9 @@ std::string text_at(const Json& array, std::size_t i) {
 }
 
 constexpr char kNeighbourWord[] = "neighbour", kEndWord[] = "other end", kUnlikeWord[] = "unlike", kNoneWord[] = "none";
-constexpr char kUnaskedWord[] = "unasked";  // nothing beside it, and nobody asks for the other end
+constexpr char kUnaskedWord[] = "unasked";  // no neighbour, and the other end is not needed
 
-// Returns what is at a place now, in a record's word, and the tile there.
+// Returns the current state of a place, as a word of a record, and the tile there.
 std::pair<std::string, std::string> place_now(const TileSet& set, const std::string& tile, TileSide side) {
   const TileBeside beside = set.beside(tile, side);
   if (beside.kind == Kind::kNeighbour) return {kNeighbourWord, beside.tile};
@@ -185,7 +184,7 @@ bool side_is_unchanged(const Json& entry, TileSet& set, const std::string& tile,
 bool green_is_unchanged(const Json& green, TileSet& set) {
   const Json& tiles = green.at("tiles");
   if (tiles.empty() || tiles.size() > set.tiles().size()) return false;
-  // One more tile may be able to tell.
+  // One more tile may decide.
   if (green.at("axis") == "undecided" && tiles.size() < set.tiles().size()) return false;
   for (std::size_t i = 0; i < tiles.size(); ++i)
     if (text_at(tiles[i], 0) != set.tiles()[i] || text_at(tiles[i], 1) != set.file_hash(set.tiles()[i])) return false;
@@ -284,9 +283,8 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
     const auto [word, other] = place_now(set, tile, side);
     sides[name] = {word, other};
     if (beside.kind == Kind::kGap)
-      around.warnings.push_back(
-          fmt::format("its set has no tile {} ({}), but tiles beyond it: the surface is taken to end at that border",
-                      beside.tile, name));
+      around.warnings.push_back(fmt::format(
+          "its set has tiles beyond the missing tile {} ({}); the surface ends at that border", beside.tile, name));
     if (word != kNeighbourWord && !(is_horizontal(side) ? repeats.s : repeats.t)) {
       sides[name] = {kUnaskedWord, ""};
       continue;
@@ -298,8 +296,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
     }
     const TileBorders& borders = set.borders(other, reading, spill);
     if (const std::string why = difference(borders, info); !why.empty()) {
-      around.warnings.push_back(
-          fmt::format("tile {} ({}) {}: the surface is taken to end at that border", other, name, why));
+      around.warnings.push_back(fmt::format("tile {} ({}) {}; the surface ends at that border", other, name, why));
       sides[name] = {kUnlikeWord, other, set.file_hash(other)};
       continue;
     }
@@ -329,7 +326,7 @@ bool tiles_are_unchanged(const std::string& record, TileSet& set, const std::str
   try {
     return (!json.contains("green") || green_is_unchanged(json["green"], set)) &&
            (!json.contains("heights") || heights_are_unchanged(json["heights"], set, tile, fix_nan));
-  } catch (const Json::exception&) {  // other members than a record has
+  } catch (const Json::exception&) {  // members that a record does not have
     return false;
   }
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statistics of a normal map. The sharp one is the agreement of gradients: the slopes p = dh/dx = -x/z and q = dh/dy =
-// -y/z of any surface satisfy dp/dy = dq/dx, so over a map with green up the two correlate at +1, with green down (q
-// has the wrong sign) at -1, and over colours not at all. It is taken at 1, 2 and 4 texels (2 x 2 means), because lossy
-// compression destroys it at 1, and averaged. Measured on 36 real normal maps: 29 lie beyond +-0.31, the others (random
-// facets, hard edges, lossy or hand-painted) within 0.15; 19 colour images lie within 0.14, all but one within 0.09.
-// (Frankot & Chellappa 1988, "A method for enforcing integrability", states the condition.)
-// Whether blue is z is told by how much of its variance the tilt explains (correlation ratio in bins of the tilt), and
-// by lengths averaged over 4 x 4 texels: lossy compression scatters lengths at single texels, another map in blue does
-// so at every scale.
+// Statistics of a normal map. The sharpest one is the agreement of gradients. The slopes p = dh/dx = -x/z and q =
+// dh/dy = -y/z of any surface satisfy dp/dy = dq/dx (Frankot & Chellappa 1988, "A method for enforcing
+// integrability"). So over a map with green up the two correlate at +1, with green down (q has the wrong sign) at -1,
+// and over colours not at all. The correlation is averaged over 1, 2 and 4 texels (2 x 2 means), because lossy
+// compression destroys it at 1. Of 36 real normal maps, 29 are beyond +-0.31, and the others (random facets, hard
+// edges, lossy or hand-painted) within 0.15. 19 colour images are within 0.14, all except one within 0.09.
+//
+// Two statistics tell whether blue is z. One is the share of its variance that the tilt explains (correlation ratio
+// in bins of the tilt). The other is the scatter of lengths averaged over 4 x 4 texels: lossy compression scatters
+// lengths at single texels, but another map in blue scatters them at every scale.
 #include "host/formats/image/normals/vector_statistics.h"
 
 #include <algorithm>
@@ -23,12 +24,11 @@
 namespace multum {
 namespace {
 
-// A band is 64 rows: 16 rows at 4 texels, of which the inner 14 have derivatives.
+// A band has 64 rows: 16 rows at 4 texels, whose inner 14 have derivatives.
 constexpr int kStatisticsRows = 64;
-constexpr int kStatisticsColumns = 1 << 18;  // of a very wide image, so that a row stays below 7 MB
+constexpr int kStatisticsColumns = 1 << 18;  // limits rows of very wide images to 7 MB
 constexpr int kScaleCount = 3;
-// Slopes beyond 3 (72 degrees) are mostly compression noise of a small z, and would outweigh all others in a
-// correlation.
+// Slopes beyond 3 (72 degrees) are mostly compression noise of a small z, and would dominate a correlation.
 constexpr double kSlopeCorrelatedMax = 3.0;
 
 struct CorrelationSums {
@@ -36,7 +36,7 @@ struct CorrelationSums {
 
   void add(double x, double y) { n += 1, a += x, b += y, aa += x * x, bb += y * y, ab += x * y; }
   void add(const CorrelationSums& o) { n += o.n, a += o.a, b += o.b, aa += o.aa, bb += o.bb, ab += o.ab; }
-  // 0 when either side is constant.
+  // Returns 0 if either side is constant.
   double correlation() const {
     if (n < 2) return 0.0;
     const double variance_a = aa / n - (a / n) * (a / n);
@@ -46,8 +46,8 @@ struct CorrelationSums {
   }
 };
 
-// Correlation ratio of z on the tilt: the share of z's variance that its means in bins of the tilt explain, less what
-// as many bins explain of noise.
+// Correlation ratio of z on the tilt: the share of z's variance that its means in bins of the tilt explain, minus the
+// share that the same number of bins explains in noise.
 struct DependenceSums {
   static constexpr std::size_t kBinCount = 32;
   std::array<double, kBinCount> count{}, z{};
@@ -86,7 +86,7 @@ struct BandSums {
   DependenceSums dependence;
   std::array<CorrelationSums, kScaleCount> gradients;
 
-  // `blue`: z as it would be if blue were z itself.
+  // `blue`: z if blue itself is z.
   void add_vector(const glm::dvec3& v, double blue) {
     const double xy2 = v.x * v.x + v.y * v.y;
     const double length = std::sqrt(xy2 + v.z * v.z);
@@ -108,7 +108,8 @@ struct BandSums {
     log_length += log, log_length_squares += log * log;
     add_use_of_blue(v, length, z_of_unit, blue);
   }
-  // The vector and the one of rebuilt z are in one plane: the sine of the angle is tilt * (difference of z) / lengths.
+  // The vector and the one with rebuilt z are in one plane, so the sine of their angle is tilt * (difference of z) /
+  // lengths.
   void add_use_of_blue(const glm::dvec3& v, double length, double z_of_unit, double blue) {
     const double weight = std::min(1.0, v.x * v.x + v.y * v.y), tilt = std::sqrt(weight);
     const double positive_length = std::sqrt(weight + blue * blue);
@@ -158,7 +159,7 @@ void add_gradients(const VectorRow& above, const VectorRow& row, const VectorRow
              slope(row[i + 1].y, row[i + 1].z) - slope(row[i - 1].y, row[i - 1].z));
 }
 
-// One band: of each scale the last three rows are kept, and every pair of rows becomes one of the next scale.
+// One band. Keeps the last three rows of each scale; every pair of rows becomes one row of the next scale.
 //   scale 1   0 1 2 3 4 5 6 7
 //   scale 2    0   1   2   3
 //   scale 4      0       1
@@ -187,7 +188,7 @@ class StatisticsBand {
     double length = 0, count = 0;
   };
 
-  // Sums what concerns single texels. Texels without a vector are flat for the gradients.
+  // Decodes a row and adds the statistics of single texels. For the gradients, texels without a vector are flat.
   VectorRow decoded(const float* values) {
     VectorRow row(column_count_, glm::dvec3(0.0, 0.0, 1.0));
     for (std::size_t i = 0; i < column_count_; ++i) {
@@ -232,7 +233,7 @@ class StatisticsBand {
   std::vector<Block> blocks_;
 };
 
-// Every how many bands one is looked at.
+// Returns n if every n-th band is examined.
 int band_stride(const RawImageInfo& info) {
   constexpr std::int64_t kTexelsMax = std::int64_t{1} << 22;
   return static_cast<int>(1 + (std::int64_t{info.width} * info.height - 1) / kTexelsMax);
@@ -273,7 +274,7 @@ VectorStatistics statistics_of(const BandSums& sums) {
   result.length_mean = std::exp(log_mean);
   result.length_spread = std::sqrt(std::max(0.0, sums.log_length_squares / sums.n - log_mean * log_mean));
   add_use_of_blue(sums, result);
-  // A scale with fewer samples than this says nothing: the correlation of 64 random pairs is 0.125 from 0 by chance.
+  // A scale with fewer samples has no meaning: 64 random pairs have a correlation of 0.125 by chance.
   constexpr double kSamplesMin = 64;
   int scale_count = 0;
   for (const CorrelationSums& scale : sums.gradients) {
@@ -293,7 +294,7 @@ struct VectorStatisticsSums::State {
   VectorEncoding encoding;
   int row = 0;  // the next
   StatisticsBand band;
-  BandSums total;  // of the bands before
+  BandSums total;  // of earlier bands
 };
 
 VectorStatisticsSums::VectorStatisticsSums(const RawImageInfo& info, const VectorEncoding& encoding)
@@ -314,7 +315,7 @@ void VectorStatisticsSums::add_row(const float* values) {
 
 VectorStatistics VectorStatisticsSums::result() const {
   BandSums sums = state_->total;
-  sums.add(state_->band.sums());  // the last, when it is shorter
+  sums.add(state_->band.sums());  // the last band, which may be shorter
   return statistics_of(sums);
 }
 

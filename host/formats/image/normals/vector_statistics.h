@@ -9,36 +9,36 @@
 
 namespace multum {
 
-/// Statistics of a normal map under one reading of its numbers; shares are of the texels that hold a vector.
+/// Statistics of a normal map for one encoding of its numbers; shares refer to the texels that hold a vector.
 struct VectorStatistics {
   double texel_count = 0.0;     // finite and written
   double unit_share_5 = 0.0;    // | |v| - 1 | <= 0.05
   double unit_share_10 = 0.0;   // 0.10
   double unit_share_20 = 0.0;   // 0.20
   double below_share = 0.0;     // z < 0
-  double beyond_share = 0.0;    // x^2 + y^2 > 1.04: no unit vector, beyond the quantum of 8 bits
+  double beyond_share = 0.0;    // x^2 + y^2 > 1.04: not a unit vector, even with 8-bit rounding
   double tilted_share = 0.0;    // |x| or |y| > 0.02
   double negative_share = 0.0;  // x or y < -0.02
   double mean_x = 0.0, mean_y = 0.0, mean_z = 0.0;
   double rebuilt_z_mean = 0.0;         // of sqrt(1 - x^2 - y^2)
-  double rebuilt_z_correlation = 0.0;  // of z with it
+  double rebuilt_z_correlation = 0.0;  // of z with rebuilt z
   double blue_min = 0.0, blue_max = 0.0;
   double rebuilt_z_min = 1.0;
   double side_max = 0.0;            // largest |x| or |y|
-  double length_mean = 0.0;         // geometric, so that outliers of floats do not outweigh the others
-  double length_spread = 0.0;       // standard deviation of ln |v|: 0.05 is lengths within about 5 % of one another
-  double gradient_agreement = 0.0;  // -1..1, see vector_statistics.cpp; + green up, - green down, 0 no surface's slopes
+  double length_mean = 0.0;         // geometric, so that outliers of floats do not dominate
+  double length_spread = 0.0;       // standard deviation of ln |v|: at 0.05, lengths agree within about 5 %
+  double gradient_agreement = 0.0;  // -1..1, see vector_statistics.cpp; + green up, - green down, 0 not a surface
   double gradient_sample_count = 0.0;
-  // What follows tells whether blue is z, of readings that take z from blue.
-  double length_error = 0.0;  // rms of |v| - 1, weighted by x^2 + y^2: where nothing is tilted z does not matter
-  double positive_length_error = 0.0;  // the same of (x, y, blue): ZRange::kPositive
-  double z_dependence = 0.0;           // correlation ratio of z on sqrt(x^2 + y^2), 0 to 1: 1 is a function of it
+  // The members below tell whether blue is z, if z is taken from blue.
+  double length_error = 0.0;           // rms of |v| - 1, weighted by x^2 + y^2, because z of flat texels says nothing
+  double positive_length_error = 0.0;  // the same for (x, y, blue): ZRange::kPositive
+  double z_dependence = 0.0;           // correlation ratio of z on sqrt(x^2 + y^2), 0 to 1: at 1, z is a function of it
   double block_length_spread = 0.0;    // standard deviation of ln of the mean |v| of 4 x 4 texels
-  double rebuilt_angle = 0.0;          // degrees, rms between the vector and the one of rebuilt z
+  double rebuilt_angle = 0.0;          // rms angle in degrees between the vector and the one with rebuilt z
 };
 
-/// Statistics of rows that come one by one, from the top, each once. Of them at most about 16 Mi texels are looked at
-/// (whole bands of 64 rows, evenly spaced).
+/// Adds statistics row by row, from the top, each row once. At most about 16 Mi texels are examined (whole bands of 64
+/// rows, evenly spaced).
 class VectorStatisticsSums {
  public:
   VectorStatisticsSums(const RawImageInfo& info, const VectorEncoding& encoding);
@@ -54,7 +54,7 @@ class VectorStatisticsSums {
   std::unique_ptr<State> state_;
 };
 
-/// The same for a stored image.
+/// Returns the statistics of a stored image.
 VectorStatistics vector_statistics(const RawImage& image, const VectorEncoding& encoding, int threads);
 
 }  // namespace multum

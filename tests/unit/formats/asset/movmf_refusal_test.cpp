@@ -147,7 +147,7 @@ TEST_F(MovmfRefusalTest, FirstLevelsThatDoNotFit) {
   expect_refusal(set_int("multum:firstLevel", 1), {"found 9 parts", "expected 8"});
   expect_refusal(set_int("multum:mapWidth", 41), {"part finest with a data window from (0, 0) to (39, 23)",
                                                   "expected (0, 0) to (40, 23), level 0 of a map of 41 x 24"});
-  expect_refusal(set_int("multum:mapHeight", 0), {"found a map of 40 x 0", "expected 1 to 1048576 texels a side"});
+  expect_refusal(set_int("multum:mapHeight", 0), {"found a map of 40 x 0", "expected 1 to 1048576 texels per side"});
   expect_refusal(set_int("multum:mapHeight", 2000000000), {"found a map of 40 x 2000000000"});
 }
 

@@ -194,7 +194,7 @@ TEST(MovmfWriterEndTest, WhatWouldNotVerifyIsNotWritten) {
     MovmfWriter writer(folder / "a.exr", without_texels(mipmap), {});
     std::mt19937 random(2);
     write_in_portions(writer, mipmap, random);
-    expect_error(ErrorCode::kEnvironment, {folder / "a.exr", "not verify", check}, [&] { writer.commit("[]"); });
+    expect_error(ErrorCode::kEnvironment, {folder / "a.exr", "fail verification", check}, [&] { writer.commit("[]"); });
   };
   write("finite", [](MovmfMipmap& m) { m.levels[2].colours[1][3].y = std::numeric_limits<float>::infinity(); });
   write("finite", [](MovmfMipmap& m) {

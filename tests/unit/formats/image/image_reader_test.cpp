@@ -254,9 +254,9 @@ TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
   expect_cause(with_byte(1, 'Q'), {"signature", "byte 2"});
   expect_cause(with_byte(3, 'g'), {"signature", "byte 4"});
   expect_cause(with_byte(6, ' '), {"signature", "byte 7"});
-  expect_cause("\x89PNG\n\x1a\n" + good.substr(8), {"signature", "transfer as text"});
-  expect_cause("\x89PNG\r\r\n\x1a\r\n" + good.substr(8), {"signature", "transfer as text"});
-  expect_cause(with_byte(24, 3), {"found 3 bits a sample", "expected 8, 16 of RGB"});
+  expect_cause("\x89PNG\n\x1a\n" + good.substr(8), {"signature", "transfer in text mode"});
+  expect_cause("\x89PNG\r\r\n\x1a\r\n" + good.substr(8), {"signature", "transfer in text mode"});
+  expect_cause(with_byte(24, 3), {"found 3 bits per sample", "expected 8, 16 for RGB"});
   expect_cause(with_byte(24, 99), {"found 99 bits"});
   expect_cause(with_byte(25, 1), {"found colour type 1"});
   expect_cause(with_byte(25, 3), {"PLTE"});

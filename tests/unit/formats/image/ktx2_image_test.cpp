@@ -179,7 +179,7 @@ TEST_F(Ktx2ImageTest, Refusals) {
         k.vk_format = 0, k.model = 166;
         k.level.assign(32, 'E');  // 0x45, reserved
       },
-      {"block (0, 0)", "no UASTC block"});
+      {"block (0, 0)", "not a UASTC block"});
   write_bytes(path_, ktx2_of(good).substr(0, 150));
   expect_error(ErrorCode::kInput, {path_, "cut"}, [&] { open_library_image(path_, {}); });
 }

@@ -164,9 +164,9 @@ TEST(RoughnessMap, ANameThatSaysAnotherMapIsWarnedOf) {
   EXPECT_EQ(warning(true, "a_gloss.exr"), "");
   EXPECT_EQ(warning(false, "a_roughness.exr"), "");
   expect_says(warning(false, "a_gloss.exr"),
-              {"a_gloss.exr: ", "gloss map", "given as --roughness", "--gloss reads it"});
+              {"a_gloss.exr: ", "gloss map", "given as --roughness", "--gloss would invert"});
   expect_says(warning(true, "a_r.exr", "R"),
-              {"a_r.exr: ", "roughness map", "given as --gloss", "--roughness reads it"});
+              {"a_r.exr: ", "roughness map", "given as --gloss", "--roughness would invert"});
   expect_says(warning(true, "a_s.exr"), {"a_s.exr: ", "specular map", "given as --gloss"});
   expect_says(warning(false, "a_metallic.exr"), {"metalness map", "given as --roughness"});
   EXPECT_EQ(warning(true, "a_s.exr", "R"), "") << "the channel was named";

@@ -123,7 +123,7 @@ TEST_F(TileSetTest, MissingAndUnlikeTilesEndTheSurface) {
   write_tile("1001", 0, 0);
   write_tile("1003", 1, 0);
   const NormalMap beside_gap = read_tile("1001");
-  EXPECT_TRUE(has_warning(beside_gap, {"no tile 1002", "right", "end"}));
+  EXPECT_TRUE(has_warning(beside_gap, {"missing tile 1002", "right", "end"}));
   settings_.wrap_s = WrapMode::kClamp;
   const NormalMap alone = read_map(folder_ / "h_1001.png", settings_);
   EXPECT_EQ(beside_gap.x, alone.x) << "one-sided towards the gap, and where the row does not close";
@@ -134,7 +134,7 @@ TEST_F(TileSetTest, MissingAndUnlikeTilesEndTheSurface) {
   std::filesystem::remove(folder_ / "h_1003.png");
   TestImage broken = normal_image(kSide, kSide);
   write_test_image(folder_ / "h_1002.png", broken);
-  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "no such heights"}));
+  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "not hold such heights"}));
 }
 
 TEST_F(TileSetTest, DequantizedTilesMeet) {
@@ -211,7 +211,7 @@ TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   const NormalMap first = read_tile("1001"), second = read_tile("1002"), third = read_tile("1003");
   for (const NormalMap* map : {&first, &second, &third})
     EXPECT_TRUE(contains(map->report.encoding, "green down")) << map->report.encoding;
-  EXPECT_TRUE(contains(first.report.encoding, "as its set has it"));
+  EXPECT_TRUE(contains(first.report.encoding, "as in its set"));
   EXPECT_FALSE(has_warning(first, {"--green"}));
   EXPECT_FALSE(has_warning(second, {"--green"}));
   EXPECT_TRUE(has_warning(third, {"--green up or --green down", "green points up"}));

@@ -216,7 +216,7 @@ TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
     p.width = 500;
     return p;
   }());
-  refused("expected places within 2^30", [&] {
+  refused("expected positions within 2^30", [&] {
     auto p = part;
     p.y = -2000000000;
     return p;
@@ -226,7 +226,7 @@ TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
     p.tile_width = 8, p.tile_height = -8;
     return p;
   }());
-  refused("types of other channels", [&] {
+  refused("number of channel types", [&] {
     auto p = part;
     p.channel_types = {2, 2};
     return p;
