@@ -100,8 +100,8 @@ def content_hash(path):
 
 
 def read_moments(path, level):
-    """Reads a level of the map: the six channels of slopes [y, x, 6], mean normals [y, x, 3], colours [y, x, 3 or 0] and
-    weights [y, x, weight count]."""
+    """Reads a level of the map: the six channels of slopes [y, x, 6], mean normals [y, x, 3], colours [y, x, 3 or 0]
+    and weights [y, x, weight count]."""
     file = oiio.ImageInput.open(path)
     attributes = file.spec()
     assert attributes["multum:representation"] == "moments"
@@ -115,7 +115,8 @@ def read_moments(path, level):
 
 
 def read_harmonics(path, level):
-    """Reads a level of the map: coefficients [y, x, L (L + 2)], colours [y, x, 3 or 0], weights [y, x, weight count]."""
+    """Reads a level of the map: coefficients [y, x, L (L + 2)], colours [y, x, 3 or 0] and weights [y, x, weight
+    count]."""
     file = oiio.ImageInput.open(path)
     attributes = file.spec()
     assert attributes["multum:representation"] == "sh"

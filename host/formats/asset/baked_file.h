@@ -61,7 +61,7 @@ struct BakedHeader {
 enum class TexelCheck { kRefuse, kReport };
 
 struct BakedWriteOptions {
-  // docs/reference/file_format.md, "Size and speed", has the measurements behind these two.
+  // docs/contributing/ALGORITHMS.md, "Why the file is as it is", has the measurements behind these two.
   std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
   int tile_size = 128;
   int threads = 2;

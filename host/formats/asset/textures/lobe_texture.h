@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lobes as a GPU takes them, `multum export FILE.ndf.exr --lobes`: a KTX2 file of one 2D array texture, one or two
-// layers a lobe, and of each lobe the affine map from what the layers hold to (a r, a) (docs/reference/file_format.md,
-// "Lobes for GPUs"). The map is affine, so that filters may mix texels as they lie.
+// layers a lobe, and of each lobe the affine map from what the layers hold to (a r, a)
+// (docs/reference/lobe_textures.md, "Lobes for GPUs"). The map is affine, so that filters may mix texels as they lie.
 #pragma once
 
 #include <array>
