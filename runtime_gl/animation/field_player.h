@@ -4,7 +4,7 @@
 // cached (host/fields/playback), and added up by the GPU. Where all of a single sample's are waited for, workers add up
 // its coefficients instead, and whole textures are cached: one transform for all images, and nothing is left for the
 // GPU to do. Textures lie on exact geometry, so a camera may be anywhere near its samples; how near,
-// docs/reference/animation_jobs.md says.
+// docs/contributing/ALGORITHMS.md says.
 //
 //      player.prepare(point, ahead);                         // each frame
 //      for each object: draw its mesh of player.mapping(object) with player.layers(object)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checksum of a packed field's sections: the lower 32 bits of CRC-64/XZ (docs/reference/file_format.md, "Packed
+// The checksum of a packed field's sections: the lower 32 bits of CRC-64/XZ (docs/reference/packed_fields.md, "Packed
 // fields"), in two
 // halves of 32 bits, since JavaScript computes no more at once.
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the first bytes of a chunk say of its textures (docs/reference/file_format.md, "Chunks"), before it is decoded.
+// Reads the size and number of a chunk's textures from its first bytes, without decoding it
+// (docs/reference/packed_fields.md, "Chunks").
 
 /** `{ width, height, textures }`; zeros where the bytes are too few. */
 export function chunkHead(bytes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The description of a packed field (docs/reference/file_format.md, "The description"), checked: strangers may have
+// The description of a packed field (docs/reference/packed_fields.md, "The description"), checked: strangers may have
 // written it, and
 // whoever draws relies on every index and size.
 import { FieldError } from "./byte_source.js";

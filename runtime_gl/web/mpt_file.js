@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a packed field, NAME.mpt (docs/reference/file_format.md, "Packed fields"): its index, its description, and
+// Reads a packed field, NAME.mpt (docs/reference/packed_fields.md, "Packed fields"): its index, its description, and
 // single sections
 // as they are asked for. What is wrong with it is said by FieldError, with the file's name.
 import { FieldError } from "./byte_source.js";
@@ -113,7 +113,7 @@ export class MptFile {
     return bytes;
   }
 
-  /** What docs/reference/file_format.md, "The description", has; not looked at yet. */
+  /** What docs/reference/packed_fields.md, "The description", has; not looked at yet. */
   async descriptionObject() {
     const bytes = await this.section(this.description, "description");
     const reader = new NumberReader(bytes);

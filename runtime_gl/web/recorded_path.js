@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A path through the parameters, recorded as it is wandered, played again, and kept as JSON
-// (docs/reference/file_format.md, "Recorded paths"):
+// (docs/reference/packed_fields.md, "Recorded paths"):
 //   { "multumPath": 1, "parameters": ["view", "light"], "positions": [[0, 0.5, 3], ...] }
 // of each position the seconds since the first, then the index along each parameter, of any fraction.
 

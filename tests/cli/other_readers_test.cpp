@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files as strangers read them: OpenImageIO's oiiotool, and the Python of docs/reference/file_format.md as it
-// stands there.
+// Reads files as strangers do: with OpenImageIO's oiiotool, and with the Python files of docs/reference.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -97,17 +96,10 @@ TEST_F(OtherReadersTest, OiiotoolFindsPartsThatBeginAtTheFirstLevel) {
     EXPECT_NE(info.out.find(line), std::string::npos) << line << " is not in\n" << info.out;
 }
 
-// The ```python blocks of docs/reference/file_format.md, one after another.
+// Imports docs/reference/read_baked.py and read_inferred.py, which the format pages link to.
 std::string python_of_format_page() {
-  std::istringstream page(read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/file_format.md"));
-  std::string code, line;
-  bool inside = false;
-  while (std::getline(page, line)) {
-    if (line == "```python") inside = true;
-    else if (line == "```") inside = false;
-    else if (inside) code += line + "\n";
-  }
-  return code;
+  return "import sys\nsys.dont_write_bytecode = True\nsys.path.insert(0, \"" + std::string(MULTUM_SOURCE_DIR) +
+         "/docs/reference\")\nfrom read_baked import *\nfrom read_inferred import *\n";
 }
 
 // Runs them on each file of the command line, given with its output, its first level and its number of levels; writes
@@ -377,7 +369,7 @@ TEST_F(OtherReadersTest, ThePythonOfTheFormatPageMultipliesMatrixAndTexture) {
     for (const float value : picture) EXPECT_EQ(values.next(), value) << "these numbers are exact";
     EXPECT_EQ(values.left(), 0u);
     // The page's table names every key of the header.
-    const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/file_format.md");
+    const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/inferred_textures.md");
     std::istringstream keys(read.out);
     for (std::string key; std::getline(keys, key, '"') && std::getline(keys, key, '"');)
       EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << key;

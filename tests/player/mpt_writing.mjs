@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields (docs/reference/file_format.md) taken apart and put together again, with checksums that are right
+// Packed fields (docs/reference/packed_fields.md) taken apart and put together again, with checksums that are right
 // whatever is in them.
 import { deflateSync, inflateSync } from "node:zlib";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake keeps of a map that is mirrored, turned by quarters or tiled twice: what docs/reference/file_format.md
-// says in "What stays the same" is held here. What it does not keep, the lobes, is measured and printed.
+// What a bake keeps of a map that is mirrored, turned by quarters or tiled twice: what docs/contributing/ALGORITHMS.md
+// says in "Why the file is as it is" is held here. What it does not keep, the lobes, is measured and printed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -207,8 +207,8 @@ TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   }
 }
 
-// What is not the same, and how much it matters: docs/reference/file_format.md has these bounds. Worst here: 45 % of a
-// level's error, on noise of 64 x 16, where a normal at level 1 goes whole to one lobe or another, and 3.2 % of the
+// What is not the same, and how much it matters: docs/contributing/ALGORITHMS.md has these bounds. Worst here: 45 % of
+// a level's error, on noise of 64 x 16, where a normal at level 1 goes whole to one lobe or another, and 3.2 % of the
 // mean.
 constexpr double kErrorsDiffer = 0.6, kMeansDiffer = 0.05;
 
@@ -226,7 +226,7 @@ TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
         "lights that stay by %.2f points, %.0f %%, %.0f %%\n",
         name, layout().name, 100.0 * moved.most, 100.0 * moved.most_of_error, 100.0 * moved.mean,
         100.0 * under_fixed.most, 100.0 * under_fixed.most_of_error, 100.0 * under_fixed.mean);
-    EXPECT_GT(compare(layout(), a, b).lobes, 30.0 * kStep) << name << ": say so in docs/reference/file_format.md";
+    EXPECT_GT(compare(layout(), a, b).lobes, 30.0 * kStep) << name << ": say so in docs/contributing/ALGORITHMS.md";
     EXPECT_LT(moved.most_of_error, kErrorsDiffer) << name;
     EXPECT_LT(moved.mean, kMeansDiffer) << name;
   }

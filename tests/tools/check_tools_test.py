@@ -182,7 +182,7 @@ class CheckToolsTest(unittest.TestCase):
     def test_slips_of_english(self):
         for slip, plain in self.SLIPS:
             with self.subTest(slip=slip):
-                for file in ("docs/page.md", "host/foundation/base/bad.h"):
+                for file in ("docs/PAGE.md", "host/foundation/base/bad.h"):
                     mark = "" if file.endswith(".md") else LICENCE + "// "
                     self.write(file, f"{mark}{slip}\n")
                     self.expect_violation("check_style.py", file, "write ")

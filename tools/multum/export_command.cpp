@@ -269,7 +269,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks/                      # normal_00.png, orm_00.png and so on\n"
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
       "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes for GPUs, of multum bake "
-      "(docs/reference/file_format.md)\n"
+      "(docs/reference/lobe_textures.md)\n"
       "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png\n"
       "  multum export bricks_n.png -o bricks/ --write-green down    # for Unreal; for Unity: --smoothness\n"
       "  multum export bricks_n.png -o bricks/ --page bricks.html    # compared by pictures with engines' rules\n"

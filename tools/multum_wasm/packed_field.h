@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The decoder of packed fields (docs/reference/file_format.md) as functions that WebAssembly can export: numbers and
+// The decoder of packed fields (docs/reference/packed_fields.md) as functions that WebAssembly can export: numbers and
 // addresses of its memory alone. tools/wasm_decoder compiles them; packed_field.mjs is the side of JavaScript. Nothing
 // here throws: where memory ends the module traps, which JavaScript sees as an exception.
 #pragma once

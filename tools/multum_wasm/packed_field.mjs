@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields of animations (docs/reference/file_format.md) in JavaScript, browser or Node: packed_field.wasm, which
-// tools/wasm_decoder compiles, behind two classes.
+// Packed fields of animations (docs/reference/packed_fields.md) in JavaScript, browser or Node: packed_field.wasm,
+// which tools/wasm_decoder compiles, behind two classes.
 //
 //     const decoder = await loadDecoder(bytesOfWasm)
 //     const field = decoder.open(bytesOfFile)
@@ -69,7 +69,7 @@ class PackedField {
     this.chunkCount = decoder.wasm.multum_chunk_count(field)
   }
 
-  // The object that docs/reference/file_format.md, "The description", has; null where it is damaged or missing.
+  // The object that docs/reference/packed_fields.md, "The description", has; null where it is damaged or missing.
   async description() {
     const { wasm } = this.decoder
     const length = wasm.multum_description_length(this.field)

@@ -108,7 +108,7 @@ BakeJob with_region(BakeJob job, const BakeSource& source) {
 // Lobes that roughness has shortened are as wide for diffuse light. The shader divides the mean of c out
 // (without_roughness in kernels/device/vmf_shading.clh), which leaves what a texel's c differs from it by: nothing
 // where roughness varies little, and of a map with polished and dull parts more than averaged normals have at fine
-// levels (docs/reference/input_maps.md has the measurements).
+// levels (docs/evidence/INPUT_MAPS.md has the measurements).
 constexpr double kDiffuseErrorNoted = 0.02;
 constexpr int kFineLevels = 2;
 

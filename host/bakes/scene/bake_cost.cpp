@@ -10,7 +10,7 @@ namespace multum {
 namespace {
 
 // Nanoseconds a finest texel, fitted by eye to bakes of the four-quarter map of 2048 and 4096 texels a side on 2 cores
-// of an Intel Xeon with AVX-512, PoCL 3.1, nothing else running (docs/reference/scenes.md).
+// of an Intel Xeon with AVX-512, PoCL 3.1, nothing else running (docs/evidence/SCENE.md).
 constexpr double kRead = 55.0;          // a map of three channels
 constexpr double kAveragePlane = 18.0;  // a plane
 constexpr double kFitLevelOne = 80.0;   // level 1, whose texels give each of four normals to a lobe

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates what a bake will take, by a model of few constants (docs/reference/scenes.md has them and the machine that
+// Estimates what a bake will take, by a model of few constants (docs/evidence/SCENE.md has them and the machine that
 // they are of): for comparing ways to bake a map, not for promises.
 #pragma once
 

@@ -158,7 +158,7 @@ std::string bakes_text(const MapPlan& map) {
 }
 
 // What the model of costs does not have. A trial on a mosaic of 256 x 256 texels takes 0.05 to 0.7 s on 2 cores of an
-// Intel Xeon with AVX-512 (docs/reference/scenes.md).
+// Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
   return fmt::format(" and the trials (up to {} a map, seconds in all)",
                      target_candidates(Representation::kMovmf).size());

@@ -54,7 +54,7 @@ struct SceneCamera {
 
 struct SceneBudget {
   std::optional<double> bytes;         // of textures, all maps together
-  std::optional<double> bake_ms;       // of the bake, by the model of docs/reference/scenes.md
+  std::optional<double> bake_ms;       // of the bake, by the model of docs/evidence/SCENE.md
   std::optional<double> target_error;  // relative L1 against the reference, each map's worst BRDF
   double estimate_margin = 0.02;       // by how much an estimated error may exceed the default bake's, relative L1
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides which effects a scene needs of its maps, from the scene and from the maps themselves, and with that how each
 // map is baked: the cheapest of all candidates whose estimated error stays within a margin of the default bake's
-// (docs/reference/scenes.md has the rules).
+// (docs/contributing/ALGORITHMS.md, "Plans of scenes" has the rules).
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes the lobes of a LobeSource's normal map, and encodes them as a texture for GPUs (docs/reference/file_format.md,
-// "Lobes for GPUs"), which a file carries in the extension MULTUM_lobes (docs/reference/gltf.md).
+// Bakes the lobes of a LobeSource's normal map, and encodes them as a texture for GPUs
+// (docs/reference/lobe_textures.md, "Lobes for GPUs"), which a file carries in the extension MULTUM_lobes
+// (docs/reference/gltf.md).
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Describes a packed field to who plays it: all of the manifest that drawing needs, and which chunk has which texture.
-// docs/reference/file_format.md, "Packed fields", has the bytes.
+// docs/reference/packed_fields.md, "Packed fields", has the bytes.
 #pragma once
 
 #include <cstdint>

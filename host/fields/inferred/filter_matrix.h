@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture, one row a
 // pixel that the object covers, one column a texel of the mip pyramid. The GL runtime measures it and writes it to a
-// file; the solver reads that, and knows no GL. docs/reference/file_format.md describes the file.
+// file; the solver reads that, and knows no GL. docs/reference/inferred_textures.md describes the file.
 #pragma once
 
 #include <cstdint>

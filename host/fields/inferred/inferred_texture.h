@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads and writes the results of texture inference: mip-mapped textures of radiance, and the manifest that says which
 // of them an object has at each point of the parameter space, where it is then, and from where it is seen.
-// docs/reference/file_format.md describes both.
+// docs/reference/inferred_textures.md describes both.
 #pragma once
 
 #include <map>

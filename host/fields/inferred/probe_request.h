@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Describes a request of the host to the GL runtime, to measure filter matrices of objects in one view: a JSON file
-// that `multum-view probe` reads (docs/reference/file_format.md).
+// that `multum-view probe` reads (docs/reference/inferred_textures.md).
 #pragma once
 
 #include <map>

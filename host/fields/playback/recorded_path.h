@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A path through the parameters of a field that somebody wandered in the browser's player (runtime_gl/web,
-// recorded_path.js), as its file has it (docs/reference/file_format.md, "Recorded paths"):
+// recorded_path.js), as its file has it (docs/reference/packed_fields.md, "Recorded paths"):
 //
 //      { "multumPath": 1, "parameters": ["view", "light"], "positions": [[0, 0.5, 3], ...] }
 #pragma once

@@ -10,7 +10,7 @@
 // MULTUM_MAGNIFIED: between texels of level 0 lies the surface that an interpolated normal map shows, not their light.
 // MULTUM_WHOLE: amplitudes of a texel are 1 together, but for how they are stored, and are made so.
 // MULTUM_LOBE_LAYERS n: lobes come as multum export --lobes writes them, 1 or 2 layers of an array a lobe, from whose
-// four channels (a r, a) is made (docs/reference/file_format.md, "Lobes for GPUs").
+// four channels (a r, a) is made (docs/reference/lobe_textures.md, "Lobes for GPUs").
 #ifdef MULTUM_LOBE_LAYERS
 #define MULTUM_FIRST_LOBES u_lobe_layers
 uniform sampler2DArray u_lobe_layers;

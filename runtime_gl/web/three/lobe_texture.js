@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobe textures, `multum export NAME.ndf.exr --lobes -o NAME.ktx2` (docs/reference/file_format.md, "Lobes for GPUs"),
+// Lobe textures, `multum export NAME.ndf.exr --lobes -o NAME.ktx2` (docs/reference/lobe_textures.md, "Lobes for GPUs"),
 // for three.js.
 // Its KTX2Loader makes textures of one layer of such formats, so the file is read by the reader that it has inside.
 import { ClampToEdgeWrapping, CompressedArrayTexture, DataTexture, FileLoader, HalfFloatType, LinearFilter,
@@ -13,7 +13,7 @@ import { ggxLobeTable } from "./multum_lobes.js";
 
 const SIDE_MAX = 16384, LOBES_MAX = 8;
 const BYTES_OF_TEXEL = { [VK_FORMAT_R8G8B8A8_UNORM]: 4, [VK_FORMAT_R16G16B16A16_SFLOAT]: 8 };
-// Beyond a black border FORMAT.md allows a clamp.
+// Beyond a black border docs/reference/lobe_textures.md allows a clamp.
 const WRAPPING = { periodic: RepeatWrapping, clamp: ClampToEdgeWrapping, mirror: MirroredRepeatWrapping,
   black: ClampToEdgeWrapping };
 

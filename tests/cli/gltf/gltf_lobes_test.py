@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`multum gltf --lobes`: what MULTUM_lobes says of materials (docs/reference/gltf.md, "Lobes"), what stays as it was,
-and what
-gltf-validator, three.js and @multum/three make of it.
+"""Tests `multum gltf --lobes`: the extension MULTUM_lobes of materials (docs/reference/gltf.md, "The extension
+MULTUM_lobes"), the unchanged rest, and the results of gltf-validator, three.js and @multum/three.
 
   gltf_lobes_test.py MULTUM [unittest's arguments]
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Decodes images of cosines by docs/reference/file_format.md, "The stream of cosines"."""
+"""Decodes images of cosines by docs/reference/packed_fields.md, "The stream of cosines"."""
 import numpy as np
 
 from mpt_symbols import SymbolDecoder, quotient

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads packed fields, NAME.mpt, by docs/reference/file_format.md, "Packed fields", alone: Python and numpy.
+"""Reads packed fields, NAME.mpt, by docs/reference/packed_fields.md, "Packed fields", alone: Python and numpy.
 
 Used as a program it writes 32-bit floats one after another:
     mpt_reading.py FILE OUTPUT           of every chunk, in the index's order, the texture of every sample, gamma-coded,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Decodes images of wavelets by docs/reference/file_format.md, "The stream of wavelets"."""
+"""Decodes images of wavelets by docs/reference/packed_fields.md, "The stream of wavelets"."""
 import numpy as np
 
 from mpt_symbols import SymbolDecoder

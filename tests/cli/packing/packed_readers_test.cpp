@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields as others read them: Python by docs/reference/file_format.md alone (mpt_reading.py), and the decoder
+// Packed fields as others read them: Python by docs/reference/packed_fields.md alone (mpt_reading.py), and the decoder
 // compiled to WebAssembly (tools/wasm_decoder), in Node. Chunks of every kind that a file may have, and a field that
 // multum packed.
 #include <fmt/format.h>

@@ -182,7 +182,7 @@ def reproduce(study):
         fields.append(field)
         for figure in figures:
             figure(study, field)
-    study.paragraph("docs/reference/animation_jobs.md has the errors of inferred textures over those of forward "
+    study.paragraph("docs/evidence/ANIMATION.md has the errors of inferred textures over those of forward "
                     "mapping. Its",
                     "forward mapping is not the paper's: pixels are splatted bilinearly, where the paper resamples",
                     "with a Lanczos-windowed sinc of 16 x 16 taps. Of that one no factor is stated here.",

@@ -33,8 +33,8 @@ std::vector<ViewCommand> field_commands() {
        [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
        [](const CommandOptions& o) { return play_field(o.play); }},
       {"probe", "Measure filter matrices for texture inference: what the GL's sampler makes of every texel",
-       "  multum-view probe request.json          `multum infer` starts it; docs/reference/file_format.md describes "
-       "the request",
+       "  multum-view probe request.json          `multum infer` starts it; the request is described in "
+       "docs/reference/inferred_textures.md",
        [](CLI::App& app, CommandOptions& o) { add_probe_options(app, o.probe); },
        [](const CommandOptions& o) { return measure_filter_matrices(o.probe); }}};
 }

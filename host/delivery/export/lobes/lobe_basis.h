@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses what the channels of a lobe's layers hold (docs/reference/file_format.md, "Lobes for GPUs"). Of x, y, z = a r
-// and the amplitude a the channels are x, y, s = a - z and a, each less what the others tell of it:
+// Chooses what the channels of a lobe's layers hold (docs/reference/lobe_textures.md, "Lobes for GPUs"). Of x, y, z = a
+// r and the amplitude a the channels are x, y, s = a - z and a, each less what the others tell of it:
 //
 //     x' = x - m_x a,   y' = y - m_y a,   s' = s - (c_x x + c_y y + c_a a),   a
 //

@@ -2,7 +2,7 @@
 // Colours of lobes (Han et al. 2007, section 7.3) as GPUs take them. Where bricks are red and mortar is grey, or dents
 // are dark, colour goes with the normal. Of a lobe its tint is stored: the luminance of its colour over that of the
 // texel, times its amplitude a, less a. Tints of a texel add up to 0, and are small and smooth: at half of the lobes'
-// sides, 4 bits per texel and lobe lose next to nothing (docs/reference/gltf.md, "Colours of lobes").
+// sides, 4 bits per texel and lobe lose next to nothing (docs/evidence/GLTF_TEXTURES.md, "Colours of lobes").
 #pragma once
 
 #include <cstdint>

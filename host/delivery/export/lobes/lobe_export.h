@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the lobes of a baked file as a texture for GPUs, from file to file (docs/reference/file_format.md, "Lobes for
-// GPUs").
+// Writes the lobes of a baked file as a texture for GPUs, from file to file (docs/reference/lobe_textures.md, "Lobes
+// for GPUs").
 #pragma once
 
 #include <cstdint>

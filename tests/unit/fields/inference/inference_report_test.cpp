@@ -157,16 +157,21 @@ void expect_documented(const nlohmann::json& json, const std::string& page, cons
   for (const nlohmann::json& value : json) expect_documented(value, page, names);
 }
 
+std::string reference_page(const std::string& name) {
+  std::ifstream file(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/" + name);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 TEST(InferenceReport, EveryKeyIsDocumented) {
-  std::ifstream file(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/animation_jobs.md");
-  const std::string page{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t begin = page.find("### report.json"), end = page.find("## An example");
-  const std::size_t texture = page.find("`[texture]`"), parameter = page.find("`[[parameter]]`: one");
+  const std::string report = reference_page("inferred_textures.md"), job = reference_page("animation_jobs.md");
+  const std::size_t begin = report.find("\n## report.json\n");
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t texture = job.find("`[texture]`"), parameter = job.find("`[[parameter]]`: one");
   ASSERT_LT(texture, parameter);
-  ASSERT_LT(begin, end);
+  ASSERT_NE(parameter, std::string::npos);
   // An object's texture has the job's keys.
   expect_documented(nlohmann::json::parse(inference_report_json(ReportScene().report())),
-                    page.substr(begin, end - begin) + page.substr(texture, parameter - texture), {"vase", kOddName});
+                    report.substr(begin) + job.substr(texture, parameter - texture), {"vase", kOddName});
 }
 
 TEST(InferenceReport, WithoutFramesAndComparisonJsonSaysSo) {

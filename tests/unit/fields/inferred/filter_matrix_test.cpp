@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter matrix's file: what is written comes back, byte for byte as docs/reference/file_format.md says; every kind
-// of damage is refused by name. One refusal is not reached: "cannot be read to its end" takes a disk that fails between
-// two reads.
+// The filter matrix's file: what is written comes back, byte for byte as docs/reference/inferred_textures.md says;
+// every kind of damage is refused by name. One refusal is not reached: "cannot be read to its end" takes a disk that
+// fails between two reads.
 #include "host/fields/inferred/filter_matrix.h"
 
 #include <gtest/gtest.h>
