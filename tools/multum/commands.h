@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/foundation/base/progress.h"
+#include "tools/multum/doctor_checks.h"
 
 namespace multum {
 
@@ -33,6 +34,9 @@ int run_command(int argc, char** argv);
 /// The same of the words behind the program's name; `callback` hears of the progress. One at a time.
 int run_command_heard(const std::vector<std::string>& words, const Progress::Callback& callback);
 
+/// Folders for compiled kernels, as the environment names them.
+KernelCacheFolders kernel_cache_folders();
+
 /// multum-view lies beside multum, in the build folder and when installed; else the one in PATH.
 std::string find_viewer();
 
@@ -42,6 +46,8 @@ void add_gltf_command(CLI::App& app, int* exit_code);
 /// A page that shows lobes in a browser.
 void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
+/// Checks the machine.
+void add_doctor_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
 /// The shading of lobes in other languages.
 void add_shaders_command(CLI::App& app, int* exit_code);
@@ -65,6 +71,8 @@ using CheckWords = void (*)(const std::vector<std::string>& words);
 void register_jobs();
 /// openjd, serve, the clients of a service, and a line for each in the text of `app` itself.
 void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
+/// Asks the service at `server` (empty: the usual one) whether it is well; nothing in a build without the farm.
+DoctorFindings service_findings(const std::string& server);
 /// The schemas of docs/reference/openapi.json that the program says, by name (host/farm/service/http/job_schemas.h).
 nlohmann::ordered_json job_schemas();
 

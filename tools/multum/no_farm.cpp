@@ -15,6 +15,8 @@ void add_farm_commands(CLI::App& app, int*, CheckWords) {
       "MULTUM_FARM");
 }
 
+DoctorFindings service_findings(const std::string&) { return {}; }
+
 nlohmann::ordered_json job_schemas() { return nlohmann::ordered_json::object(); }
 
 }  // namespace multum

@@ -28,18 +28,6 @@ std::string user_cache_folder() {
   return "";
 }
 
-// $MULTUM_CACHE_DIR, whose empty value turns the cache off, else the folder "multum" of the user's. PoCL looks for its
-// own in the same way.
-KernelCacheFolders kernel_cache_folders() {
-  const char* programs = std::getenv("MULTUM_CACHE_DIR");
-  const char* pocl = std::getenv("POCL_CACHE_DIR");
-  const std::string cache = user_cache_folder();
-  return {programs != nullptr ? programs
-          : cache.empty()     ? ""
-                              : cache + "/multum",
-          pocl != nullptr ? pocl : (cache.empty() ? "/tmp" : cache) + "/pocl/kcache"};
-}
-
 // Of the command that a worker runs; one at a time.
 Progress::Callback& listener() {
   static Progress::Callback callback;
@@ -57,6 +45,7 @@ void add_commands(CLI::App& app, int* exit_code) {
   add_info_command(app, exit_code);
   add_verify_command(app, exit_code);
   add_devices_command(app, exit_code);
+  add_doctor_command(app, exit_code);
   add_selftest_command(app, exit_code);
   add_testmap_command(app, exit_code);
   add_pyramid_commands(app, exit_code);
@@ -134,6 +123,18 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
   const int count = static_cast<int>(argv.size());
   argv.push_back(nullptr);
   return run_command(count, argv.data());
+}
+
+// $MULTUM_CACHE_DIR, whose empty value switches the cache off, else the folder "multum" in the user's cache folder.
+// PoCL looks for its own folder in the same way.
+KernelCacheFolders kernel_cache_folders() {
+  const char* programs = std::getenv("MULTUM_CACHE_DIR");
+  const char* pocl = std::getenv("POCL_CACHE_DIR");
+  const std::string cache = user_cache_folder();
+  return {programs != nullptr ? programs
+          : cache.empty()     ? ""
+                              : cache + "/multum",
+          pocl != nullptr ? pocl : (cache.empty() ? "/tmp" : cache) + "/pocl/kcache"};
 }
 
 std::string find_viewer() {

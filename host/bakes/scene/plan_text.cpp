@@ -256,7 +256,8 @@ std::string time_text(double ms) {
 std::string bytes_text(double bytes) {
   if (bytes < 1024.0) return fmt::format("{:.0f} B", bytes);
   if (bytes < 1048576.0) return fmt::format("{:.1f} KiB", bytes / 1024.0);
-  return fmt::format("{:.1f} MiB", bytes / 1048576.0);
+  if (bytes < 1073741824.0) return fmt::format("{:.1f} MiB", bytes / 1048576.0);
+  return fmt::format("{:.1f} GiB", bytes / 1073741824.0);
 }
 
 std::string percent_text(double share) { return percent_number(share) + " %"; }

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// multum doctor: checks the machine, and says what is wrong and what to do.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/files/work_folder.h"
+#include "host/foundation/base/shown_text.h"
+#include "tools/multum/commands.h"
+#include "tools/multum/doctor_checks.h"
+
+namespace multum {
+namespace {
+
+struct DoctorOptions {
+  std::string device, server;
+  bool json = false;
+  CommonOptions common;
+};
+
+void append(DoctorFindings& findings, const DoctorFindings& more) {
+  findings.insert(findings.end(), more.begin(), more.end());
+}
+
+// Checks that need files; they are written to a folder that is removed again.
+DoctorFindings file_findings(const DoctorSettings& settings) {
+  std::error_code error;
+  const std::string temporary = std::filesystem::temp_directory_path(error).string();
+  try {
+    const std::unique_ptr<WorkFolder> folder = WorkFolder::make(temporary);
+    DoctorFindings findings = trial_findings(settings, folder->path());
+    append(findings, program_findings(folder->path()));
+    return findings;
+  } catch (const Error& failure) {
+    return {{DoctorState::kFailure, "bake", std::string("not tried: ") + failure.what(),
+             "Set TMPDIR to a folder that can be written."}};
+  }
+}
+
+nlohmann::ordered_json findings_json(const DoctorFindings& findings) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const DoctorFinding& f : findings)
+    rows.push_back({{"area", f.area}, {"state", doctor_state_name(f.state)}, {"found", f.found}, {"advice", f.advice}});
+  return {{"software", std::string("multum ") + MULTUM_VERSION}, {"findings", rows}};
+}
+
+std::string findings_text(const DoctorFindings& findings) {
+  std::string text;
+  for (const DoctorFinding& f : findings) {
+    text += fmt::format("{:<8} {:<9} {}\n", doctor_state_name(f.state), f.area, f.found);
+    if (!f.advice.empty()) text += fmt::format("{:<8} {:<9} {}\n", "", "", f.advice);
+  }
+  return text;
+}
+
+int run_doctor(const DoctorOptions& options) {
+  apply(options.common);
+  const DoctorSettings settings{options.device, find_viewer(), kernel_cache_folders()};
+  DoctorFindings findings = machine_findings();
+  append(findings, device_findings(settings));
+  append(findings, cache_findings(settings.caches));
+  append(findings, decoder_findings());
+  append(findings, disk_findings());
+  append(findings, file_findings(settings));
+  append(findings, service_findings(options.server));
+  std::size_t failures = 0, warnings = 0;
+  for (const DoctorFinding& f : findings) {
+    failures += f.state == DoctorState::kFailure ? 1 : 0;
+    warnings += f.state == DoctorState::kWarning ? 1 : 0;
+  }
+  if (options.json) write_shown(stdout, escaped_json(json_text(findings_json(findings), 2)) + "\n");
+  else write_shown(stdout, findings_text(findings) + fmt::format("\n{} failures, {} warnings\n", failures, warnings));
+  if (failures > 0)
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("this machine fails {} checks: do what is written under each failure", failures));
+  return 0;
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* command = app.add_subcommand("doctor", "check this machine, and say what is wrong and what to do");
+  command->add_option("--device", options->device,
+                      "OpenCL device to bake on: its number in `multum devices`, or part of its name");
+  command->add_option("--server", options->server,
+                      "service to ask: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
+                      "http://127.0.0.1:8470)");
+  command->add_flag("--json", options->json, "print the findings as JSON");
+  add_common_options(*command, options->common);
+  command->callback([options, exit_code] { *exit_code = run_doctor(*options); });
+}
+
+}  // namespace multum
