@@ -6,7 +6,8 @@
 
 - All ```sh blocks run in order, in one shell (bash -e), in one empty folder.
 - A ```text block right after a ```sh block shows its output. Each line must be a line of the real output. Numbers may
-  differ, runs of spaces and dashes too. A line that ends in " ..." shows only its beginning; "..." stands for any lines.
+  differ, and runs of spaces and dashes. A line that ends in " ..." shows only its beginning; "..." stands for any
+  lines.
 - <!-- page: URL title: TEXT --> opens URL in headless Chromium. The page's title must become TEXT.
 - <!-- needs: PROGRAM... --> skips the test where one of these programs is missing.
 - Ports on this machine, such as 127.0.0.1:8000, are replaced by free ones.
@@ -26,8 +27,7 @@ import tarfile
 import tempfile
 import threading
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-MODULES = ROOT / "tests/service/web/node_modules"
+MODULES = pathlib.Path(__file__).resolve().parents[1] / "service/web/node_modules"
 SKIPPED = 77
 SECONDS_MAX = 540
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$|^<!-- (page|needs): (.*?) -->$", re.DOTALL | re.MULTILINE)
@@ -100,9 +100,9 @@ class Registry(http.server.BaseHTTPRequestHandler):
         if name.endswith(".tgz"):
             return self.answer("application/octet-stream", self.packed(package.parent))
         url = f"http://127.0.0.1:{self.server.server_port}/{name}.tgz"
-        version = {**facts, "dist": {"tarball": url}}
-        return self.answer("application/json", json.dumps(
-            {"name": name, "dist-tags": {"latest": facts["version"]}, "versions": {facts["version"]: version}}).encode())
+        versions = {facts["version"]: {**facts, "dist": {"tarball": url}}}
+        known = {"name": name, "dist-tags": {"latest": facts["version"]}, "versions": versions}
+        return self.answer("application/json", json.dumps(known).encode())
 
     def answer(self, kind, body):
         self.send_response(200)
@@ -140,7 +140,7 @@ def reason_to_skip(steps, programs):
 
 
 def script_of(steps):
-    """One bash script. After each step stands a line with the step's number, by which the output is cut."""
+    """One bash script. After each step it prints the step's number, which separates the outputs."""
     lines = ["set -e", "exec 2>&1"]
     for number, (kind, text, _) in enumerate(steps):
         if kind == "sh":
