@@ -49,7 +49,8 @@ formats, and the engines that load them.
 
 Babylon.js, PlayCanvas and Filament take Basis Universal only; of a model they may leave out other textures without a
 message. Tried in Chromium: three.js 0.187, Babylon.js 9.35, PlayCanvas 2.23.3 and Filament 1.53.4; the last two load
-UASTC with all levels. Tried elsewhere: Blender 3.4, Godot 3.2. From its documents only: Unreal. Tests read every level: three.js (WebGL 2 with SwiftShader) all kinds of KTX2, ktx-parse 2.0 their heads,
+UASTC with all levels. Tried elsewhere: Blender 3.4, Godot 3.2. From its documents only: Unreal. Tests read every
+level: three.js (WebGL 2 with SwiftShader) all kinds of KTX2, ktx-parse 2.0 their heads,
 OpenImageIO 2.4 BC4, BC5 and BC7 in DDS, Babylon.js half floats in DDS (it takes no other kind with a DX10 header). From
 sources (October 2026): Bevy takes KTX2 with all levels; Godot 4 does, but only level 0 of sides that are no powers of
 two, and the export warns about it. Direct3D refuses blocks where sides are no multiples of 4: a warning too.
