@@ -84,7 +84,7 @@ FloatImage blurred(const FloatImage& image) {
 }
 
 // Blue noise beside white, which is a hash of the pixel: as far off where each pixel of a frame is looked at by itself,
-// less where neighbours are averaged. docs/how-to/draw_lobes.md states these bounds.
+// less where neighbours are averaged. docs/contributing/ALGORITHMS.md states these bounds.
 TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   struct Map {
     const char* name;

@@ -340,10 +340,12 @@ class ShadingLanguagesTest(unittest.TestCase):
         self.assertLess(facets, 1.1 * single)
 
     def page_block(self, language):
-        return re.search(rf"```{language}\n(.*?)```", PAGE.read_text(), re.S)[1]
+        """The page's fragment shader in that language."""
+        blocks = re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.S)
+        return next(block for block in blocks if " main(" in block)
 
     def page_function(self, begin):
-        return re.search(rf"    {re.escape(begin)}\(.*?\n    }}\n", PAGE.read_text(), re.S)[0]
+        return re.search(rf"^{re.escape(begin)}\(.*?\n}}\n", PAGE.read_text(), re.S | re.M)[0]
 
     def test_the_pages_fragments_compile(self):
         blocks = {"frag.glsl": "#version 330\n" + self.text("glsl") + self.page_block("glsl"),

@@ -12,7 +12,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOL = ROOT / "tools/lab/lobe_textures_document.py"
 DOCUMENT = "docs/evidence/LOBE_TEXTURES.md"
-PAGES = ("docs/how-to/tradeoff.md", "host/bakes/settings_search/templates/tradeoff.html")
+PAGES = ("docs/how-to/choose_lobes.md", "host/bakes/settings_search/templates/tradeoff.html")
 
 
 class LobeTexturesTest(unittest.TestCase):

@@ -8,7 +8,7 @@
 
 BIN_FOLDER has multum and multum-view. With --data, shared data, the maps are those of its folder normal/ that --maps
 names; else one that multum makes. The pages have the table between <!-- figures: lobe_textures --> and
-<!-- /figures: lobe_textures -->: docs/how-to/tradeoff.md, and the page that `multum tradeoff` writes.
+<!-- /figures: lobe_textures -->: docs/how-to/choose_lobes.md, and the page that `multum tradeoff` writes.
 """
 import argparse
 import html
@@ -22,7 +22,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCUMENT = "docs/evidence/LOBE_TEXTURES.md"
-SHARING = ("docs/how-to/tradeoff.md", "host/bakes/settings_search/templates/tradeoff.html")
+SHARING = ("docs/how-to/choose_lobes.md", "host/bakes/settings_search/templates/tradeoff.html")
 MARK = re.compile(r"(<!-- figures: lobe_textures -->\n).*?(<!-- /figures: lobe_textures -->)", re.DOTALL)
 
 MAPS = ("pm_0001.webp", "gd_wool_normal.png", "gd_texture_rock_normal.png")

@@ -90,7 +90,7 @@ def document(arguments, rows, machine):
             "that runs to the horizon, beside its reference. Errors and pictures are through the default filter of "
             "that commit (docs/evidence/FILTER.md). Processor: seconds of both bakes, choosing, drawing and "
             "compiling kernels included.\n\nTo ask before a bake: `multum tradeoff MAP -o "
-            "costs.html` shows what every setting costs for a map (docs/how-to/tradeoff.md), `multum plan "
+            "costs.html` shows what every setting costs for a map (docs/reference/tradeoff.md), `multum plan "
             "scene.toml` what a "
             "scene needs of its maps (docs/reference/scenes.md).\n\n")
     for target in arguments.targets:
