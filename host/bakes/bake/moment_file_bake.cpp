@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of moments, from file to file.
+// Bakes moments from file to file.
 #include <fmt/format.h>
 
 #include <memory>
@@ -18,8 +18,8 @@
 namespace multum {
 namespace {
 
-// Slopes that are cut off change the moments of all coarser texels. Of 32 real maps one has 0.8 % of such normals
-// (asphalt, noise of every steepness), six a handful and the others none.
+// Limited slopes change the moments of all coarser texels. Of 32 real maps, one has 0.8 % of such normals (asphalt,
+// noise of every steepness), six have a few and the others none.
 constexpr double kLimitedNoted = 0.01;
 
 template <typename Writer>
@@ -39,7 +39,7 @@ void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
 
 void bake_moment_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
-  // Measuring and writing count as about half as much work as averaging.
+  // Measuring and writing together count as half the work of averaging.
   const std::uint64_t texels =
       static_cast<std::uint64_t>(run.header.width) * static_cast<std::uint64_t>(run.header.height);
   progress_start(progress, 2 * texels);

@@ -24,18 +24,18 @@
 namespace multum {
 namespace {
 
-// A float as a person gave it: 0.01, which in JSON is 0.00999999977.
+// Formats a float as a person gave it: 0.01, which JSON holds as 0.00999999977.
 std::string shown(const nlohmann::json& json, const std::string& key) {
   const auto found = json.find(key);
   if (found == json.end()) return "not stated";
   return found->is_number_float() ? fmt::format("{:g}", found->get<double>()) : found->dump();
 }
 
-// Settings that are hashes of maps, in words.
+// Words for settings that are hashes of maps.
 const std::map<std::string, std::string> kHashedMaps = {
     {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
 
-// Which settings differ, and how. Hashes tell a person nothing.
+// Lists the settings that differ, with both values; hashes are replaced by words.
 std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
@@ -54,7 +54,7 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   return changes;
 }
 
-// Of settings that were chosen: was it for the same, of the same? Which they are is found in a bake alone.
+// If the bake chose its own settings, compares only target and inputs: the settings are unknown until the map is baked.
 std::vector<std::string> changed_target(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
@@ -88,7 +88,7 @@ MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wra
   return settings;
 }
 
-std::string rows_key(const BakedProvenance& from) {  // the settings name the albedo's hash
+std::string rows_key(const BakedProvenance& from) {  // the settings contain the albedo's hash
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
@@ -96,12 +96,12 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
-  // Absent otherwise: files from before it keep their hash.
+  // Omitted otherwise: files of programs without this setting keep their hash.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : job.hashes->hash(job.albedo);
-  // Where there are none, the text is that of programs that knew none.
+  // Without weights, the text equals that of programs that did not support them.
   if (!job.weights.empty()) json["weights"] = job.hashes->hash(job.weights);
   if (!job.roughness.empty()) {
     const ChannelFile file = roughness_file(job);
@@ -110,7 +110,7 @@ std::string all_settings_json(const BakeJob& job) {
   }
   if (!job.onto.empty()) {
     if (job.region) json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
-    else json["region"] = "auto";  // until it is known
+    else json["region"] = "auto";  // until the region is known
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
   if (!job.chosen_for.empty()) json["target"] = job.chosen_for;
