@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// Rows of three planes from `plane` on.
+// Reads rows of three planes, starting with `plane`.
 std::vector<glm::vec3> vectors_of(const BoxRows& from, int plane, int threads) {
   const std::size_t width = size_of(from.width);
   std::vector<glm::vec3> vectors(width * size_of(from.height));

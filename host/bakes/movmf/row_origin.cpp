@@ -97,14 +97,15 @@ LevelTask ShareRows::begin(const LevelShape& level) {
   if (!is_coarse) {
     task.fitted = plan_.fitted.at(level.level);
     task.kept = plan_.kept.at(level.level);
-    // Windows reach beyond what is fitted, and read there what nobody wrote.
+    // Windows extend beyond the fitted rows and read rows there that were never written: gives the file its full
+    // length.
     if (own_) own_->write(level.height - 1, 1, std::vector<unsigned char>(level.lobe_row_bytes).data());
   }
   kept_ = task.kept;
   return task;
 }
 
-// All of them to the store that the next level grows from, those that count to the share.
+// Writes all rows to the store that the next level grows from, and the kept rows to the share.
 void ShareRows::keep(const DoneRows& rows) {
   const auto row_of = [](const void* values, std::size_t row_bytes, int row) {
     return static_cast<const unsigned char*>(values) + row_bytes * static_cast<std::size_t>(row);
@@ -121,7 +122,7 @@ void ShareRows::keep(const DoneRows& rows) {
       {row_of(rows.lobes, level_.lobe_row_bytes, at), row_of(rows.features, level_.feature_row_bytes, at), nullptr});
 }
 
-// The level as the coarse share has it.
+// The level's rows from the coarse share.
 RowStore ShareRows::rows_of_coarse_share() {
   if (there_.row_count(level_.level, level_.row_bytes()) != level_.height)
     throw Error(ErrorCode::kEnvironment,
