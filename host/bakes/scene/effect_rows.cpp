@@ -41,7 +41,7 @@ class EffectRows {
   void add_row(const std::string& effect, bool needed, const std::string& why, const BakeCost& cost) {
     plan_.effects.push_back({effect, needed, why, true, cost});
   }
-  // "1.2 %", "1.2/14 %" of diffuse light and highlights.
+  // "1.2 %", or "1.2/14 %" for diffuse light and highlights.
   std::string parts_text(const PartErrors& e) const {
     return !needs_.specular  ? percent_text(e.diffuse)
            : !needs_.diffuse ? percent_text(e.specular)
@@ -50,7 +50,7 @@ class EffectRows {
   const char* parts_name() const {
     return !needs_.specular ? "diffuse light is" : !needs_.diffuse ? "highlights are" : "diffuse light/highlights are";
   }
-  // Of the default bake with a change.
+  // Cost of the default bake with a change.
   template <typename Change>
   BakeCost default_with(const Change& change) const {
     BakeShape s = plan_.default_bake.shape;
@@ -120,8 +120,8 @@ class EffectRows {
     if (needed) add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
   }
 
-  // "2 lobes", "0.21/45 %, one colour 0.4/45 %"; candidates are in the order of their textures, which takes one colour
-  // of more lobes for cheaper than a colour a lobe of fewer.
+  // Lists "2 lobes": "0.21/45 %, one colour 0.4/45 %", in the order of lobes. Candidates are in the order of their
+  // textures, where more lobes with one colour come before fewer lobes with a colour each.
   std::vector<PlannedItem> lobes_tried() const {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
@@ -140,17 +140,17 @@ class EffectRows {
     return items;
   }
 
-  // Why there is no candidate of it.
+  // Says why the representation has no candidates.
   std::string why_not_tried(const RepresentationInfo& other) const {
     if (plan_.is_constant) return "one lobe stands for all";
     if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights take vMF lobes";
     if (needs_.takes_vmf) return "the BRDF is a sum of vMFs, which takes vMF lobes";
-    if (needs_.environment_highlight || other.lobes != nullptr)  // or one lobe, and there are no fewer
+    if (needs_.environment_highlight || other.lobes != nullptr)  // or one vMF lobe is enough
       return !scene_.environment.empty() ? "an environment takes vMF lobes" : "one vMF lobe does";
     return "one or several lobes do";
   }
 
-  // The candidate's name in the row of its representation.
+  // The candidate's name within the row of its representation.
   static std::string name_within(const BakeCandidate& c) {
     const RepresentationInfo& info = representation_info(c.shape.representation);
     if (info.lobes != nullptr) return count_text(c.shape.lobe_count, "lobe");
@@ -179,7 +179,7 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed = representation_info(chosen_.representation).has_slopes ||  // which vary by direction
+    const bool needed = representation_info(chosen_.representation).has_slopes ||  // their spread varies by direction
                         (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
             plan_.is_constant

@@ -28,17 +28,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"};
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
 const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 1"};
-constexpr std::size_t kLightCountMax = 8;     // of each kind, as multum-view draws
+constexpr std::size_t kLightCountMax = 8;     // of each kind: the limit of multum-view
 constexpr std::size_t kMaterialCountMax = 4;  // basis BRDFs
 
-// Names of one kind of things, each nobody else's.
+// Unique names of one kind of things.
 class Names {
  public:
   explicit Names(std::string kind) : kind_(std::move(kind)) {}
 
   std::string add(const StrictTable& table) {
     const std::string name = table.text("name");
-    // Names are files' names in the folder of results.
+    // Names become file names in the folder of results.
     const bool is_plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
       return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
     });
@@ -64,7 +64,7 @@ class Names {
   std::vector<std::string> names_;
 };
 
-// What it is about is known; what is there is looked at before any of it is read.
+// Checks that a file exists before any file is read.
 void check_file(const StrictTable& table, const std::string& key, const std::string& file) {
   std::error_code error;
   if (file.empty() || fs::is_regular_file(file, error)) return;
@@ -97,7 +97,7 @@ SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJo
   return map;
 }
 
-// What a material's brdf may be.
+// Names that a material's `brdf` accepts.
 struct NamedFamily {
   const BrdfFamily* family;
   bool width_in_map = false;
@@ -115,7 +115,7 @@ const NamedFamilies& named_families() {
   return all;
 }
 
-// Of all families' members, each once.
+// Members of all families, each once.
 std::vector<std::string> member_keys() {
   std::vector<std::string> keys;
   for (const BrdfFamily& family : brdf_families())
@@ -132,7 +132,7 @@ glm::vec3 read_colour(const StrictTable& table, const std::string& key, const Nu
   return n.size() == 1 ? glm::vec3(static_cast<float>(n[0])) : glm::vec3(n[0], n[1], n[2]);
 }
 
-// One width, or the ends of a range.
+// Reads one width, or the ends of a range.
 std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family, const Brdf& brdf) {
   const BrdfMember& width = family.members[0];
   const std::string key(width.key);
@@ -148,7 +148,7 @@ std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family
   return brdfs;
 }
 
-// "brdf = "cook-torrance" and "ggx"": of the families that have the member.
+// Lists the families that have the member: "brdf = "cook-torrance" and "ggx"".
 std::string families_with(const std::string& key) {
   std::vector<std::string> names;
   for (const BrdfFamily& family : brdf_families())
@@ -172,7 +172,7 @@ void check_keys_of_family(const StrictTable& table, const NamedFamily& named, co
                                    : "has no file, which brdf = \"measured\" must have");
 }
 
-// `reads_files`: of a measured BRDF not its name alone.
+// `reads_files`: read the file of a measured BRDF, not only its name.
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
   std::vector<std::string> keys = member_keys();
   keys.insert(keys.end(), {"name", "brdf", "diffuse", "specular", "file"});
@@ -208,7 +208,7 @@ std::vector<std::string> material_names(const StrictTable& table) {
   return table.has("material") ? std::vector<std::string>{table.text("material")} : table.texts("materials", true);
 }
 
-// Does a map hold what an object's materials need?
+// Checks that the map holds the data that an object's materials need.
 void check_materials(const StrictTable& table, const SceneObject& object, const SceneDescription& scene) {
   const SceneMap& map = scene.maps[object.map];
   const char* const key = table.has("material") ? "material" : "materials";
@@ -353,7 +353,7 @@ SceneDescription read_scene(const std::string& path, const BakeJob& pattern, boo
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
 
 std::vector<std::string> scene_files(const std::string& path) {
-  const BakeJob pattern;  // named: GCC 12 warns of an empty one in braces
+  const BakeJob pattern;  // named, because GCC 12 warns about an empty one in braces
   const SceneDescription scene = read_scene(path, pattern, false);
   std::vector<std::string> files;
   for (const SceneMap& map : scene.maps)

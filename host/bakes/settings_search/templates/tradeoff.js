@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of `multum tradeoff`: plots, commands, sortable tables and pictures of the rows of its JSON.
+// Draws the page of `multum tradeoff`: plots, commands, sortable tables and pictures for the rows of its JSON.
 
 const MIB = 1 << 20;
 const percent = (share) => (share === undefined ? "-" : (100 * share).toFixed(2));
@@ -7,14 +7,14 @@ const milliseconds = (seconds) => (1000 * seconds).toFixed(0);
 const mebibytes = (bytes) => (bytes / MIB).toFixed(2);
 const frameTime = (ms) => (ms === undefined ? "-" : ms.toFixed(1));
 
-// A cost, as a plot and the fronts have it: its key in `fronts`, and what a row costs, > 0 where that is known.
+// Costs in plots and fronts: the key in `fronts`, and the cost of a row, > 0 if it is known.
 const COSTS = [
   { title: "Work of a bake", unit: "milliseconds", front: "bake_work", of: (row) => 1000 * row.bake_work_seconds },
   { title: "Memory on the GPU", unit: "MiB", front: "gpu_bytes", of: (row) => row.gpu_bytes / MIB },
   { title: "Work of a frame", unit: "milliseconds", front: "frame_work", of: (row) => row.frame_work_ms ?? -1 },
 ];
 
-// Others, drawn alone, have no fronts.
+// Rows that are only drawn have no fronts.
 const isMeasured = (row) => row.fronts !== undefined;
 const isOnFront = (row) => isMeasured(row) && Object.values(row.fronts).includes(true);
 const fits = (row) => row.fits !== false;
@@ -53,7 +53,7 @@ function choice() {
     node("pre", {}, row.command)];
 }
 
-// Shapes tell the groups apart on paper too: corners around the mark's middle, none of a circle.
+// Shapes distinguish the groups on paper too: corners around the mark's centre; a circle has none.
 const SHAPES = [
   null,
   [[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],
@@ -74,7 +74,7 @@ function mark(shape, x, y, classes, title) {
   return svgNode("polygon", { class: classes, points }, titled);
 }
 
-// 1, 2 and 5 times powers of ten that lie in the range: ticks of a logarithmic axis; over many decades powers alone.
+// Ticks of a logarithmic axis: 1, 2 and 5 times powers of ten within the range; over many decades only powers.
 function ticks(low, high) {
   const all = [];
   for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; ++decade)
