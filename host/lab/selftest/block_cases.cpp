@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks of BC4 and BC7 (kernels/block_encoding.cl): values at the limits, one value in all texels, indices whose
-// highest bit is not stored.
+// Tests blocks of BC4 and BC7 (kernels/block_encoding.cl): values at the limits, one value in all texels, indices
+// whose highest bit is not stored.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Values of 0 to 255 of one block, channel by channel; and texels as they are decoded, of 0 to 255.
+// Values of 0 to 255 of one block, channel by channel; and decoded texels of 0 to 255.
 using BlockInput = std::vector<float>;
 
 std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, const std::vector<BlockInput>& blocks) {
@@ -41,7 +41,7 @@ std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, cons
   return decoded;
 }
 
-// Root of the mean squared difference of a channel.
+// Root mean square difference of a channel.
 double rms_of(const BlockTexels& decoded, const BlockInput& block, int channel) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 16; ++i) {
@@ -52,7 +52,7 @@ double rms_of(const BlockTexels& decoded, const BlockInput& block, int channel) 
   return std::sqrt(sum / 16.0);
 }
 
-// Slopes that end at 0 and at 255, as occlusion and clamped roughness do.
+// Slopes that end at 0 and at 255, as in occlusion and clamped roughness.
 void values_at_the_limits(Device& device, WorstError& worst) {
   SplitMix64 random(71);
   std::vector<BlockInput> blocks;
@@ -72,7 +72,7 @@ void values_at_the_limits(Device& device, WorstError& worst) {
   }
 }
 
-// One value in all texels: no range, no axis, no slope to fit.
+// One value in all texels: without range, axis or slope.
 void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& worst) {
   std::vector<BlockInput> blocks;
   const std::size_t channels = format == TexelFormat::kBc7 ? 3 : 1;
@@ -87,7 +87,7 @@ void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& wor
       worst.add(rms_of(decoded[b], blocks[b], static_cast<int>(c)), fmt::format("block {}, channel {}", b, c));
 }
 
-// Slopes that fall from the first texel on, along every axis of colours, and two colours in two parts.
+// Slopes that decrease from the first texel on, along every axis of colours, and two colours in two parts.
 void indices_without_their_highest_bit(Device& device, WorstError& worst) {
   std::vector<BlockInput> blocks;
   for (const bool falls : {false, true})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The building blocks in kernels/device, each over its whole range and beyond, and what the driver makes of structs and
+// Tests the functions in kernels/device over their whole range and beyond, and the driver's handling of structs and
 // NaN. docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes", has the formulas.
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@
 namespace multum {
 namespace {
 
-// As kernels/probe_numerics.cl numbers them.
+// In the order of kernels/probe_numerics.cl.
 enum class Probe : int { kExp2, kLog2, kKappa, kIsNan, kLogPeak, kOneMinusLog, kShadingKappa, kVmfPeak, kVmfSpread };
 
 std::vector<double> probed(Device& device, const std::vector<float>& inputs, Probe function) {
@@ -33,7 +33,7 @@ std::vector<double> probed(Device& device, const std::vector<float>& inputs, Pro
   return {values.begin(), values.end()};
 }
 
-// `low` to `high`, each `factor` times the one before.
+// Numbers from `low` to `high`, each `factor` times the previous one.
 std::vector<float> decades(double low, double high, double factor) {
   std::vector<float> values;
   for (double x = low; x < high; x *= factor) values.push_back(static_cast<float>(x));
@@ -76,8 +76,8 @@ void log2_of_normals(Device& device, WorstError& worst) {
   }
 }
 
-// Spreads of kappa from 1e-6 to 1e6; below a spread of 0.5 kappa rises as its inverse, above it r falls as kappa / 3.
-// The probe's r is 1 - spread, exact in float where it is small.
+// Spreads for kappa from 1e-6 to 1e6. Below a spread of 0.5, kappa grows as its inverse; above, r falls as kappa / 3.
+// The probe's r is 1 - spread, which is exact in float for small spreads.
 void kappa_of_mean_length(Device& device, WorstError& worst) {
   std::vector<float> spreads = decades(1e-6, 0.5, 1.0117);
   for (double r = 0.5; r > 3e-7; r *= 0.97) spreads.push_back(static_cast<float>(1.0 - r));
@@ -108,7 +108,7 @@ void shading_kappa(Device& device, WorstError& worst) {
       [](double q) { return q < 0.05 ? 1.0 / q : reference::kappa_of_mean_length(1.0 - q); }, worst);
 }
 
-// A single direction under a BRDF of no width has q = 0.
+// A single direction under a BRDF of width 0 has q = 0.
 void shading_kappa_of_nothing(Device& device, WorstError& worst) {
   for (const double kappa : probed(device, {0.0f, -0.0f, 1e-40f}, Probe::kShadingKappa))
     worst.add(std::isfinite(kappa) && kappa > 0.0 ? 0.0 : std::numeric_limits<double>::quiet_NaN(), "q 0");
@@ -127,8 +127,8 @@ void vmf_spreads(Device& device, WorstError& worst) {
       [](double kappa) { return reference::vmf_spread(kappa); }, worst);
 }
 
-// Lobes from single directions to none, facets from mirrors to the whole sphere, half vectors along the lobe, across
-// and against it, where two equal vMFs leave no direction.
+// Lobes from single directions to none, facets from mirrors to the whole sphere, and half vectors along, across and
+// against the lobe. Opposite vMFs of equal kappa leave no direction.
 void highlight_cosines(Device& device, WorstError& worst) {
   const glm::dvec3 mu = glm::normalize(glm::dvec3(0.3, -0.2, 0.9)), across = glm::normalize(glm::dvec3(0.9, 0.0, -0.3));
   std::vector<glm::vec4> lobes, half_vectors, lights;
@@ -141,7 +141,7 @@ void highlight_cosines(Device& device, WorstError& worst) {
           half_vectors.emplace_back(glm::dvec4(h, facet_kappa));
           lights.emplace_back(glm::dvec4(light, 0.0));
         }
-  for (const float r : {0.5f, 0.9375f}) {  // of the very kappa that the device has of the lobe
+  for (const float r : {0.5f, 0.9375f}) {  // uses the device's kappa of the lobe
     const auto kappa = static_cast<float>(probed(device, {1.0f - r}, Probe::kShadingKappa)[0]);
     lobes.emplace_back(0.0f, 0.0f, r, 1.0f);
     half_vectors.emplace_back(0.0f, 0.0f, -1.0f, kappa);
@@ -161,7 +161,7 @@ void highlight_cosines(Device& device, WorstError& worst) {
         facet_kappa * glm::dvec3(half_vectors[i]) + (length > 0.0 ? kappa / length * r : glm::dvec3(0.0));
     const double size = glm::length(sum);
     const std::string input = fmt::format("|r| {:.9g}, kappa of the facets {:.3g}, number {}", length, facet_kappa, i);
-    // Where both cancel, rounding has the direction that is left, and any mean of a cosine may come of it.
+    // Where both cancel, the remaining direction is due to rounding, so any mean cosine is possible.
     if (size < 1e-2 * facet_kappa) {
       worst.add(found[i] >= 0.0f && found[i] <= 1.0f ? 0.0 : std::numeric_limits<double>::quiet_NaN(), input);
       continue;

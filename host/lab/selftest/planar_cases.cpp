@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planar Gaussians (Tan et al. 2005): the kernels of lobes built with MULTUM_PLANAR, and their rounding, on what breaks
-// a Gaussian over (n_x, n_y): variances that are small differences near the rim, no variance at all, no normals.
+// Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR and their rounding, on inputs
+// that break a Gaussian over (n_x, n_y): variances that are small differences near the rim, variance 0, no normals.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -37,7 +37,7 @@ glm::dvec3 point(double degrees, double azimuth = 0.3) {
 
 constexpr double kTilts[] = {0.0, 30.0, 60.0, 80.0, 89.0, 90.0};
 
-// `width` degrees of normals about a tilt, a thousand of them.
+// A thousand normals within `width` degrees of a tilt.
 EmTexel narrow_texel(double degrees, double width) {
   EmTexel texel{{}, equal_lobes({point(degrees)}, 100.0)};
   for (int i = 0; i < 1000; ++i)
@@ -56,7 +56,7 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     }
 }
 
-// One point over and over, from a mean that is far away: D/S and Steiner's term are equal but for rounding.
+// One repeated point and a distant mean: D/S and Steiner's term are equal except for rounding.
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
@@ -74,7 +74,7 @@ void far_from_every_gaussian(Device& device, WorstError& worst) {
                   planar_settings(2), fmt::format("kappa {}", kappa), worst);
 }
 
-// A lobe that gets none of the normals, and one that gets one in a thousand.
+// A lobe that gets no normals, and a lobe that gets one in a thousand.
 void dying_gaussians(Device& device, WorstError& worst) {
   EmTexel texel{repeated({point(5, 0.0), point(7, 2.0), point(6, 4.0)}, 999),
                 equal_lobes({point(5, 0.0), point(70, 1.0), point(80, 4.0)}, 300.0)};
@@ -84,7 +84,7 @@ void dying_gaussians(Device& device, WorstError& worst) {
   add_em_errors(device, texel, planar_settings(8), "none", worst);
 }
 
-// More lobes than points; then one point over and over, and lobes that are all alike.
+// More lobes than points; then one repeated point with equal lobes.
 void few_points(Device& device, WorstError& worst) {
   for (const int count : {1, 2, 3})
     for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
@@ -148,7 +148,7 @@ void caps_of_narrow_texels(Device& device, WorstError& worst) {
       }
 }
 
-// Cells whose normals are one, at any tilt: what they scatter, as movmf_bin_means finds it.
+// Cells of equal normals at any tilt: tests their scatter from movmf_bin_means.
 void scatter_of_equal_normals(Device& device, WorstError& worst) {
   constexpr int kCells = 400;
   std::vector<std::int64_t> cells;
@@ -177,7 +177,7 @@ std::vector<glm::vec4> directions_around(double degrees) {
   return directions;
 }
 
-// Against the formula in double, by the peak of an upright lobe.
+// Compares with the formula in double, relative to the peak of an upright lobe.
 void add_density(Device& device, const glm::vec4& lobe, double s, const std::vector<glm::vec4>& directions,
                  const std::string& input, WorstError& worst) {
   const glm::dvec4 wide(lobe);
@@ -187,7 +187,7 @@ void add_density(Device& device, const glm::vec4& lobe, double s, const std::vec
     worst.add(values[i], reference::gmm_density(wide, s, glm::dvec3(directions[i])), peak, input);
 }
 
-// The third value as rounding and filtering may leave it: less than the square of the mean.
+// The third value is less than the square of the mean, as rounding and filtering may leave it.
 void filtered_variance_below_0(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0})
     for (const float missing : {0.0f, 1e-6f, 3e-5f, 5e-4f})
@@ -213,13 +213,13 @@ void vanishing_gaussian(Device& device, WorstError& worst) {
   }
 }
 
-// How lobes of amplitude 1 keep 2 sigma^2 at the limit of an encoding, and that single directions get none.
+// Tests how lobes of amplitude 1 keep 2 sigma^2 at the limit of an encoding, and that single directions get no spread.
 void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
   SplitMix64 random(2005);
   for (const double variance : {0.0, 1.0 / static_cast<double>(gmm_kappa_max(encoding))}) {
     MovmfLevel level{2000, 1, {{}}, {}};
     for (int i = 0; i < level.width; ++i) {
-      // Of unit vectors E|p|^2 is at most 1.
+      // For unit vectors, E|p|^2 is at most 1.
       const glm::dvec3 p = std::sqrt(1.0 - 2.0 * variance) * point(90.0 * random.uniform(), 6.28 * random.uniform());
       level.lobes[0].emplace_back(glm::dvec4(p.x, p.y, 2.0 * variance + p.x * p.x + p.y * p.y, 1.0));
     }

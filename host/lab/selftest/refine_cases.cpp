@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refinement of lobes (kernels/movmf_refine.cl) on texels that break what is not guarded.
+// Tests the refinement of lobes (kernels/movmf_refine.cl) on texels that break unguarded formulas.
 #include <cmath>
 #include <numeric>
 
@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// A texel of a level of one row, with at most one texel beside it, on its right.
+// Refines a texel of a level of one row, with at most one neighbour, on its right.
 std::vector<MultumVmfLobe> refine_texel(Device& device, const reference::RefinedTexel& texel, int vector_width) {
   const std::vector<reference::Sample>& samples = texel.samples;
   const std::size_t width = 1 + texel.beside.size();
@@ -71,7 +71,7 @@ void lobe_without_direction(Device& device, WorstError& worst) {
   compare(device, {repeated({{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}}, 64), lobes, {}}, worst);
 }
 
-// Lobes that point away from those beside: pooled they have no length, and no lobe turns them.
+// Lobes opposite to those of the neighbour: mixed with them they have length 0, and no lobe may turn.
 void opposite_lobes_beside(Device& device, WorstError& worst) {
   const std::vector<reference::MeanLobe> lobes = {{{0.0, 0.0, 0.75}, 0.5}, {{0.5, 0.0, 0.5}, 0.5}};
   const std::vector<reference::MeanLobe> beside = {{{0.0, 0.0, -0.75}, 0.5}, {{-0.5, 0.0, -0.5}, 0.5}};

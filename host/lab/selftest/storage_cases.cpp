@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rounding to the file's encodings does to a lobe's spread (host/formats/asset/lobes/movmf_quantize.cpp;
-// docs/reference/file_format.md, "Rounding"). No kernel runs: what kernels found is lost here or nowhere.
+// Tests the effect of rounding to the file's encodings on a lobe's spread
+// (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs: rounding
+// is the last step that can lose a kernel's result.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -36,7 +37,7 @@ Texels as_stored(const Texels& texels, StorageEncoding encoding) {
   return result;
 }
 
-// Each channel to its nearest value.
+// Rounds each channel to its nearest value.
 Texels by_channel(const Texels& texels, StorageEncoding encoding) {
   Texels result = texels;
   for (auto& lobes : result)
@@ -51,7 +52,7 @@ Rounding rounding(StorageEncoding encoding, bool naive) {
   return [=](const Texels& texels) { return naive ? by_channel(texels, encoding) : as_stored(texels, encoding); };
 }
 
-// Four lobes of one direction each: what spread they get, 1 - |r| of the stored.
+// Four lobes of one direction each: tests their stored spread, 1 - |r|.
 void single_directions(const Rounding& rounded, WorstError& worst) {
   SplitMix64 random(32767);
   Texels texels;
@@ -73,7 +74,7 @@ void single_directions(const Rounding& rounded, WorstError& worst) {
     }
 }
 
-// One lobe of amplitude 1, ever sharper, up to where the encoding says that it ends.
+// One lobe of amplitude 1, with increasing sharpness up to the limit of the encoding.
 void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstError& worst) {
   for (const double share : {0.1, 0.5, 1.0}) {
     const double kappa = share * static_cast<double>(storage_kappa_max(encoding));
@@ -90,7 +91,7 @@ void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstEr
   }
 }
 
-// Against rounding in the words of docs/reference/file_format.md.
+// Compares with rounding as described in docs/reference/file_format.md.
 void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, WorstError& worst) {
   SplitMix64 random(7);
   Texels texels;
