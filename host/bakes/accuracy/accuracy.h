@@ -81,7 +81,7 @@ struct AccuracySettings {
   std::vector<Highlight> highlights;                     // further highlights, after the exponents
   std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0: every texel
   int footprints_per_octave = 256;                       // 0: none
-  int replicates = 1;  // independent choices of footprints, with consecutive seeds
+  int replicates = 1;                                    // independent choices of footprints, with consecutive seeds
   std::uint64_t seed = 1;
   bool has_level_table = true;
   int first_level = 0;  // finer levels and smaller footprints are not measured

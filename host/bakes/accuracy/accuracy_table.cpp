@@ -133,10 +133,10 @@ std::string footprint_error_text(const std::vector<FootprintError>& errors) {
   for (const FootprintError& one : errors) width = std::max(width, one.brdf.text().size());
   std::string text = "error of pixels, relative L1 with its 95 % interval\n";
   for (const FootprintError& one : errors)
-    text += fmt::format("  {:<{}}  {:.2f} +- {:.2f} %; 95 % of pixels within {:.2f} %; the worst, {:.2f} %, cover {}\n",
-                        one.brdf.text(), width, 100.0 * rounded(one.error),
-                        hundredths_of_percent_up(one.confidence) / 100.0, 100.0 * rounded(one.percentile_95),
-                        100.0 * rounded(one.worst_octave_error), octave_text(one.worst_octave));
+    text += fmt::format(
+        "  {:<{}}  {:.2f} +- {:.2f} %; 95 % of pixels within {:.2f} %; worst: {:.2f} % for pixels that cover {}\n",
+        one.brdf.text(), width, 100.0 * rounded(one.error), hundredths_of_percent_up(one.confidence) / 100.0,
+        100.0 * rounded(one.percentile_95), 100.0 * rounded(one.worst_octave_error), octave_text(one.worst_octave));
   return text;
 }
 

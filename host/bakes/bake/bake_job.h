@@ -40,8 +40,7 @@ struct BakeJob {
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s; Lambert is always measured
   std::vector<Highlight> highlights;                              // also measured, for the report only
   bool measure_levels = true;                                     // measure single levels, in addition to pixels
-  std::string
-      chosen_for;  // target of chosen settings (target_key()), stored in the file; empty: none
+  std::string chosen_for;          // target of chosen settings (target_key()), stored in the file; empty: none
   bool stored_only = false;        // levels finer than the first stored one are never seen nor measured
   bool force = false;              // bake even if the output has the same file and settings
   std::uint64_t memory_bytes = 0;  // limit of resident memory; 0: a quarter of the machine's memory

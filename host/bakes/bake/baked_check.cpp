@@ -36,7 +36,8 @@ std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   if (header.weight_count != weight_count)
     return fmt::format("has {} weights, its source has {}", header.weight_count, weight_count);
   if (header.has_roughness != source.has_roughness())
-    return header.has_roughness ? "has roughness, its source has none" : "has no roughness, its source has a map of it";
+    return header.has_roughness ? "has roughness, its source has none"
+                                : "has no roughness, its source has a roughness map";
   if (header.has_colours != source.albedo.has_value())
     return header.has_colours ? "has colours, its source has none" : "has no colours, its source has an albedo";
   return "";
@@ -108,11 +109,11 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     if (stated.footprint_errors.empty()) break;
     const auto same = std::find_if(stated.footprint_errors.begin(), stated.footprint_errors.end(),
                                    [&](const FootprintError& other) { return other.brdf == one.brdf; });
-    if (same == stated.footprint_errors.end()) return fmt::format("states no error of pixels for {}", one.brdf.text());
+    if (same == stated.footprint_errors.end()) return fmt::format("states no pixel error for {}", one.brdf.text());
     const double excess = comparable(one.error) - (same->error * (1.0 + kAllowedRelative) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("is {:.4g} % off for pixels, {}, states {:.4g} %", 100.0 * one.error, one.brdf.text(),
+    worst = fmt::format("has a pixel error of {:.4g} % for {}, states {:.4g} %", 100.0 * one.error, one.brdf.text(),
                         100.0 * same->error);
   }
   if (!worst.empty()) return worst;
@@ -125,8 +126,8 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     const double excess = comparable(row.error) - (same->error * (1.0 + allowed) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst =
-        fmt::format("is {:.4g} % off at {}, states {:.4g} %", 100.0 * row.error, row_name(row), 100.0 * same->error);
+    worst = fmt::format("has an error of {:.4g} % at {}, states {:.4g} %", 100.0 * row.error, row_name(row),
+                        100.0 * same->error);
   }
   return worst;
 }

@@ -15,8 +15,8 @@ void apply_surface(const ParameterValues& values, BakeJob& job) {
   if (job.surface == MapSurface::kTexels || job.fitting.first_level > 0) return;
   if (values.integer("first_level"))
     throw Error(ErrorCode::kUsage,
-                "--first-level is 0 with --surface interpolated, expected 1 or more: the finest level that is stored "
-                "would have points between texels in the texels' place");
+                "--first-level is 0 with --surface interpolated, expected 1 or more: level 0 would store points "
+                "between the texels instead of the texels");
   job.fitting.first_level = 1;
 }
 

@@ -40,15 +40,14 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
   const auto kappa_max = static_cast<double>(family.kappa_max(header.header.encoding));
   log_warning(
       job.input,
-      fmt::format(
-          "{} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
-          "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp{}",
-          report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
-          storage_encoding_name(header.header.encoding), kappa_max,
-          header.header.encoding == StorageEncoding::kHalf
-              ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
-                                   family.kappa_max(StorageEncoding::kSnorm16)))
-              : advice("; <data_format float> keeps them")));
+      fmt::format("{} lobes, which represent {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their "
+                  "spread in {}: sharp highlights (Blinn-Phong of s = {:.0f} and more) become too sharp{}",
+                  report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
+                  storage_encoding_name(header.header.encoding), kappa_max,
+                  header.header.encoding == StorageEncoding::kHalf
+                      ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
+                                           family.kappa_max(StorageEncoding::kSnorm16)))
+                      : advice("; <data_format float> keeps them")));
 }
 
 // Maps up to this size do not keep the rows of the finest fitted level, which has three quarters of all rows, unless

@@ -20,7 +20,7 @@ namespace {
 void check_same(const std::string& path, const char* what, const std::string& found, const std::string& expected) {
   if (found != expected)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} {}, expected {} as this bake makes it", path, what, found, expected));
+                fmt::format("{}: found {} {}, expected {} as in this bake", path, what, found, expected));
 }
 
 std::string size_text(const MovmfMipmap& m) { return fmt::format("{} x {}", m.width(), m.height()); }
@@ -54,8 +54,8 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
              wraps_y = is.wrap_t == WrapMode::kPeriodic && (region.y == 0 || region.y + region.height == is.height);
   if (baked_surface(is) == map_surface_name(MapSurface::kInterpolated) && (wraps_x || wraps_y))
     throw Error(ErrorCode::kUsage,
-                fmt::format("--region {},{},{},{} touches a border behind which the map repeats, with --surface "
-                            "interpolated; expected a part inside, or a bake of the whole map",
+                fmt::format("--region {},{},{},{} touches a border where the map repeats, with --surface interpolated; "
+                            "expected a region away from such borders, or a bake of the whole map",
                             region.x, region.y, region.width, region.height));
 }
 
@@ -143,23 +143,21 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
   if (asked) check_region(*asked, header);
   const std::optional<MapRegion> changed = find_changed_region(old, header, normals, features, threads);
   if (!changed && !asked)
-    throw Error(ErrorCode::kUsage, old +
-                                       ": stores no level 0, so that changes cannot be found: expected --region "
-                                       "x,y,width,height");
+    throw Error(ErrorCode::kUsage,
+                old + ": stores no level 0, so changes cannot be found; expected --region x,y,width,height");
   if (!changed) {
-    log_warning(input,
-                fmt::format("{} stores no level 0: whether all that has changed lies in --region {} is not known", old,
-                            region_text(*asked)));
+    log_warning(input, fmt::format("{} stores no level 0: cannot check that all changes are inside --region {}", old,
+                                   region_text(*asked)));
     return *asked;
   }
   if (changed->height == 0) log_info(fmt::format("{}: no texel has changed since {} was baked", input, old));
-  else log_info(fmt::format("{}: what has changed since {} was baked is {}", input, old, region_text(*changed)));
+  else
+    log_info(fmt::format("{}: the part that has changed since {} was baked is {}", input, old, region_text(*changed)));
   if (!asked) return changed->height == 0 ? MapRegion{0, 0, 1, 1} : *changed;
   if (changed->height > 0 && !contains(*asked, *changed))
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: found changes since {} was baked in {}, expected none outside of --region {}; "
-                            "--region auto takes what has changed",
-                            input, old, region_text(*changed), region_text(*asked)));
+    throw Error(ErrorCode::kInput, fmt::format("{}: found changes since {} was baked in {}, expected none outside "
+                                               "--region {}; --region auto bakes the changed part",
+                                               input, old, region_text(*changed), region_text(*asked)));
   return *asked;
 }
 

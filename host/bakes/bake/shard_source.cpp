@@ -51,7 +51,7 @@ BakeSource source_of(const NoteJson& note, const std::string& share, std::uint64
   const int width = json_int(note, "width"), height = json_int(note, "height"),
             weight_count = json_int(note, "weights");
   if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
-    throw Error(ErrorCode::kEnvironment, share + ": says nothing of its map");
+    throw Error(ErrorCode::kEnvironment, share + ": has no valid description of its map");
   const PlaneBlocks blocks{normals_begin, kPlaneGap, kPlaneRows};
   BakeSource source{
       {PlaneStore(width, height, ScratchFile::to_read(share), blocks), note.at("report").get<NormalMapReport>()},
@@ -88,14 +88,14 @@ void read_map_rows(RowRecords& rows, const LevelRows& wanted, const std::string&
   const int height = source.map.normals.height();
   const std::size_t row_bytes = width * sizeof(float);
   if (rows.row_count(kNormalsLevel, {row_bytes, 0, 0}) != 3 * height)
-    throw Error(ErrorCode::kEnvironment, path + ": has other rows than its map should");
+    throw Error(ErrorCode::kEnvironment, path + ": its rows do not match the size of its map");
   std::vector<float> row(3 * width);
   for (int plane = 0; plane < 3; ++plane)
     for (int y = wanted.begin; y < wanted.end; ++y)
       rows.read(kNormalsLevel, RowPart::kLobes, plane * height + y, 1, row.data());
   for (std::size_t s = 1; s < stores.size(); ++s) {
     if (rows.row_count(level_of_feature(s), {3 * row_bytes, 0, 0}) != height)
-      throw Error(ErrorCode::kEnvironment, path + ": has other rows than its map should");
+      throw Error(ErrorCode::kEnvironment, path + ": its rows do not match the size of its map");
     for (int y = wanted.begin; y < wanted.end; ++y) {
       rows.read(level_of_feature(s), RowPart::kLobes, y, 1, row.data());
       stores[s]->write_rows(y, 1, {row.data(), row.data() + width, row.data() + 2 * width});
@@ -181,7 +181,7 @@ BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
   try {
     source = source_of(NoteJson::parse(share.note()), share.path(), rows.begin_of(kNormalsLevel), spill);
   } catch (const NoteJson::exception&) {
-    throw Error(ErrorCode::kEnvironment, share.path() + ": says nothing of its map");
+    throw Error(ErrorCode::kEnvironment, share.path() + ": has no valid description of its map");
   }
   // Writing the last row gives the scratch file its full length.
   const std::vector<float> row(static_cast<std::size_t>(source->map.normals.width()));

@@ -76,7 +76,7 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
     }
   }
   if (has_target(values) && target.only && !target.brdf.can_shade(*target.only))
-    table.refuse("", fmt::format("has ndf = \"{}\", which the BRDF of its target cannot be shaded with",
+    table.refuse("", fmt::format("has ndf = \"{}\", which cannot shade the BRDF of its target",
                                  representation_info(*target.only).option));
   return target;
 }
@@ -85,7 +85,7 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
 void check_paths(const StrictTable& table, const BakeJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
-    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file's name, not in a folder's", job.input));
+    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file name, not in a folder name", job.input));
   if (!is_set && has_udim(job.output))
     table.refuse("output",
                  fmt::format("is \"{}\", but the input is not a set: expected a name without <UDIM>", job.output));
@@ -161,12 +161,13 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
     for (const ManifestMap& map : entry.maps) {
       const std::string name = canonical_name(map.job.output);
       if (const auto input = inputs.find(name); input != inputs.end())
-        entry.table.refuse("output", fmt::format("is \"{}\", which is read as {}: expected a file of its own", map.name,
+        entry.table.refuse("output", fmt::format("is \"{}\", which is read as {}: expected a different file", map.name,
                                                  input->second));
       const auto [other, is_new] = outputs.emplace(name, map.job.input);
       if (!is_new)
-        entry.table.refuse("output", fmt::format("is \"{}\", where {} goes already: expected a file of its own",
-                                                 map.name, other->second));
+        entry.table.refuse(
+            "output", fmt::format("is \"{}\", which is already the output for {}: expected a different file", map.name,
+                                  other->second));
     }
 }
 

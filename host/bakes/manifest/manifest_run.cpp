@@ -68,9 +68,10 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
     if (chosen.written) result.report = chosen.report;
     if (!chosen.met) {
       result.state = MapState::kWorse;
-      add_reason(result, fmt::format("no settings reach {}: the best, {}, are {} off{}", target_text(*map.target),
-                                     chosen.options, error_text(chosen.reached.error, chosen.reached.confidence),
-                                     chosen.written ? "" : ", not written"));
+      add_reason(result,
+                 fmt::format("no settings reach {}: the best, {}, have an error of {}{}", target_text(*map.target),
+                             chosen.options, error_text(chosen.reached.error, chosen.reached.confidence),
+                             chosen.written ? "" : ", not written"));
     }
   }
   if (result.report) result.error = worst_error(result.report->error);
@@ -101,8 +102,8 @@ void hold_to_allowed(MapResult& result) {
       result.error || result.state != MapState::kUnchanged ? result.error : result.stated;
   if (!result.allowed || !error || *error <= *result.allowed) return;
   if (is_in_place(result.state)) result.state = MapState::kWorse;
-  add_reason(result,
-             fmt::format("is {:.4g} % off, error_max allows {:.4g} %", 100.0 * *error, 100.0 * *result.allowed));
+  add_reason(result, fmt::format("has an error of {:.4g} %, error_max allows {:.4g} %", 100.0 * *error,
+                                 100.0 * *result.allowed));
 }
 
 }  // namespace

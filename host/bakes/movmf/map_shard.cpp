@@ -62,7 +62,9 @@ MapShard parse_map_shard(const std::string& option, const std::string& text) {
 
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard) {
   if (!settings.aligned_start)
-    throw Error(ErrorCode::kUsage, "--shard is given with unaligned lobes, whose levels do not follow one another");
+    throw Error(ErrorCode::kUsage,
+                "--shard is given with unaligned lobes, expected aligned ones: levels of unaligned lobes do not depend "
+                "on each other");
   ShardPlan plan;
   // All shares must divide the same levels, so the rows of a band in the middle decide.
   LevelRows middle_before{}, own_before{};
@@ -93,11 +95,10 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
     is_first = false;
   }
   if (is_first)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("--shard has {} bands, expected fewer: the finest level that is fitted has {} rows, too few "
-                    "for so many bands, or settings that know of no bands",
-                    shard.count, schedule.levels.empty() ? 0 : schedule.levels.back().fit.height));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--shard has {} bands, expected fewer: the finest fitted level has {} rows, too few for so "
+                            "many bands, or the settings do not allow bands",
+                            shard.count, schedule.levels.empty() ? 0 : schedule.levels.back().fit.height));
   return plan;
 }
 
@@ -134,7 +135,7 @@ void ShareWriter::commit() {
 
 ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std::string* key, RowRecords& rows)
     : path_(shard_path(output, shard)), remedy_(fmt::format("; --shard {}/{} makes it", shard.index, shard.count)) {
-  if (!std::filesystem::is_regular_file(path_)) refuse("is not there");
+  if (!std::filesystem::is_regular_file(path_)) refuse("does not exist");
   records_.emplace(path_);
   std::uint64_t end = 0;
   try {
@@ -142,8 +143,8 @@ ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std
   } catch (const Error& error) {
     throw Error(ErrorCode::kEnvironment, error.what() + remedy_);
   }
-  if (end == 0) refuse("is of another map, other settings, or another version of multum");
-  if (!is_whole_) refuse("is cut, or damaged");
+  if (end == 0) refuse("belongs to another map, other settings, or another version of multum");
+  if (!is_whole_) refuse("is cut off, or damaged");
 }
 
 // Rows are checked when they are read.

@@ -198,7 +198,7 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
   validate(settings);
   if (map_width > 32768 || map_height > 32768)
     throw Error(ErrorCode::kInput,
-                fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map_width, map_height));
+                fmt::format("found a map of {} x {}, expected at most 32768 texels per side", map_width, map_height));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (settings.first_level > level_max)
     throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
@@ -210,13 +210,13 @@ void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& setti
   const PlaneStore& normals = *map.normals;
   validate(settings, normals.width(), normals.height());
   if (settings.refine && normals.is_shortened())
-    throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it knows unit normals alone");
+    throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it supports only unit normals");
   const FeaturePlanes& features = map.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   if (averages_suffice(rows, settings)) {
     if (rows.sink() == nullptr)
       throw Error(ErrorCode::kUsage,
-                  "--shard is given with one lobe a texel, which is a plain average: it is not divided");
+                  "--shard is given with one lobe per texel, which is a plain average and cannot be divided");
     average_movmf(device, map, settings, *rows.sink(), report, progress);
     return;
   }

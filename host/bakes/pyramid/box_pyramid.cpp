@@ -21,7 +21,7 @@ constexpr int kBoxMapSideMax = 32768;  // products of two sides fit an int
 
 void validate_box_map(int first_level, int map_width, int map_height) {
   if (map_width > kBoxMapSideMax || map_height > kBoxMapSideMax)
-    throw Error(ErrorCode::kInput, fmt::format("found a map of {} x {}, expected at most {} texels a side", map_width,
+    throw Error(ErrorCode::kInput, fmt::format("found a map of {} x {}, expected at most {} texels per side", map_width,
                                                map_height, kBoxMapSideMax));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (first_level < 0 || first_level > level_max)

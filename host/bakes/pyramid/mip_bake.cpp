@@ -200,7 +200,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   progress_stage(progress, "read");
   const ColourRows source = read_colour_rows(job.input, reading_of(job), spill_policy(job), job.threads, progress);
   if (job.kind == PyramidKind::kPosition && source.channel_count != 3)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found {} colour channel, expected the 3 of positions x, y, z",
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {} colour channel, expected 3 with positions x, y, z",
                                                job.input, source.channel_count));
   report.read_seconds = seconds.lap();
   report.format = source.format;

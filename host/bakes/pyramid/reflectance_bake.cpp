@@ -152,7 +152,7 @@ void validate(const ReflectanceJob& job) {
   if (!is_colour(job.diffuse) || !is_colour(job.specular)) refuse("--diffuse, --specular: expected numbers >= 0");
   if (job.size < 4 || job.size > 8192) refuse(fmt::format("--size is {}, expected 4 to 8192", job.size));
   if (job.sample_side < 1 || job.sample_side > 16)
-    refuse(fmt::format("--texel-samples is {}, expected 1 to 16 a side", job.sample_side));
+    refuse(fmt::format("--texel-samples is {}, expected 1 to 16 per side", job.sample_side));
   validate(job.writing);
 }
 

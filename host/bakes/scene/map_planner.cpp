@@ -231,9 +231,10 @@ void MapPlanner::choose_nearest() {
         (!best || c.error.worst() < best->error.worst()))
       best = &c;
   if (best->error.worst() > kEstimateMargin * target)
-    throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings are estimated to come near target_error {:g}, the best is {:.3g} ({})",
-                            map_.job.input, target, best->error.worst(), best->name));
+    throw Error(
+        ErrorCode::kVerification,
+        fmt::format("{}: no settings have an estimated error close to target_error {:g}, the best is {:.3g} ({})",
+                    map_.job.input, target, best->error.worst(), best->name));
   plan_.chosen = *best;
 }
 

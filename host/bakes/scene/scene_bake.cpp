@@ -252,19 +252,19 @@ std::string SceneReport::to_text() const {
     all_unchanged &= map.bake.unchanged && (!map.has_colours || map.colours.unchanged);
     if (const auto& d = map.difference)
       text += fmt::format(
-          "{}: {} from what the default bake shows ({}, 95 % interval); no level more than {} (level {})\n", map.name,
-          error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
+          "{}: differs from the default bake by {} ({}, 95 % interval), by at most {} at any level (level {})\n",
+          map.name, error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
     else if (plan.maps[m].stated_difference == 0.0 && !map.is_by_trials)
-      text += fmt::format("{}: as the default bake has it\n", map.name);
+      text += fmt::format("{}: identical to the default bake\n", map.name);
   }
   const double bytes = plan.default_cost.bytes - plan.cost.bytes;
   const std::string textures = fmt::format("textures {}, {} {} than the default bake's\n", bytes_text(plan.cost.bytes),
                                            bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
-    return text + fmt::format("nothing to bake: all is there; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
+    return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
-         fmt::format("baked in {} and planned in {}, compared in {} (by the model of time {}, the default bake {}); ",
+         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, of the default bake {}); ",
                      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
                      time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
          textures;

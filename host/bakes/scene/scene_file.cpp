@@ -44,7 +44,7 @@ class Names {
     });
     if (!is_plain || name.front() == '.')
       table.refuse("name", fmt::format("is \"{}\", expected letters, digits, _, - and .", name));
-    if (find(name) < names_.size()) table.refuse("name", fmt::format("is \"{}\", which another {} has", name, kind_));
+    if (find(name) < names_.size()) table.refuse("name", fmt::format("is \"{}\", the name of another {}", name, kind_));
     names_.push_back(name);
     return name;
   }
@@ -128,7 +128,7 @@ glm::vec3 read_colour(const StrictTable& table, const std::string& key, const Nu
                       const glm::vec3& fallback) {
   const std::vector<double> n = table.numbers(key, range, 3);
   if (n.empty()) return fallback;
-  if (n.size() == 2) table.refuse(key, "has 2 numbers, expected one, or three of red, green and blue");
+  if (n.size() == 2) table.refuse(key, "has 2 numbers, expected one, or three for red, green and blue");
   return n.size() == 1 ? glm::vec3(static_cast<float>(n[0])) : glm::vec3(n[0], n[1], n[2]);
 }
 
@@ -169,7 +169,7 @@ void check_keys_of_family(const StrictTable& table, const NamedFamily& named, co
   if (table.has("file") != named.family->is_file)
     table.refuse(table.has("file") ? "file" : "",
                  table.has("file") ? fmt::format("is for brdf = \"measured\", found brdf = \"{}\"", name)
-                                   : "has no file, which brdf = \"measured\" must have");
+                                   : "has no file, which brdf = \"measured\" requires");
 }
 
 // `reads_files`: read the file of a measured BRDF, not only its name.
@@ -221,7 +221,7 @@ void check_materials(const StrictTable& table, const SceneObject& object, const 
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
     if (material.width_in_map && map.job.roughness.empty())
-      table.refuse(key, fmt::format("is \"{}\", whose brdf is the roughness map's, but map \"{}\" has no roughness",
+      table.refuse(key, fmt::format("is \"{}\", whose brdf is \"roughness-map\", but map \"{}\" has no roughness",
                                     material.name, map.name));
     if (!material.width_in_map && !map.job.roughness.empty())
       table.refuse(key, fmt::format("is \"{}\", but map \"{}\" has a roughness: expected a material of brdf = "
@@ -253,8 +253,8 @@ SceneObject read_object(const std::string& path, const toml::table& toml, const 
   object.distance_min = distance.front();
   object.distance_max = distance.back();
   if (object.distance_max < object.distance_min)
-    table.refuse("distance",
-                 fmt::format("is [{:g}, {:g}], expected the nearest first", object.distance_min, object.distance_max));
+    table.refuse("distance", fmt::format("is [{:g}, {:g}], expected the smaller distance first", object.distance_min,
+                                         object.distance_max));
   object.tilt_max = table.number("tilt", {0.0, 89.9, false, false, "degrees from 0 to 89.9"}, object.tilt_max);
   return object;
 }
@@ -269,9 +269,9 @@ SceneLight read_light(const std::string& path, const toml::table& toml) {
   const char *const place = light.is_point ? "position" : "direction", *const power =
                                                                            light.is_point ? "intensity" : "irradiance";
   for (const auto& [key, other] : {std::pair{"irradiance", "position"}, std::pair{"intensity", "direction"}})
-    if (table.has(key) && table.has(other)) table.refuse(key, fmt::format("does not go with {}", other));
+    if (table.has(key) && table.has(other)) table.refuse(key, fmt::format("does not fit {}", other));
   const std::vector<double> p = table.numbers(place, kAny, 3);
-  if (p.size() != 3) table.refuse(place, "has not 3 numbers, expected x, y and z");
+  if (p.size() != 3) table.refuse(place, "does not have 3 numbers, expected x, y and z");
   light.place = {p[0], p[1], p[2]};
   if (!light.is_point && light.place == glm::dvec3(0.0)) table.refuse(place, "is 0, expected a direction");
   light.power = read_colour(table, power, kFromZero, glm::vec3(light.is_point ? 1.0f : 3.14159265f));
@@ -312,7 +312,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
   for (const toml::table* toml : root.tables("light", false)) {
     scene.lights.push_back(read_light(path, *toml));
     if (++counts[scene.lights.back().is_point ? 1 : 0] > kLightCountMax)
-      root.refuse("light", fmt::format("is there more than {} times of one kind", kLightCountMax));
+      root.refuse("light", fmt::format("occurs more than {} times for one kind", kLightCountMax));
   }
   const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWholeFile);
   if (root.has("environment")) scene.environment = path_beside(path, environment.path("file"));
@@ -320,7 +320,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
   for (const SceneMaterial& material : scene.materials) {
     const std::string refusal = environment_refusal(material.brdfs.front());
     if (!scene.environment.empty() && !refusal.empty())
-      root.refuse("environment", fmt::format("does not go with material \"{}\": {}", material.name, refusal));
+      root.refuse("environment", fmt::format("does not fit material \"{}\": {}", material.name, refusal));
   }
   if (scene.lights.empty() && scene.environment.empty())
     root.refuse("", "has no light, expected [[light]] or [environment]");

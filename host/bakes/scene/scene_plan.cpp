@@ -84,7 +84,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
       if (step == nullptr)
         throw Error(
             ErrorCode::kVerification,
-            fmt::format("no settings keep to the budget's {} of {:g}: the least is {:.6g}", what, *limit, total));
+            fmt::format("no settings meet the budget's {} of {:g}: the least possible is {:.6g}", what, *limit, total));
       cheapest->chosen = *step;
     }
   }

@@ -90,8 +90,8 @@ ShareName name_of(const SceneRun& run, int index, int count) { return {run.files
 // Says why the file is not the one that its share wrote; empty if it is.
 std::string difference(const std::string& path, const std::string& expected) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return path + ": is not there";
-  return hash_file(path) == expected ? "" : path + ": is damaged or of another bake";
+  if (!std::filesystem::is_regular_file(path, ignored)) return path + ": does not exist";
+  return hash_file(path) == expected ? "" : path + ": is damaged, or belongs to another bake";
 }
 
 RecordedMap map_from(const SceneRun& run, const Json& json, const std::string& name) {
@@ -133,7 +133,7 @@ Record read_record(const SceneRun& run, const ShareName& name, const std::vector
   try {
     return record_from(run, content, own);
   } catch (const Json::exception& error) {
-    return refuse(std::string("is no record of baked maps: ") + error.what());
+    return refuse(std::string("is not a record of baked maps: ") + error.what());
   } catch (const Error& error) {
     return refuse(error.what());
   }

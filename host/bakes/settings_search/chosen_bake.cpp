@@ -216,7 +216,7 @@ std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_se
     if (next == nullptr) next = fastest;
     if (next == nullptr) break;
     const Attempt& attempt = attempts.bake(SettingTrial(*next));
-    log_verbose(fmt::format("baked: {} in {:.3f} s, {:.3f} s were guessed", candidates[next->candidate].options,
+    log_verbose(fmt::format("baked: {} in {:.3f} s, predicted were {:.3f} s", candidates[next->candidate].options,
                             attempt.seconds, guess.seconds(*next)));
     guess.learn(attempt);
     if (attempt.seconds > *target.seconds) continue;
@@ -248,9 +248,9 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   }
   const ReachedError& judged = chosen.judged();
   if (chosen.confirmed)
-    text += fmt::format("  by footprints that had no part in the choice; those that had: {}\n",
+    text += fmt::format("  measured at footprints that had no part in the choice; at the other footprints: {}\n",
                         error_text(chosen.reached.error, chosen.reached.confidence));
-  text += fmt::format("  95 % of pixels are within {}; the worst are those that cover {}, with {}\n",
+  text += fmt::format("  95 % of pixels are within {}; the worst pixels cover {}, with {}\n",
                       in_percent(judged.percentile_95), octave_text(judged.worst_octave),
                       in_percent(judged.worst_octave_error));
   return text;
@@ -263,7 +263,7 @@ void add_picture(const BakeJob& job, const BakeTarget& target, Progress* progres
     progress_stage(progress, "draw");
     report.picture_error = draw_plane(job, target.brdf, target.viewer, progress);
     report.choice +=
-        fmt::format("  a picture of a plane that runs to the horizon is {} off\n", in_percent(*report.picture_error));
+        fmt::format("  a picture of a plane up to the horizon has an error of {}\n", in_percent(*report.picture_error));
   } catch (const Error& error) {
     log_verbose(fmt::format("no picture of {}: {}", job.output, error.what()));
   }
@@ -282,7 +282,7 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
   if (target.only && !target.brdf.can_shade(*target.only))
-    throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot be shaded with",
+    throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot shade",
                                                target.brdf.text, representation_info(*target.only).option));
   if (!job.measure)
     throw Error(ErrorCode::kUsage,

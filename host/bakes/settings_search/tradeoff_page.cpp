@@ -29,11 +29,11 @@ std::string errors_text(const TradeoffRow& row) {
          (row.rendered < 0.0 ? "" : fmt::format(", {} % in its picture", percent(row.rendered)));
 }
 
-// The budgets that are set: "33 MiB on the GPU, 20 ms a frame".
+// The budgets that are set: "33 MiB on the GPU, 20 ms per frame".
 std::string budgets_text(const TradeoffJob& job) {
   std::vector<std::string> parts;
   if (job.bytes_max) parts.push_back(fmt::format("{:.4g} MiB on the GPU", static_cast<double>(*job.bytes_max) / kMiB));
-  if (job.frame_ms_max) parts.push_back(fmt::format("{:.4g} ms a frame", *job.frame_ms_max));
+  if (job.frame_ms_max) parts.push_back(fmt::format("{:.4g} ms per frame", *job.frame_ms_max));
   if (job.bake_seconds_max) parts.push_back(fmt::format("{:.4g} ms of baking", 1e3 * *job.bake_seconds_max));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -178,14 +178,14 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   std::string text = "on a front of error against the work of a bake, memory or the work of a frame:\n";
   for (const TradeoffRow& row : result.rows) {
     if (!row.on_front() || row.same_as || !row.fits) continue;
-    text +=
-        fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),
-                    mebi(row.gpu_bytes), row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_work_ms),
-                    row.options, row.view);
+    text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),
+                        mebi(row.gpu_bytes),
+                        row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms per frame", row.frame_work_ms), row.options,
+                        row.view);
     const auto number = static_cast<std::size_t>(&row - result.rows.data());
     for (const TradeoffRow& other : result.rows)
       if (other.same_as == number)
-        text += fmt::format("  {:>16}  cannot be told apart: {} {}\n", "", other.options, other.view);
+        text += fmt::format("  {:>16}  indistinguishable: {} {}\n", "", other.options, other.view);
   }
   if (job.has_budget())
     text +=
@@ -193,8 +193,8 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   if (!is_asked(job)) return text;
   if (!result.chosen) return text + "no settings meet this\n";
   const TradeoffRow& chosen = result.rows[*result.chosen];
-  text += fmt::format("chosen: {}; 95 % of pixels are within {} %, the worst cover {}, with {} %\n", chosen.options,
-                      percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
+  text += fmt::format("chosen: {}; 95 % of pixels are within {} %, the worst pixels cover {}, with {} %\n",
+                      chosen.options, percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
                       percent(chosen.reached.worst_octave_error));
   return text;
 }

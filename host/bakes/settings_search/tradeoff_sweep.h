@@ -49,10 +49,10 @@ struct TradeoffRow {
   double frame_work_ms = -1.0;           // processor time with software drawing, else GPU time; < 0: not drawn
   std::uint64_t normals_file_bytes = 0;  // on disk, of the normal map for levels finer than the file's first
   std::uint64_t file_bytes = 0;          // with these
-  std::uint64_t normals_bytes = 0;    // on the GPU, of the normal map for levels finer than the file's first
-  std::uint64_t gpu_bytes = 0;        // with these
-  std::string picture;                // PNG bytes; empty: not drawn
-  bool is_measured = true;            // false: another BRDF, or a formula that only the renderer has
+  std::uint64_t normals_bytes = 0;       // on the GPU, of the normal map for levels finer than the file's first
+  std::uint64_t gpu_bytes = 0;           // with these
+  std::string picture;                   // PNG bytes; empty: not drawn
+  bool is_measured = true;               // false: another BRDF, or a formula that only the renderer has
   bool has_error = false;             // `reached` is known; without is_measured, it is the error of the row's own BRDF
   bool fits = true;                   // TradeoffJob's budgets
   std::vector<std::string> warnings;  // of the bake, without the map's name

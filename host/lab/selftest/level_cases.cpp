@@ -267,10 +267,9 @@ void a_dead_lobe_takes_nothing(Device& device, WorstError& worst) {
 void directions_of_short_means(Device& device, WorstError& worst) {
   const glm::vec3 mu(0.6f, 0.0f, 0.8f);
   for (const float length : {0.0f, 1e-6f, 0.05f, 0.3f}) {
-    const std::vector<MultumVmfLobe> parent = {
-        {0.0f, 0.0f, -length, 0.5f},  // opposite to all normals except the last
-        {0.99f * mu.x, 0.0f, 0.99f * mu.z, 0.3f},
-        {0.0f, 0.6f, 0.6f, 0.2f}};
+    const std::vector<MultumVmfLobe> parent = {{0.0f, 0.0f, -length, 0.5f},  // opposite to all normals except the last
+                                               {0.99f * mu.x, 0.0f, 0.99f * mu.z, 0.3f},
+                                               {0.0f, 0.6f, 0.6f, 0.2f}};
     const std::vector<int> found = nearest_lobes(device, parent, {mu, {0.8f, 0.0f, 0.6f}, {0.0f, 0.8f, 0.6f}, -mu});
     const int expected[] = {1, 1, 2, 0};
     for (std::size_t i = 0; i < found.size(); ++i)
