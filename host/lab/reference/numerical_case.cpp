@@ -41,10 +41,10 @@ std::string fault_of_guards(const std::vector<SourceEdit>& without) {
       return blanked;
     };
     if (blank(edit.text) == blank(edit.replacement))
-      return fmt::format("'{}' to '{}' changes a number and takes nothing out", edit.text, edit.replacement);
+      return fmt::format("'{}' to '{}' changes a number and removes nothing", edit.text, edit.replacement);
     for (const SourceEdit& other : without)
       if (&other != &edit && other.file == edit.file && other.text == edit.text)
-        return fmt::format("'{}' is taken out twice", edit.text);
+        return fmt::format("'{}' is removed twice", edit.text);
   }
   return "";
 }

@@ -143,12 +143,14 @@ void choice_without_normals(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> choose_cases() {
   return {
-      {{"choice-of-equal-normals", "movmf_choose", "sqrt of a scatter that rounding leaves below 0: no cost is less",
-        "a width that no highlight shows is added under every root", kNothingWrong, "amplitudes wrong", "none may be"},
+      {{"choice-of-equal-normals", "movmf_choose",
+        "square root of a scatter that rounding leaves below 0: NaN is never the lowest cost",
+        "a width that is invisible in highlights is added under every root", kNothingWrong, "amplitudes wrong",
+        "none is allowed"},
        choice_of_equal_normals,
        {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
-      {{"choice-without-normals", "movmf_choose, movmf_feature_chosen", "a lobe of no normals has 0/0 for a mean",
-        "it stays where the parent's is", 1e-6, "absolute, of the sum of a and a r, and of features", "four additions"},
+      {{"choice-without-normals", "movmf_choose, movmf_feature_chosen", "the mean of a lobe without normals is 0/0",
+        "it keeps the parent's mean", 1e-6, "absolute, for the sum of a and a r, and for features", "four additions"},
        choice_without_normals,
        {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};
 }

@@ -220,12 +220,12 @@ SourceEdit moment_shade_edit(const std::string& text, const std::string& replace
 std::vector<NumericalCase> finest_cases() {
   const char* const kUnit = "relative above 1, absolute below";
   return {
-      {{"slopes-at-the-horizon", "moment_finest", "a slope of x / 0, and a mean of it is infinite",
-        "n_z of at least 0.05: slopes of at most 20", 5e-7, kUnit, "a division, a square and a sum"},
+      {{"slopes-at-the-horizon", "moment_finest", "a slope of x / 0 is infinite, and so is its mean",
+        "n_z is at least 0.05: slopes are at most 20", 5e-7, kUnit, "a division, a square and a sum"},
        slopes_at_the_horizon,
        {{"moments", "z > z_min ? z : z_min", "z"}}},
-      {{"shortened-normals-to-0", "moment_finest", "a normal of no length has a slope of 0 / 0",
-        "the length that n_z is measured by is at least 1e-6; a variance below 0 is none", 5e-7, kUnit,
+      {{"shortened-normals-to-0", "moment_finest", "a normal of length 0 has a slope of 0 / 0",
+        "n_z is divided by a length of at least 1e-6; a variance below 0 counts as 0", 5e-7, kUnit,
         "a root, a division, a square and a sum"},
        shortened_normals,
        {{"moments", "slope_z_min * MAX_V(length, 1e-6f)", "slope_z_min * length"}}},
@@ -241,34 +241,34 @@ std::vector<NumericalCase> moment_cases() {
                        const std::vector<SourceEdit>& mutation = {}) {
     cases.push_back({{name, "moment_shade", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  add("slope-variance-below-0", "E[s^2] below the square of E[s]: a negative determinant has no root",
-      "variances of at least 0", 2e-6, "of the peak: how far above it, or below 0",
+  add("slope-variance-below-0", "E[s^2] is below the square of E[s]: a negative determinant has no square root",
+      "variances of at least 0", 2e-6, "of the peak: the excess over it, or the depth below 0",
       "a root, a division and an exponential", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
-  add("slopes-along-a-line", "the determinant of Sigma + I/s as a difference: s = 1e5 leaves nothing of it",
-      "1/s (1/s + trace) and the determinant of Sigma, held at 0 and above", 2e-6, "relative",
+  add("slopes-along-a-line", "the determinant of Sigma + I/s as a difference: with s = 1e5, no digit remains",
+      "1/s (1/s + trace) plus the determinant of Sigma, which is at least 0", 2e-6, "relative",
       "a root, a division and four products", slopes_along_a_line,
       {moment_shade_edit(
           "base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
           "0.0f)",
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
-  add("steep-slopes-under-sharp-highlights", "moments in half floats: 400 to the next 0.25, where s = 1e5 has 1e-5",
-      "32-bit moments; what they lose broadens the highlight by 2^-22 s b^2 of its width at most", 1.0,
-      "of the peak, over 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, b the slope",
+  add("steep-slopes-under-sharp-highlights", "moments in half floats: steps of 0.25 at 400, where s = 1e5 needs 1e-5",
+      "32-bit moments; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
+      "relative to the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
       "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon: inf - inf",
-      "nothing at or below 1e-4 above it", kNothingWrong, "absolute, where nothing is to be; NaN anywhere",
-      "nothing may be", half_vectors_at_the_horizon,
+      "the result is 0 up to 1e-4 above the horizon", kNothingWrong,
+      "absolute, where the result must be 0; NaN anywhere", "no error is allowed", half_vectors_at_the_horizon,
       {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
-  add("mean-normals-of-every-length", "longer than 1: a gloss above 1 or below 0; of no length: 0 / 0",
-      "1 less the spread, which is held within 0 and 1; any direction where there is none", 1e-5, "of the peak",
-      "6e-8 of mu and h, by the angle that the exponent sees", toksvig_of_every_length,
+  add("mean-normals-of-every-length", "lengths above 1: a gloss above 1 or below 0; length 0: 0 / 0",
+      "1 minus the spread, which is clamped to 0 and 1; any direction if there is none", 1e-5, "of the peak",
+      "6e-8 of mu and h, divided by the angle that the exponent resolves", toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
-  add("moments-of-no-share", "moments of nothing shade as much as those of everything",
-      "no division by a share at or below 1e-6; what is shaded is multiplied by it", 1e-5, "relative",
+  add("moments-of-no-share", "moments with share 0 have the same brightness as with share 1",
+      "shares at or below 1e-6 are not divisors; the result is multiplied by the share", 1e-5, "relative",
       "a share of 1e-8 and 16/(2 pi)", no_share, {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});
   return cases;
 }

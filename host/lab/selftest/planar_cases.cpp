@@ -99,7 +99,7 @@ void few_points(Device& device, WorstError& worst) {
     for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
       const std::vector<glm::dvec3> starts(static_cast<std::size_t>(lobes), point(degrees - 5.0));
       add_em_errors(device, {repeated({point(degrees)}, 256), equal_lobes(starts, 20.0)}, planar_settings(5),
-                    fmt::format("one point at {} degrees, {} lobes alike", degrees, lobes), worst);
+                    fmt::format("one point at {} degrees, {} equal lobes", degrees, lobes), worst);
     }
 }
 
@@ -238,9 +238,9 @@ void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
 
 NumericalCase storage_case(StorageEncoding encoding, const std::string& name) {
   return {{"planar-variance-in-" + name, "gmm_quantize",
-           "2 sigma^2 is a difference of numbers near 1, each rounded: all of it is lost near the rim",
-           "the third value is rounded last, about the mean as it was rounded; of a single direction down", 0.251,
-           "relative, of sigma^2 at the encoding's limit; absolute, of single directions",
+           "2 sigma^2 is a difference of rounded numbers near 1: all digits are lost near the rim",
+           "the third value is rounded last, relative to the rounded mean; for a single direction it is rounded down",
+           0.251, "relative, for sigma^2 at the encoding's limit; absolute, for single directions",
            "half a step of the third value is a quarter of 2 sigma^2 there"},
           [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
           {},
@@ -253,15 +253,17 @@ std::vector<NumericalCase> fit_cases() {
   const char* const kFormula = "movmf_em_texels (planar)";
   const char* const kUnit = "absolute, of a, a mu and a sigma^2";
   return {
-      {{"planar-variance-at-the-rim", kFormula, "E|p|^2 - |E p|^2 of points near the rim: near-equal numbers",
-        "the mean squared distance from the last mean, less what that moved (Steiner)", 1e-4, "relative, of sigma^2",
-        "a thousand additions"},
+      {{"planar-variance-at-the-rim", kFormula,
+        "E|p|^2 - |E p|^2 for points near the rim: the numbers are nearly equal",
+        "the mean squared distance from the last mean, minus the square of its shift (Steiner)", 1e-4,
+        "relative, of sigma^2", "a thousand additions"},
        variance_at_the_rim,
        {em_edit("const real_v spread = fma(d, inverse, -half_square(m.x - mu_x, m.y - mu_y));",
                 "const real_v spread = (d * inverse + (m.x * mu_x + m.y * mu_y - half_square(mu_x, mu_y))) - "
                 "half_square(m.x, m.y);")}},
-      {{"planar-variance-never-negative", kFormula, "a difference of equal numbers is below 0: the density is none",
-        "held at 0 and above", kNothingWrong, "how far below 0", "never"},
+      {{"planar-variance-never-negative", kFormula,
+        "a difference of equal numbers is below 0: the density is undefined", "limited to 0 and above", kNothingWrong,
+        "how far below 0", "never"},
        variance_never_negative,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float: shares are 0 / 0",
@@ -274,19 +276,19 @@ std::vector<NumericalCase> fit_cases() {
        dying_gaussians,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
       {{"planar-one-two-three-points", kFormula, "more lobes than points: sigma^2 is 0, its inverse infinite",
-        "a floor of 1e-7 under sigma^2, a cap on its inverse: 500 + 10 kappa_1", 1e-4, kUnit,
-        "lobes that compete evenly multiply a difference in each iteration"},
+        "a minimum of 1e-7 for sigma^2, and a cap on its inverse: 500 + 10 kappa_1", 1e-4, kUnit,
+        "equal competitors multiply a difference in each iteration"},
        few_points,
        {},
        {},
        {no_floor, no_cap}},
-      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "a lobe of no points has a mean of 0 / 0",
-        "the least weight that is divided by is 1e-30; a variance of at least 1e-6", 2e-4, "relative, of the cap",
-        "1.2e-7 of a squared distance of 3 degrees, against the least variance"},
+      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "the mean of a lobe without points is 0 / 0",
+        "the minimum divisor is 1e-30; a variance is at least 1e-6", 2e-4, "relative, of the cap",
+        "1.2e-7 of a squared distance of 3 degrees, relative to the minimum variance"},
        caps_of_narrow_texels,
        {{"movmf_em_mstep", "1.0f / MAX_V(sum_s[j], (real_v)(1e-30f))", "1.0f / sum_s[j]"}}},
       {{"planar-scatter-of-equal-normals", "movmf_bin_means (planar)",
-        "E|p|^2 of a cell less the square of its mean is below 0", "held at 0 and above", kNothingWrong,
+        "E|p|^2 of a cell minus the square of its mean is below 0", "limited to 0 and above", kNothingWrong,
         "how far below 0", "never"},
        scatter_of_equal_normals,
        {{"movmf_binning", "MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f)",
@@ -298,15 +300,17 @@ std::vector<NumericalCase> fit_cases() {
 
 std::vector<NumericalCase> planar_cases() {
   std::vector<NumericalCase> cases = fit_cases();
-  cases.push_back({{"planar-filtered-variance-below-0", "movmf_shade (planar)",
-                    "rounding and filtering leave less than the square of the mean: the variance is negative",
-                    "no variance but the facets' own", 2e-3, "of an upright lobe's peak",
-                    "6e-8 of a mean near 1, twice, against a variance of 1e-4"},
-                   filtered_variance_below_0,
-                   {shade_edit("max(spread, 0.0f)", "spread")}});
   cases.push_back(
-      {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe of no normals is divided by its amplitude: 0 / 0",
-        "no lobe at or below 1e-6", 6e-4, "of an upright lobe's peak; 1 where there should be none", "as above"},
+      {{"planar-filtered-variance-below-0", "movmf_shade (planar)",
+        "after rounding and filtering the third value is below the square of the mean: the variance is negative",
+        "only the variance of the facets remains", 2e-3, "of an upright lobe's peak",
+        "6e-8 of a mean near 1, twice, relative to a variance of 1e-4"},
+       filtered_variance_below_0,
+       {shade_edit("max(spread, 0.0f)", "spread")}});
+  cases.push_back(
+      {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe without normals is divided by its amplitude: 0 / 0",
+        "no lobe at or below 1e-6", 6e-4, "relative to an upright lobe's peak; 1 where the result must be 0",
+        "as above"},
        vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});

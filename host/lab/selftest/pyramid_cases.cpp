@@ -315,22 +315,23 @@ void light_from_behind(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> box_cases() {
-  const std::string same = "values wrong", none = "none may be: copies";
+  const std::string same = "values wrong", none = "values are only copied";
   return {
-      {{"texels-keep-their-bits", "mip_texels", "items behind the last texel write into other memory",
-        "the bounds are checked first; nothing but a copy", kNothingWrong, same, none},
+      {{"texels-keep-their-bits", "mip_texels", "work-items after the last texel write to other memory",
+        "bounds are checked first; values are only copied", kNothingWrong, same, none},
        texels_keep_their_bits,
        {{"mip_box", "if (item >= band.plane_count * band.row_count * band.map_width) return;", ""}}},
-      {{"features-keep-their-bits", "mip_features", "items behind the last texel write into the next plane",
-        "the bounds are checked first; nothing but a copy", kNothingWrong, same, none},
+      {{"features-keep-their-bits", "mip_features", "work-items after the last texel write to the next plane",
+        "bounds are checked first; values are only copied", kNothingWrong, same, none},
        features_keep_their_bits,
        {{"mip_box", "if (item >= band.row_count * band.map_width) return;", ""}}},
-      {{"blocks-of-32768-texels", "mip_blocks", "32768 equal texels from left to right round alike",
+      {{"blocks-of-32768-texels", "mip_blocks",
+        "32768 equal texels, added from left to right, round in the same direction",
         "sums of two, of four, ...: 15 roundings", 1e-6, "of the sum of magnitudes", "15 * 6e-8"},
        blocks_of_32768,
        {},
        rows_from_left_to_right},
-      {{"average-of-2-30-texels", "mip_levels", "32768 roundings of a sum, each of half a unit in the last place",
+      {{"average-of-2-30-texels", "mip_levels", "32768 roundings of a sum, each by half a unit in the last place",
         "a compensated sum down the rows", 1.2e-7, "relative", "the last rounding, and that of the share"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
@@ -348,16 +349,16 @@ std::vector<NumericalCase> pyramid_cases() {
         {{name, "reflectance_texels", without, guard, bound, "of the brightest texel", reason}, run, edits});
   };
   add("highlights-narrower-than-texels", "1 - n . h is rounded to 6e-8, which s = 1e5 multiplies",
-      "1 - n . h = |n - h|^2 / 2", 2e-5, "6e-8 of n and of h, by |n - h|, of which s = 1e5 sees 0.004",
-      highlights_of_1e5,
+      "1 - n . h = |n - h|^2 / 2", 2e-5,
+      "6e-8 of n and of h, relative to |n - h|, which is about 0.004 in a highlight of s = 1e5", highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
-  add("thousands-of-normals-a-texel", "49152 additions of like numbers round alike", "compensated sums", 5e-7,
-      "some roundings of a sample, whatever their number", normals_of_a_texel,
+  add("thousands-of-normals-a-texel", "49152 additions of similar numbers round in the same direction",
+      "compensated sums", 5e-7, "a few roundings of a sample, for any number of samples", normals_of_a_texel,
       {{"reflectance_pyramid", "const float total = *sum + value;",
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
-  add("light-from-behind", "what is turned away from a light is darkened by it", "nothing where n . l <= 0", 1e-5,
-      "6e-8 of n and of h, by |n - h|, of which s = 50 sees 0.2", light_from_behind,
+  add("light-from-behind", "a surface that faces away from a light is darkened by it", "nothing where n . l <= 0", 1e-5,
+      "6e-8 of n and of h, relative to |n - h|, which is about 0.2 in a highlight of s = 50", light_from_behind,
       {{"reflectance_pyramid", "if (cosine <= 0.0f) continue;", ""}});
   return cases;
 }

@@ -82,13 +82,13 @@ void opposite_lobes_beside(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> refine_cases() {
   return {{{"refined-lobes-without-direction", "movmf_refine", "kappa 0: its peak is 0/0", "kappa is at least 0.05",
-            2e-3, "absolute, of a and a r", "kappa's polynomial, 3e-5, over ten damped steps"},
+            2e-3, "absolute, of a and a r", "the polynomial for kappa, 3e-5, over ten damped steps"},
            lobe_without_direction,
            {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",
              "kappa_of_mean_length(mean, spread)"}}},
-          {{"refined-beside-opposite-lobes", "movmf_refine", "pooled lobes of length 0: a turn of them is 1/0",
+          {{"refined-beside-opposite-lobes", "movmf_refine", "mixed lobes of length 0: their rotation is 1/0",
             "their length is at least 0.02", 2e-3, "absolute, of a and a r",
-            "kappa's polynomial, 3e-5, over ten damped steps"},
+            "the polynomial for kappa, 3e-5, over ten damped steps"},
            opposite_lobes_beside,
            {{"movmf_refine", "1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN))", "1.0f / length"}}}};
 }

@@ -84,7 +84,7 @@ NumericalRun run_selftest(Device& device, const SelftestOptions& options, Progre
     if (is_wanted(c, options.filter)) wanted.push_back(&c);
   if (wanted.empty())
     throw Error(ErrorCode::kUsage, fmt::format("no case or kernel has '{}' in its name; expected a part of one of the "
-                                               "{} that docs/contributing/STABILITY.md lists",
+                                               "{} names in docs/contributing/STABILITY.md",
                                                options.filter, numerical_cases().size()));
   NumericalRun run{"OpenCL",
                    device.info().name,

@@ -109,23 +109,24 @@ void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, Worst
 
 std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string& name) {
   const Rounding stored = rounding(encoding, false), naive = rounding(encoding, true);
-  const std::string formula = "movmf_quantize", lost = "each channel to its nearest value moves |r| by up to 1/a steps";
+  const std::string formula = "movmf_quantize",
+                    lost = "rounding each channel to its nearest value changes |r| by up to 1/a steps";
   return {
       {{name + "-single-directions", formula, lost + ": a highlight is blurred",
-        "the four rounded together; of a single direction never to a shorter r", 1e-7, "absolute, of 1 - |r|",
-        "no spread at all, but for the float that holds it"},
+        "the four values are rounded together; for a single direction, r never becomes shorter", 1e-7,
+        "absolute, of 1 - |r|", "no spread, except for the rounding of the float that holds it"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
        [=](WorstError& worst) { single_directions(naive, worst); }},
       {{name + "-sharpest-spreads", formula, lost + ": more than the spread itself",
-        "the corner whose projection is nearest; kappa above the encoding's limit is counted and warned of", 0.09,
-        "relative, of 1 - |r|, mean over directions",
-        "at the limit a direction loses a quarter at most (storage_kappa_max)"},
+        "the corner with the closest projection; lobes with kappa above the encoding's limit are counted and reported",
+        0.09, "relative, of 1 - |r|, mean over directions",
+        "at the limit, a direction loses a quarter at most (storage_kappa_max)"},
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
-      {{name + "-as-the-format-says", formula, "another texel than docs/reference/file_format.md says",
-        "every way to round is tried, as its words are", kNothingWrong, "texels wrong", "not a bit may differ"},
+      {{name + "-as-the-format-says", formula, "the texel differs from the rule of docs/reference/file_format.md",
+        "every way to round is tried, as the rule says", kNothingWrong, "texels wrong", "not a bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },
        {},
        [=](WorstError& worst) { as_the_format_says(encoding, naive, worst); }},
