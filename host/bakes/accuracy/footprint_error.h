@@ -27,7 +27,7 @@ struct ErrorSum {
 };
 
 /// The denominator of relative errors: the reference, or at least a hundredth of the reflection of a white diffuse
-/// surface, 1/pi. The reference alone is almost 0 where no light or eye is near the highlight; errors relative to
+/// surface, 1/pi. The reference itself is almost 0 where no light or eye is near the highlight; errors relative to
 /// 1e-40 would mean nothing.
 class ErrorBase {
  public:

@@ -51,7 +51,7 @@ struct MovmfSettings {
   // lobe stores the spread of its normals, whatever the cap.
   float kappa_cap = 500.0f;           // 1..1e5
   float kappa_cap_slope = 10.0f;      // 0..1000
-  float start_kappa_factor = 0.5f;    // start kappa relative to the parent's, 0.01..1
+  float start_kappa_factor = 0.5f;    // start kappa / kappa of the parent, 0.01..1
   float start_amplitude_min = 0.02f;  // minimum amplitude of a start, 0..0.125
 
   bool operator==(const MovmfSettings&) const = default;

@@ -37,8 +37,8 @@ struct MipSchedule {
 
 /// Weight of the mixed widths of movmf_choose.cl, in units of MovmfSettings::alignment.
 constexpr float kChoiceAlignment = 14.0f;
-/// One work-item sums a texel of up to this many samples; larger texels are binned or summed in chunks. The sample
-/// count alone decides, so that the order of sums never depends on bands or devices. With 1024, the packed normals of
+/// One work-item sums a texel of up to this many samples; larger texels are binned or summed in chunks. Only the
+/// sample count decides, so that the order of sums never depends on bands or devices. With 1024, the packed normals of
 /// a group still fit a core's cache, and the rounding error of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
 /// Cells per side of the grid of a binned texel. Texels of up to kSamplesFewCellsMax samples, which are numerous, have

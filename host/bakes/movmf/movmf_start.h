@@ -39,7 +39,7 @@ struct StartSearch {
 };
 
 /// Returns 1 to 24 starts for the coarsest level, the lowest error first: the best of many EM fits, in double, to a
-/// sample of the whole map. EM from the farthest-first choice alone ends in poor local optima, which every finer level
+/// sample of the whole map. EM from only the farthest-first choice ends in poor local optima, which every finer level
 /// inherits. Example: three wide lobes share one flat and two facets of a groove, with 64 % error at the coarsest
 /// level of the four-quarter map; these starts give 6 %.
 std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search);

@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Relative L1, sum |scene's - default's| / sum default's, of diffuse light or of highlights, whichever is larger.
+/// Relative L1 of diffuse light or of highlights, whichever is larger: sum |scene - default bake| / sum default bake.
 struct SceneDifference {
   double error = 0.0;       // mean over levels
   double confidence = 0.0;  // half width of the 95 % interval; 0: the whole map was compared

@@ -55,7 +55,7 @@ struct SceneBudget {
   std::optional<double> bytes;         // of the textures of all maps together
   std::optional<double> bake_ms;       // time of the bake by the model of docs/reference/scenes.md
   std::optional<double> target_error;  // relative L1 against the reference, each map's worst BRDF
-  double estimate_margin = 0.02;       // how far an estimated error may exceed the default bake's, relative L1
+  double estimate_margin = 0.02;       // how far an estimated error may exceed that of the default bake, relative L1
 };
 
 struct SceneDescription {

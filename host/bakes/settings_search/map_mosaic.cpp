@@ -13,7 +13,7 @@ namespace {
 // Blocks begin at multiples of this if there is room, so that fine patterns are divided into mip texels as in the map.
 constexpr int kAlignment = 16;
 
-// Where the columns of each block begin in the map. Blocks of one row of cells share their rows, so that a map on disk
+// Start columns of each block in the map. Blocks of one row of cells share their rows, so that a map on disk
 // is read by whole rows.
 struct Cuts {
   int width, height;                // of the mosaic

@@ -82,7 +82,7 @@ class SettingTrials {
   double scale_;
 };
 
-/// JOB with its settings replaced by a candidate's.
+/// JOB with the settings of a candidate.
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
 /// The cheapest candidate, from number `first` on, whose error on the mosaic, with its interval and multiplied by

@@ -161,7 +161,7 @@ void highlight_cosines(Device& device, WorstError& worst) {
         facet_kappa * glm::dvec3(half_vectors[i]) + (length > 0.0 ? kappa / length * r : glm::dvec3(0.0));
     const double size = glm::length(sum);
     const std::string input = fmt::format("|r| {:.9g}, kappa of the facets {:.3g}, number {}", length, facet_kappa, i);
-    // Where both cancel, the remaining direction is due to rounding, so any mean cosine is possible.
+    // If both cancel, the remaining direction is due to rounding, so any mean cosine is possible.
     if (size < 1e-2 * facet_kappa) {
       worst.add(found[i] >= 0.0f && found[i] <= 1.0f ? 0.0 : std::numeric_limits<double>::quiet_NaN(), input);
       continue;

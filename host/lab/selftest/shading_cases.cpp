@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) for parameters that are 0, 1 or
 // extreme. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe". Lobes point along +z, so that (a r, a) is exact
-// in float and the error is only the formula's.
+// in float and only the formula causes an error.
 #include <fmt/format.h>
 
 #include <algorithm>
