@@ -24,7 +24,7 @@ struct ShadingDirections {
   std::vector<glm::dvec3> half_vectors;
   std::vector<glm::dvec3> lights;
   std::vector<Highlight> highlights;
-  float mean_cosine = 0.0f;  // of a baked roughness map; lights are divided by it; 0: no such map
+  float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, which divides lights; 0: no such map
   // [half vector]: number, in `lights`, of the light whose cosine n . l multiplies its highlights; empty: no cosine.
   std::vector<int> half_vector_lights = {};
 };

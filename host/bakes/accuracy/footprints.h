@@ -24,7 +24,7 @@ namespace multum {
 
 struct Footprint {
   int octave;              // floor(u)
-  glm::dvec2 centre;       // in texels of level 0, inside the map
+  glm::dvec2 centre;       // position in texels of level 0, inside the map
   glm::dvec2 longer_side;  // vector along the longer side
   glm::dvec2 shorter_side;
 };

@@ -33,7 +33,7 @@ struct BakeJob {
   MapSurface surface = MapSurface::kTexels;  // kInterpolated: only for levels from 1 on; level 0 is the map
   Representation representation = Representation::kMovmf;
   int sh_order = 4;       // order of spherical harmonics, 1..20
-  MovmfSettings fitting;  // of lobes; the first level applies to every representation
+  MovmfSettings fitting;  // settings of lobes; the first level applies to every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
   bool measure = true;                                            // measure the error of the written file
@@ -53,7 +53,7 @@ struct BakeJob {
   // the part that has changed.
   std::string onto;
   std::optional<MapRegion> region;
-  int threads = 2;  // of the host's own loops
+  int threads = 2;  // number of threads for loops on the host
   // Shared by consecutive bakes of one map on one device: a start that was found is not searched again, and the report
   // states the time that the search would have taken (FitReport::start_remembered). Null: each bake searches its own.
   std::shared_ptr<StartMemory> starts;

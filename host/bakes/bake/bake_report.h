@@ -51,10 +51,10 @@ struct BakeReport {
   std::map<std::string, std::uint64_t> launches;  // by kernel
   std::map<std::string, double> launch_seconds;   // device time by kernel, if launches were timed (--runstats)
   TransferCounts transfers;                       // copies between host and device
-  std::uint64_t device_bytes_peak = 0;            // of device buffers
+  std::uint64_t device_bytes_peak = 0;            // largest total of device buffers
   std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
   std::vector<AccuracyRow> accuracy;
-  std::vector<FootprintError> error;    // of pixels, for each BRDF of `accuracy`
+  std::vector<FootprintError> error;    // pixel errors for each BRDF of `accuracy`
   std::string choice;                   // reasons for chosen settings, a line each; else empty
   std::optional<double> picture_error;  // relative L1 of a picture of the chosen settings, if drawn
 

@@ -24,8 +24,8 @@ struct BakeSource {
   NormalMapRows map;
   std::optional<PlaneStore> albedo;                         // if the job has one
   std::optional<WeightMap> weights;                         // the same
-  double mean_cosine = 1.0;                                 // of the roughness map
-  std::optional<RoughnessReport> roughness = std::nullopt;  // of the roughness file
+  double mean_cosine = 1.0;                                 // mean cosine of the roughness map
+  std::optional<RoughnessReport> roughness = std::nullopt;  // report about the roughness file
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
   std::vector<std::string> map_warnings = {};               // about albedo and weights, with the file's name
   std::string albedo_format = {};                           // ColourRows::format

@@ -31,7 +31,7 @@ struct BakeRun : MapInputs {
   const BakeJob& job;
   Device& device;
   const BakeSource& source;
-  BakedHeader header;     // of the output file
+  BakedHeader header;     // header of the output file
   MovmfSettings fitting;  // fitting_settings() for the map
   StageClock& clock;
 };

@@ -25,7 +25,7 @@ std::string all_settings_json(const BakeJob& job);
 std::string rows_key(const BakedProvenance& from);
 
 enum class OutputFinding {
-  kInPlace,     // as this bake would make it, by its header; texels are not read
+  kInPlace,     // equal to the result of this bake, by its header; texels are not read
   kMissing,     // no file
   kUnreadable,  // not a baked file, or its header is damaged
   kStale,       // baked from other inputs, with other settings or by another program
@@ -34,7 +34,7 @@ enum class OutputFinding {
 struct OutputState {
   OutputFinding finding;
   std::string why;      // reason for kUnreadable and kStale
-  StatedErrors stated;  // from the header of an existing, measured file
+  StatedErrors stated;  // errors in the header of an existing, measured file
 };
 
 /// `settings`: all_settings_json(job). Throws Error(kInput) if an output exists, but the map cannot be read for

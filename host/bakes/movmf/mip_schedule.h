@@ -24,7 +24,7 @@ struct LevelSchedule {
   MultumMovmfFit fit;  // for the whole level at once; without slot_count
   FitMethod method;
   FitOrder order;
-  int refit_iterations;  // of each further pass; `fit` has those of the first
+  int refit_iterations;  // EM iterations of each further pass; `fit` has those of the first
   int step_count;        // of a pass
 };
 

@@ -144,7 +144,7 @@ ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSe
 MovmfSettings trial_settings(const MovmfSettings& settings, const NormalMap& proxy) {
   MovmfSettings whole = settings;
   whole.refine = false;   // the start decides the pyramid of EM
-  whole.first_level = 0;  // of the proxy map, which has fewer levels than the map
+  whole.first_level = 0;  // level of the proxy map, which has fewer levels than the map
   // If the finest levels are not requested, their kernels are not needed either.
   while (settings.first_level > 0 && std::max(mip_level_size(proxy.width, whole.first_level),
                                               mip_level_size(proxy.height, whole.first_level)) > kComparedSideMax)

@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kPartialSums = 5;  // of movmf_em_chunks.cl
+constexpr std::size_t kPartialSums = 5;  // sums per lobe in movmf_em_chunks.cl
 constexpr std::size_t kWeightedPlanes = 4;
 // For all four colours of a window: the device starts one after the other without waiting for the host.
 constexpr std::size_t kStepsQueuedMax = 4;

@@ -17,14 +17,14 @@ namespace multum {
 /// method does not need are empty.
 struct StepWindows {
   RowWindow parent;                      // lobes of the next coarser level; empty if fit.parent_width is 0
-  RowWindow lobes;                       // of the level
+  RowWindow lobes;                       // lobes of the level
   RowWindow refined;                     // refined lobes; empty without refining
-  RowWindow alignment_vectors;           // of the level: what neighbours read for alignment
-  RowWindow features;                    // of the level, [rgb_plane][lobe]
+  RowWindow alignment_vectors;           // vectors of the level that neighbours read for alignment
+  RowWindow features;                    // features of the level, [rgb_plane][lobe]
   MapWindows* map = nullptr;             // normals and features that the level covers: kTexels, kChunks
   RowWindow binned, binned_counts;       // kBinned: samples and their numbers
   std::vector<RowWindow> binned_planes;  // features of the samples, in triples
-  bool wants_features = false;           // in this step
+  bool wants_features = false;           // true if this step writes features
 };
 
 class MovmfEmStep {
@@ -72,7 +72,7 @@ class MovmfEmStep {
   Kernel binned_pack_kernel_, em_binned_kernel_, em_binned_team_kernel_;
   Kernel em_partial_kernel_, cap_kernel_, mstep_kernel_;
   Kernel feature_partial_kernel_, feature_sum_kernel_, feature_binned_kernel_;
-  std::vector<std::vector<int>> lists_;  // of queued steps; the device still reads them
+  std::vector<std::vector<int>> lists_;  // texels of queued steps, which the device still reads
   DeviceBuffer list_, chosen_, start_, samples_, sample_counts_, feature_samples_, partial_;
 };
 

@@ -76,7 +76,7 @@ class MovmfFit {
   Kernel level_zero_kernel_;
   const int map_width_, map_height_;
   CoarseTexels coarse_;
-  LevelRows kept_;  // of the current level
+  LevelRows kept_;  // rows of the current level to keep
   double zero_seconds_ = 0.0;
   std::uint64_t zero_launches_ = 0;
   BackgroundTask handing_over_;  // gives the last rows to the sink

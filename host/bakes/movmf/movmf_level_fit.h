@@ -56,7 +56,7 @@ bool is_refined(const LevelSchedule& level, const MovmfSettings& settings);
 
 struct BandPlan {
   int band_rows;      // B, at least 1; the level's height: all rows at once
-  int map_band_rows;  // of the map, for a method that reads it band by band: kChunks
+  int map_band_rows;  // rows of the map, for a method that reads it band by band: kChunks
 };
 
 /// The fit of one level, or of a part of its rows.

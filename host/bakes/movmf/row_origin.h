@@ -37,7 +37,7 @@ struct LevelShape {
   std::size_t lobe_row_bytes;     // [lobe][column]
   std::size_t feature_row_bytes;  // [triple][lobe][column]; 0: none
   bool is_refined;                // the file stores other lobes than those from which finer levels grow
-  bool is_parent;                 // of a fitted level
+  bool is_parent;                 // true if the next level is fitted
 
   RowBytes row_bytes() const { return {lobe_row_bytes, feature_row_bytes, is_refined ? lobe_row_bytes : 0}; }
 };

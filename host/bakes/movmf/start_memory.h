@@ -16,14 +16,14 @@ namespace multum {
 /// The candidates of start_candidates().
 struct StartCandidates {
   std::vector<std::vector<MultumVmfLobe>> starts;
-  RunTime time;  // to find them
+  RunTime time;  // time to find them
 };
 
 /// The best candidate for some settings.
 struct ChosenStart {
   std::vector<MultumVmfLobe> start;
   int tried = 0;  // candidates
-  RunTime time;   // to find and try them, with kernels loaded
+  RunTime time;   // time to find and try them, with kernels loaded
 };
 
 /// For one map and one device; bakes use it one after another.

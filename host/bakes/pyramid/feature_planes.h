@@ -18,7 +18,7 @@ namespace multum {
 struct FeaturePlanes {
   std::vector<const PlaneStore*> rgb_planes;
   bool has_colours = false;  // the first triple
-  int weight_count = 0;      // in the triples after it
+  int weight_count = 0;      // number of weights in the triples after the colours
 
   /// `albedo` and `weights` may be null, and must outlive the result.
   static FeaturePlanes of(const PlaneStore* albedo, const WeightMap* weights);
@@ -33,9 +33,9 @@ struct FeaturePlanes {
 /// Inputs and limits of a bake. The normals tell whether roughness is included (PlaneStore::is_shortened()).
 struct MapInputs {
   const PlaneStore* normals = nullptr;
-  FeaturePlanes features = {};                          // of the same size
+  FeaturePlanes features = {};                          // features of the map's size
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
-  int threads = 1;                                      // of the host's own loops
+  int threads = 1;                                      // number of threads for loops on the host
   std::uint64_t writer_bytes = 0;              // part of memory_bytes that the writer holds during the fit of levels
   SpillPolicy spill{.memory_bytes = 4 << 20};  // for rows that the next level needs
 };

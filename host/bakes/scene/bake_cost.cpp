@@ -14,7 +14,7 @@ namespace {
 constexpr double kRead = 55.0;          // a map of three channels
 constexpr double kAveragePlane = 18.0;  // a plane
 constexpr double kFitLevelOne = 80.0;   // level 1, whose texels assign each of four normals to a lobe
-constexpr double kFitLobeOne = 20.0;    // in addition, per lobe
+constexpr double kFitLobeOne = 20.0;    // additional time per lobe
 constexpr double kFitFine = 60.0;       // each of levels 2 to 5, fitted to all normals
 constexpr double kFitLobeFine = 15.0;
 constexpr double kFitCoarse = 60.0;        // all coarser levels together, fitted to binned normals

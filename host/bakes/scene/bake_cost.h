@@ -17,8 +17,8 @@ struct BakeShape {
   int sh_order = 4;    // for representations with an order
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   int first_level = 0;
-  bool has_colours = false;   // in the baked file: per lobe, or one per texel
-  bool mean_colours = false;  // in a separate file, for all levels
+  bool has_colours = false;   // colours in the baked file: per lobe, or one per texel
+  bool mean_colours = false;  // mean colours in a separate file, for all levels
   int weight_count = 0;
   int exponent_count = 3;  // number of highlights whose error is measured
 };

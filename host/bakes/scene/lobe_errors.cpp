@@ -24,7 +24,7 @@ constexpr int kDirections = 32;
 constexpr int kIterations = 15;
 constexpr double kKappaMax = 1e6;
 constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
-constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // as in MovmfSettings
+constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // values of MovmfSettings
 constexpr double kSingleDirection = 1e-7;                             // 1 - |r| of equal normals, in single precision
 
 double density(double kappa, double t) { return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0)); }

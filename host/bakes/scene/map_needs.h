@@ -16,7 +16,7 @@ struct MapNeeds {
   bool diffuse = false, specular = false;
   bool width_in_map = false, weighted = false;
   bool environment_highlight = false, takes_vmf = false;  // takes_vmf: for BRDFs that are sums of vMFs
-  double exponent_min = 0.0, exponent_max = 0.0;          // of highlights with an exponent
+  double exponent_min = 0.0, exponent_max = 0.0;          // range over highlights with an exponent
   int first_seen = 0, last_seen = 0;
   std::vector<ShadedBy> diffuse_by, highlights_by;
 

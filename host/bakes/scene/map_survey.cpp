@@ -37,7 +37,7 @@ struct Sums {
 };
 using SumRow = std::vector<Sums>;
 struct NumberedRow {
-  int number;  // in its level
+  int number;  // position in its level
   SumRow sums;
 };
 
@@ -171,7 +171,7 @@ class Survey {
 
  private:
   struct Band {
-    std::optional<NumberedRow> row;  // of band_level_, if the band is summed
+    std::optional<NumberedRow> row;  // row of band_level_, if the band is summed
     std::vector<LevelSums> levels;
     std::array<Range, 6> ranges;  // x, y, z, red, green, blue
   };

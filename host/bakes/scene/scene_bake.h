@@ -34,11 +34,11 @@ struct SceneMapReport {
 struct SceneReport {
   ScenePlan plan;  // including the choices of trials
   std::vector<SceneMapReport> maps;
-  double seconds = 0.0;          // of the bakes; ScenePlan::plan_seconds is separate
-  double compare_seconds = 0.0;  // to measure differences from the default bake
+  double seconds = 0.0;          // time of the bakes; ScenePlan::plan_seconds is separate
+  double compare_seconds = 0.0;  // time to measure differences from the default bake
   // Over all maps, without comparisons.
   std::map<std::string, std::uint64_t> launches;  // by kernel
-  std::map<std::string, int> builds;              // by kernels/FILE.cl
+  std::map<std::string, int> builds;              // number of builds by kernels/FILE.cl
 
   nlohmann::json to_json() const;
   nlohmann::json map_rows() const;  // its "maps"

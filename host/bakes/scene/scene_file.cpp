@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"};
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
 const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 1"};
-constexpr std::size_t kLightCountMax = 8;     // of each kind: the limit of multum-view
+constexpr std::size_t kLightCountMax = 8;     // per kind: the limit of multum-view
 constexpr std::size_t kMaterialCountMax = 4;  // basis BRDFs
 
 // Unique names of one kind of things.

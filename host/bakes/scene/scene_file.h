@@ -25,7 +25,7 @@ struct SceneMaterial {
   /// One BRDF if its width is fixed; the narrowest and the broadest if the width changes at run time.
   std::vector<Brdf> brdfs;
   bool width_in_map = false;  // brdf = "roughness-map": each texel has its own width
-  std::string measured_file;  // of BrdfKind::kMeasured
+  std::string measured_file;  // file of a BrdfKind::kMeasured
 
   bool is_dynamic() const { return brdfs.size() > 1; }
 };
@@ -52,7 +52,7 @@ struct SceneCamera {
 };
 
 struct SceneBudget {
-  std::optional<double> bytes;         // of the textures of all maps together
+  std::optional<double> bytes;         // bytes of the textures of all maps together
   std::optional<double> bake_ms;       // time of the bake by the model of docs/reference/scenes.md
   std::optional<double> target_error;  // relative L1 against the reference, each map's worst BRDF
   double estimate_margin = 0.02;       // how far an estimated error may exceed that of the default bake, relative L1

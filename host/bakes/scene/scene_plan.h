@@ -28,8 +28,8 @@ struct PlannedEffect {
   std::string effect;
   bool needed = false;
   std::string why;                     // with the measured number
-  bool has_cost = false;               // of the bake; other effects are only code in a shader
-  BakeCost cost;                       // that it adds, or saves if it is not needed
+  bool has_cost = false;               // true if it has a cost in the bake; other effects are only shader code
+  BakeCost cost;                       // cost that it adds, or saves if it is not needed
   std::vector<PlannedItem> list = {};  // candidates that were tried, by cost; may be empty
 };
 
@@ -57,7 +57,7 @@ struct TrialRange {
 struct MapPlan {
   std::string name;
   BakeJob job;                // without the output
-  bool mean_colours = false;  // of colour_file, in a separate file
+  bool mean_colours = false;  // mean colours of colour_file are baked to a separate file
   std::string colour_file;    // the albedo, if mean_colours is set
   int width = 0, height = 0, level_count = 0;
   int first_seen = 0, last_seen = 0;      // levels
@@ -67,9 +67,9 @@ struct MapPlan {
   BakeCandidate chosen, default_bake;     // the default bake
   std::optional<TrialRange> trials;       // set: trials of the bake choose, and `chosen` is an estimate
   bool default_error_is_bound = false;    // the default bake's error is only known to be no higher
-  PartErrors limit;                       // that candidates had to meet
-  std::vector<BakeCandidate> candidates;  // by textures, then time
-  double stated_difference = 0.0;         // from pictures of the default bake, relative L1, estimated
+  PartErrors limit;                       // errors that candidates must not exceed
+  std::vector<BakeCandidate> candidates;  // sorted by textures, then time
+  double stated_difference = 0.0;         // estimated relative L1 from pictures of the default bake
   std::vector<PlannedEffect> effects;
   std::shared_ptr<BakeSource> source;  // the job's inputs, if kept in memory
   // Small samples of the map for host/bakes/scene/scene_difference.h; null if no bake follows or one texel represents
@@ -81,10 +81,10 @@ struct ObjectPlan {
   std::string name;
   std::size_t map = 0;
   int first_level = 0, last_level = 0;  // seen
-  std::vector<PlannedEffect> effects;   // of its shader
+  std::vector<PlannedEffect> effects;   // effects of its shader
   bool environment_by_harmonics = false;
   std::optional<glm::dvec3> fixed_fresnel;  // constant that replaces F
-  double stated_difference = 0.0;           // of its map, and of its shader in addition
+  double stated_difference = 0.0;           // difference of its map plus that of its shader
 };
 
 struct ScenePlan {

@@ -30,7 +30,7 @@ struct FileHashes {
 struct RecordedMap {
   std::string name;
   FileHashes hashes;
-  Json row;  // of the report
+  Json row;  // row of the report
   bool is_whole = false;
   std::string why;  // reason if it is unusable
 };

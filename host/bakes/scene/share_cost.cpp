@@ -19,9 +19,9 @@ namespace {
 constexpr double kReadCpu = 60.0;          // with decoding, hashing and detection of the encoding
 constexpr double kStoreRows = 8.0;         // the map's rows, written to share 0's file
 constexpr double kFitLevelOneCpu = 40.0;   // level 1
-constexpr double kFitLobeOneCpu = 22.0;    // in addition, per lobe
+constexpr double kFitLobeOneCpu = 22.0;    // additional time per lobe
 constexpr double kFitFineCpu = 15.0;       // each of levels 2 to 5
-constexpr double kFitLobeFineCpu = 7.5;    // in addition, per lobe
+constexpr double kFitLobeFineCpu = 7.5;    // additional time per lobe
 constexpr double kFitCoarseCpu = 100.0;    // all coarser levels together
 constexpr double kColourFactorCpu = 0.6;   // additional share of the fit per triple of features
 constexpr double kBandRows = 12.0;         // rows of map and lobes to and from shares, per texel of a band
@@ -39,7 +39,7 @@ constexpr double kFixedMeasure = 0.15;  // Lambert, and each exponent
 
 constexpr int kFinestBinned = 6;
 constexpr double kShareCountMax = 1000.0;  // the default limit of tasks of a Slurm array
-constexpr double kProcessors = 1.6;        // of 2, kept busy by a bake of averages
+constexpr double kProcessors = 1.6;        // busy processors during a bake of averages, of 2
 
 int rgb_planes(const BakeShape& s) { return (s.has_colours ? 1 : 0) + (s.weight_count + 2) / 3; }
 

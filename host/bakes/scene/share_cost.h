@@ -13,7 +13,7 @@ namespace multum {
 struct ShareCost {
   int coarse_from = 0;                 // share 0 fits this level and the coarser ones
   double coarse_seconds = 0.0;         // processor time of share 0
-  std::vector<double> band_seconds{};  // of shares 1 to N
+  std::vector<double> band_seconds{};  // processor time of shares 1 to N
   double merge_seconds = 0.0;
 
   double total_seconds() const;

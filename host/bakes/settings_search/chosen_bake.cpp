@@ -27,8 +27,8 @@ namespace {
 // A bake of the whole map.
 struct Attempt {
   SettingTrial trial;
-  ReachedError reached;                   // by the bake itself
-  std::optional<ReachedError> confirmed;  // by other footprints, if the target was reached
+  ReachedError reached;                   // error that the bake measured
+  std::optional<ReachedError> confirmed;  // error at other footprints, if the target was reached
   double seconds;
 
   const ReachedError& judged() const { return confirmed ? *confirmed : reached; }

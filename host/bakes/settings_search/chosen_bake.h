@@ -16,7 +16,7 @@ namespace multum {
 /// Either `error` or `seconds` is set.
 struct BakeTarget {
   std::optional<double> error;    // relative L1 for `brdf`, 0.1 = 10 %
-  std::optional<double> seconds;  // of the bake: reading, fitting and writing, without choosing and measuring
+  std::optional<double> seconds;  // time of the bake: reading, fitting and writing, without choosing and measuring
   TargetBrdf brdf;
   std::optional<Representation> only;  // restricts the search
   bool best_effort = false;            // write the best result even if nothing reaches the target
@@ -24,7 +24,7 @@ struct BakeTarget {
 };
 
 struct ChosenBake {
-  BakeReport report;    // of the written bake, or of the best if none was written
+  BakeReport report;    // report of the written bake, or of the best if none was written
   std::string options;  // the chosen settings as options of `multum bake`
   // For the whole map. If the target is an error that the first footprints meet, this is from footprints that had no
   // part in the choice.

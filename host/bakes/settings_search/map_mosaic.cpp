@@ -16,7 +16,7 @@ constexpr int kAlignment = 16;
 // Start columns of each block in the map. Blocks of one row of cells share their rows, so that a map on disk
 // is read by whole rows.
 struct Cuts {
-  int width, height;                // of the mosaic
+  int width, height;                // size of the mosaic
   std::vector<int> rows;            // [block row]
   std::vector<std::vector<int>> x;  // [block row][block column]
 };

@@ -16,12 +16,12 @@ namespace multum {
 /// One way to draw a baked map.
 struct PendingView {
   std::string baked;                   // the file
-  std::vector<std::string> arguments;  // of multum-view, without the file, -o, --report and common ones
+  std::vector<std::string> arguments;  // options of multum-view, without the file, -o, --report and common ones
   bool shows_reference = false;        // also return the reference's picture
 };
 
 struct DrawnView {
-  const nlohmann::json& report;  // from multum-view
+  const nlohmann::json& report;  // report of multum-view
   std::string picture;           // PNG bytes
   std::string reference;         // PNG bytes of the reference, if requested
 };

@@ -34,7 +34,7 @@ struct SettingCandidate {
   CandidateAxis axis;
   unsigned users;       // CandidateUser
   std::string options;  // the values as text: "--ndf vmf --lobes 3"
-  int texture_count;    // of four channels of 16 bits
+  int texture_count;    // number of textures with four channels of 16 bits
   int effort;           // with equal texture counts: less bakes faster
   Representation representation() const { return *given_representation(values); }
   int lobe_count() const { return values.integer("lobes").value_or(1); }

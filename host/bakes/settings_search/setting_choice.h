@@ -49,7 +49,7 @@ ReachedError reached_error(const std::vector<FootprintError>& errors, const Targ
 struct SettingTrial {
   std::size_t candidate;
   ReachedError reached;
-  double seconds;        // of fitting or averaging
+  double seconds;        // time of fitting or averaging
   double fixed_seconds;  // part that does not grow with the map: start and coarse levels
 };
 
@@ -75,7 +75,7 @@ class SettingTrials {
   Device& device_;
   const BakeJob job_;
   const TargetBrdf brdf_;
-  const std::vector<Highlight> highlights_;  // of the target: one, or none
+  const std::vector<Highlight> highlights_;  // highlight of the target, or none
   const BakeSource mosaic_;
   const std::vector<SettingCandidate> candidates_;
   std::vector<SettingTrial> made_;

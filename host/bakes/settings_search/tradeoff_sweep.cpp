@@ -30,8 +30,8 @@
 namespace multum {
 namespace {
 
-constexpr std::uint64_t kWaitingBytesMax = 32 << 20;  // of baked files that wait for drawing
-constexpr std::size_t kTimeRepeats = 5;               // of the default settings, to measure the noise of times
+constexpr std::uint64_t kWaitingBytesMax = 32 << 20;  // limit for baked files that wait for drawing
+constexpr std::size_t kTimeRepeats = 5;               // repeats of the default settings, to measure the noise of times
 constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 
 // A way to draw a bake.
@@ -292,7 +292,7 @@ class Sweep {
 
   // Compares with the pixel reference, as the measured error does; the reference is drawn once per BRDF.
   void draw(const std::string& baked, const View& view, std::size_t row_number) {
-    const bool is_first = references_.empty();  // of all views: the page shows its reference
+    const bool is_first = references_.empty();  // the first of all views: the page shows its reference
     std::vector<std::string> arguments = arguments_of(view);
     arguments.insert(arguments.end(), {"--compare", "reference", "--reference-of", "pixel", "--samples",
                                        fmt::format("{}", job_.samples), "--keep-reference", kept_reference(view)});
@@ -368,7 +368,7 @@ class Sweep {
   int scratch_count_ = 0;
   const std::shared_ptr<StartMemory> starts_ = std::make_shared<StartMemory>();
   TradeoffResult result_;
-  std::vector<double> bake_times_, frame_times_;   // of the default settings
+  std::vector<double> bake_times_, frame_times_;   // times of the default settings
   std::map<std::string, std::size_t> references_;  // [BRDF]: number of the file
 };
 

@@ -20,15 +20,15 @@ struct TradeoffJob {
   SweepLength length = SweepLength::kDefault;
   bool measures_all_brdfs = false;  // TradeoffRow::errors cover all BRDFs, not only `brdf`
   std::string viewer;               // multum-view; empty: draw nothing
-  std::string context = "auto";     // of multum-view
-  std::string decode = "child";     // of multum-view, too
+  std::string context = "auto";     // option of multum-view
+  std::string decode = "child";     // option of multum-view
   std::string output;               // the page, written by the caller; hidden files go next to it
   int width = 320, height = 240;    // of pictures
   int samples = 64;                 // per pixel of the reference
   std::optional<double> error;      // choose settings for this error or time; at most one is set
   std::optional<double> bake_seconds;
   // Budgets: rows say whether they meet all that are set, and only such rows may be chosen.
-  std::optional<std::uint64_t> bytes_max;  // of textures on the GPU
+  std::optional<std::uint64_t> bytes_max;  // limit for textures on the GPU
   std::optional<double> frame_ms_max;      // needs a viewer
   std::optional<double> bake_seconds_max;
 
@@ -39,23 +39,23 @@ struct TradeoffJob {
 /// One bake, drawn in one way.
 struct TradeoffRow {
   std::string group;                     // varied setting: "lobes", "storage", ...
-  std::string options;                   // of `multum bake`
+  std::string options;                   // options of `multum bake`
   std::string view;                      // options of `multum-view`; empty: only the BRDF
   ReachedError reached;                  // pixel error with its interval
-  std::vector<FootprintError> errors;    // of each measured BRDF, with the shading of this row
+  std::vector<FootprintError> errors;    // errors of each measured BRDF, with the shading of this row
   double rendered = -1.0;                // error of the picture, reference with the same filter; < 0: not drawn
-  RunTime bake;                          // of fitting or averaging, and writing; reading is the same for all rows
+  RunTime bake;                          // time of fitting or averaging, and writing; all rows share the reading
   double frame_ms = -1.0;                // elapsed; < 0: not drawn
   double frame_work_ms = -1.0;           // processor time with software drawing, else GPU time; < 0: not drawn
-  std::uint64_t normals_file_bytes = 0;  // on disk, of the normal map for levels finer than the file's first
+  std::uint64_t normals_file_bytes = 0;  // size on disk of the normal map, if it provides the finest levels
   std::uint64_t file_bytes = 0;          // with these
-  std::uint64_t normals_bytes = 0;       // on the GPU, of the normal map for levels finer than the file's first
+  std::uint64_t normals_bytes = 0;       // size on the GPU of the normal map, if it provides the finest levels
   std::uint64_t gpu_bytes = 0;           // with these
   std::string picture;                   // PNG bytes; empty: not drawn
   bool is_measured = true;               // false: another BRDF, or a formula that only the renderer has
   bool has_error = false;             // `reached` is known; without is_measured, it is the error of the row's own BRDF
   bool fits = true;                   // TradeoffJob's budgets
-  std::vector<std::string> warnings;  // of the bake, without the map's name
+  std::vector<std::string> warnings;  // warnings of the bake, without the map's name
   bool on_time_front = false, on_frame_front = false, on_size_front = false;  // not beaten (mark_fronts())
   // For a row on a front: another row on a front that is indistinguishable in error and in every cost.
   std::optional<std::size_t> same_as;
@@ -81,7 +81,7 @@ struct TradeoffResult {
   std::string reference;              // PNG bytes of the reference picture; empty: none
   std::string device;                 // that baked
   std::string renderer;               // that drew
-  int width = 0, height = 0;          // of the map
+  int width = 0, height = 0;          // size of the map
   std::optional<std::size_t> chosen;  // the row for the job's error, time or budgets
   TimeNoise noise;
   double seconds = 0.0;

@@ -12,7 +12,7 @@ namespace multum {
 struct CaseTopic {
   std::string danger;
   std::vector<std::string>
-      cases;  // of host/lab/selftest and tests/gl; "HardCaseTest.X": a whole bake, tests/hard_cases
+      cases;  // names in host/lab/selftest and tests/gl; "HardCaseTest.X": a whole bake, tests/hard_cases
 };
 
 const std::vector<CaseTopic>& case_topics();

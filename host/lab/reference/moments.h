@@ -10,7 +10,7 @@
 namespace multum::reference {
 
 struct TexelMoments {
-  double s = 0.0, t = 0.0, ss = 0.0, tt = 0.0, st = 0.0;  // of slopes -(n_x, n_y) / max(n_z, 0.05)
+  double s = 0.0, t = 0.0, ss = 0.0, tt = 0.0, st = 0.0;  // moments of slopes -(n_x, n_y) / max(n_z, 0.05)
   glm::dvec3 normal{0.0};
   glm::dvec3 colour{0.0};
 

@@ -25,8 +25,8 @@ struct NumericalCaseText {
   std::string formula;        // the kernels or shaders tested: "movmf_em_texels", "ggx.glsl, terms.glsl"
   std::string without_guard;  // result without the guard, in words
   std::string guard;          // the remedy
-  double bound;               // of the error, > 0
-  std::string unit;           // of the error: "relative", "of the peak"
+  double bound;               // largest allowed error, > 0
+  std::string unit;           // unit of the error: "relative", "of the peak"
   std::string bound_reason;   // source of the bound
 };
 

@@ -25,7 +25,7 @@ struct OneLobeTexel {
   std::vector<double> base_squared;  // alpha^2 of each finest texel, or one value for all
   int width, height, x, y;           // size of the level, position of the texel
   bool is_anisotropic;
-  int iteration_count;  // of EM; 0: the closed form
+  int iteration_count;  // iterations of EM; 0: the closed form
   double alpha_min;
 };
 

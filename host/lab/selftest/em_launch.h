@@ -38,7 +38,7 @@ struct EmSettings {
 
 struct FittedTexel {
   std::vector<glm::dvec4> lobes;  // (r, a); for Gaussians (mean, sigma^2, a)
-  std::vector<double> kappa;      // of the last E-step
+  std::vector<double> kappa;      // kappa of the last E-step
 };
 
 /// The forms of the kernel, which give the same bytes: the device's fast variant, one lane per work-item, and a team

@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // of one texel's planes
+constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // distance between the planes of a texel
 
 // Averages, with equal weights, of the planes that one_lobe_finest makes of the map, and of alpha^2.
 std::vector<float> launched_averages(Device& device, const reference::OneLobeTexel& texel) {

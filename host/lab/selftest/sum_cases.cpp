@@ -32,7 +32,7 @@ namespace {
 constexpr int kWidth = 32768, kHeight = 8192;  // 2^28 texels under one texel of the coarsest level
 constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;
-constexpr int kChunks = 1 << 16;  // of 4096 normals each
+constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 
 // 64 rows of normals around a tilt, and their sum in double.
 struct Band {
