@@ -18,15 +18,16 @@ namespace {
 // Sums errors per level, kind of point and BRDF. Each sample counts for all texels of its cell. For sampled levels the
 // errors of each point are kept too; their spread gives the confidence interval.
 //
-// Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i, where w_i is the number of texels in cell i
-// (Cochran 1977, section 9A.7). The error is a ratio R of two such sums. Its variance is the variance of sum_i w_i
-// e_i, e_i = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). Where a
-// texel has no such point, e_i = 0 (section 5A.14).
+// Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i, where w_i is the number of texels in cell i (Cochran
+// 1977, section 9A.7). The error is a ratio R of two such sums. The variance of R is the variance of sum_i w_i e_i, e_i
+// = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). Where a texel has
+// no such point, e_i = 0 (section 5A.14).
 //
 //   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
 //
 // (1 - 1 / w_i) is the finite population correction of a cell. A single sample per cell gives no variance within the
-// cell, so the spread among all cells is used instead. It is larger wherever neighbours are alike (section 5A.12).
+// cell, so the spread among all cells is used instead. That spread is larger wherever neighbours are similar (section
+// 5A.12).
 class ErrorSums {
  public:
   ErrorSums(const AccuracyPoints& points, std::size_t brdf_count)
@@ -165,8 +166,8 @@ class Comparison {
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& reference : pass.references) streamed.push_back(reference.get());
-      // Footprints use the same directions, and all of them in this pass. They reuse the values of directions that the
-      // pass evaluates.
+      // Footprints use the same directions, and all of them in this pass. Footprints reuse the values of directions
+      // that the pass evaluates.
       for (std::size_t d = 0; d < footprint_references.size() && direction == 0; ++d)
         if (d < pass.references.size()) pass.references[d]->share_with(*footprint_references[d]);
         else streamed.push_back(footprint_references[d].get());

@@ -7,9 +7,9 @@
 // (host/formats/asset/tap_filter.h), filtered and shaded by the runtime's formula (accuracy_model.h). Error: relative
 // L1 = sum |model - reference| / sum reference, over footprints and a fixed set of lights and views.
 //
-// The table of levels shows where a fit is good: at texel centres, midway between texels and between levels. Its
-// reference is the average over the normals that the texels cover, filtered alike. It measures the BRDF's convolution
-// only: f without n . l.
+// The table of levels shows where a fit is good: at texel centres, midway between texels and between levels. The
+// reference of the table is the average over the normals that the texels cover, with the same filter. The table
+// measures only the BRDF's convolution: f without n . l.
 //
 // Levels finer than the first stored level are the normal map's own mips, in float. Each of their texels is one lobe:
 // the mean vector of the normals that the texel covers. Between such a level and a stored one, both are shaded and

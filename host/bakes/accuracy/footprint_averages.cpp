@@ -15,8 +15,8 @@ namespace {
 // A row is summed in this many strips in parallel, which hides the latency of dependent additions.
 constexpr std::size_t kStrips = 4;
 
-// Columns of each strip except the last, which takes the rest. They are slightly less than a quarter, since addresses
-// a whole power of two apart share sets of the cache.
+// Columns of each strip except the last, which takes the rest. A strip has slightly less than a quarter of the columns,
+// because addresses a power of two apart share sets of the cache.
 std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
 
 // before[i] is the sum of the strip's columns before column i. Also returns the sums of whole strips.

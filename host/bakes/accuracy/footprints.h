@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the footprints whose errors are measured: the areas of a map that pixels of pictures cover. They are spread
-// evenly over octaves of size, over directions and elongations, and over the map. Lists the texels that the runtime's
-// filter reads for each footprint (host/formats/asset/tap_filter.h).
+// Chooses the footprints whose errors are measured: the areas of a map that pixels of pictures cover. The footprints
+// are spread evenly over octaves of size, over directions and elongations, and over the map. Lists the texels that the
+// runtime's filter reads for each footprint (host/formats/asset/tap_filter.h).
 //
 //         ______             a footprint is a rectangle in texels of level 0: the pixel's square, projected onto a
 //        /     /  b          plane that is seen from any direction. The shorter side b = 2^u texels depends on the

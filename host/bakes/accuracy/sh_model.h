@@ -31,8 +31,8 @@ class ShModel : public AccuracyModel {
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
   /// Points [begin, end), filtered as hardware does; their coefficients are stored separately, [point][coefficient].
-  /// Both are multiplied by the colours in `channel` unless it is -1, because shading is linear except for its clamp
-  /// at 0.
+  /// Points and coefficients are multiplied by the colours in `channel` unless it is -1, because shading is linear
+  /// except for its clamp at 0.
   struct Filtered {
     std::vector<float> coefficients;
     std::vector<MultumFilteredSh> points;

@@ -22,8 +22,8 @@ namespace {
 constexpr double kAllowedRelative = 0.01;
 constexpr double kAllowedAbsolute = 1e-4;
 // Errors without an interval come from programs that measured other texels and gave too much weight to those at the
-// borders of thin maps: 60.9 % was stated as 42.6 % (4097 x 7, level 1), lower by a factor of 1.43. This limit detects
-// damage, not rounding.
+// borders of thin maps: 60.9 % was stated as 42.6 % (4097 x 7, level 1), lower by a factor of 1.43. The limit of 0.5
+// detects damage, not rounding.
 constexpr double kAllowedOfUnstated = 0.5;
 
 // Describes why a file that names this source was not baked from it; empty if it may have been.

@@ -51,7 +51,7 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
 }
 
 // Maps up to this size do not keep the rows of the finest fitted level, which has three quarters of all rows, unless
-// the bake is resumed. Their fit takes some seconds, and writing the rows would take a fifth of it.
+// the bake is resumed. The fit of such maps takes some seconds, and writing the rows would take a fifth of that time.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
 
 // Rows of tiles that the writer holds: of the fitted level, and of level 0 together with level 1.

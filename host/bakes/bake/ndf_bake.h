@@ -67,7 +67,7 @@ struct NdfBake {
   /// bakes.
   void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
   /// Bakes and rounds as `bake` does, writes nothing, and returns a meter that has read all rows. For maps that fit
-  /// into memory. Its time is the report's stage "fit" or "average".
+  /// into memory. The bake's time is the report's stage "fit" or "average".
   std::unique_ptr<AccuracyMeter> (*try_bake)(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                              Progress* progress);
   /// Verifies JOB.output. Throws Error(kInput) if it cannot be read. Progress: one unit per row.

@@ -25,8 +25,9 @@ struct MapRegion {
 };
 
 /// The smallest rectangle of level 0 that contains every changed texel: those that differ from `old` by more than two
-/// steps of 16-bit normals or of halfs. Its height is 0 if no texel differs. Returns nullopt if `old` stores no level
-/// 0. `header`: of the file to write; `normals`, `features`: the data to compare. Throws as RegionBake does.
+/// steps of 16-bit normals or of halfs. The rectangle's height is 0 if no texel differs. Returns nullopt if `old`
+/// stores no level 0. `header`: of the file to write; `normals`, `features`: the data to compare. Throws as RegionBake
+/// does.
 std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads);
 
@@ -43,9 +44,9 @@ constexpr int kRegionHalo = 2;
 
 class RegionBake : public RowOrigin, public MovmfSink {
  public:
-  /// `old` is the file to bake onto; `header` belongs to the file to write. Both must agree in sizes, lobes, encoding,
-  /// first level and colours. Throws Error(kInput) naming the file and the difference, and Error(kUsage) for a region
-  /// outside the map.
+  /// `old` is the file to bake onto; `header` belongs to the file to write. The two files must agree in sizes, lobes,
+  /// encoding, first level and colours. Throws Error(kInput) naming the file and the difference, and Error(kUsage) for
+  /// a region outside the map.
   RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const SpillPolicy& spill,
              BakeOutput& output);
 

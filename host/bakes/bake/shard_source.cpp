@@ -35,7 +35,7 @@ constexpr int level_of_feature(std::size_t store) { return kNormalsLevel - stati
 constexpr int kPlaneRows = 32, kFeatureRows = kPlaneRows / 3;
 constexpr std::uint64_t kPlaneGap = sizeof(RowBlock) + RecordFile::kHeadBytes + RecordFile::kChecksumBytes;
 
-// Calls for normals, then features, three planes each.
+// Lists the stores of normals, then of features, three planes each.
 template <typename Source, typename Store>
 std::vector<Store*> stores_of(Source& source) {
   std::vector<Store*> stores = {&source.map.normals};

@@ -29,8 +29,8 @@ std::string manifest_junit(const ManifestOutcome& outcome);
 /// The verdict, a table with a row per map, and the reasons for maps that are not in place.
 std::string manifest_summary(const ManifestOutcome& outcome);
 
-/// 0 if all maps are in place. Otherwise the exit code of the first map that failed (3 input, 4 environment), because
-/// the check is then incomplete; else 5.
+/// 0 if all maps are in place. If a map failed, the exit code of the first such map (3 input, 4 environment), because
+/// the check is then incomplete. Otherwise 5.
 int manifest_exit_code(const ManifestOutcome& outcome);
 
 }  // namespace multum

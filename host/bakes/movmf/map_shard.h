@@ -50,7 +50,7 @@ LevelRows map_rows(const ShardPlan& plan, const MipSchedule& schedule, const Mov
 /// Path of a share's file, next to the output: OUTPUT.shard-3-of-8.
 std::string shard_path(const std::string& output, const MapShard& shard);
 
-/// Writes the file of a share; the file appears when it is complete. Its records are a note for readers, rows
+/// Writes the file of a share; the file appears when it is complete. The file's records are a note for readers, rows
 /// (host/bakes/movmf/row_records.h), and an empty record at the end.
 class ShareWriter {
  public:

@@ -50,18 +50,18 @@ constexpr int kCellSide = 71;
 /// For shortened normals, with a grid per class of lengths: about twice as many cells in total.
 constexpr int kCellSideFewShortened = 21;
 constexpr int kCellSideShortened = 47;
-/// With early stops, a texel of at most this many normals (level 1) runs kIterationsFewNormals iterations instead. Its
-/// lobes find the normals at once and then move slowly; stopping when they have almost stopped costs up to a fifth
-/// more error. Softer starts, with kappa times kStartFactorFewNormals, converge sooner and reduce the error at
-/// centres. A stronger alignment passes the gain on to the points between them.
+/// With early stops, a texel of at most this many normals (level 1) runs kIterationsFewNormals iterations instead.
+/// Lobes of such a texel find the normals at once and then move slowly; stopping when they have almost stopped costs up
+/// to a fifth more error. Softer starts, with kappa times kStartFactorFewNormals, converge sooner and reduce the error
+/// at centres. A stronger alignment passes the gain on to the points between them.
 constexpr int kFewNormals = 4;
 constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
 constexpr float kAlignmentFactorFewNormals = 1.2f;
-/// Texels that cover fewer normals are not refined (movmf_refine.cl). Their lobes already follow their normals, and
-/// refining loses between texel centres what it gains there (four-quarter map of 256, s = 100: midway, 11.4 % instead
-/// of 10.8 at level 1, 12.6 instead of 12.5 at level 2). Texels of level 3 cover 64 normals, and about as many if
-/// sides are not powers of two.
+/// Texels that cover fewer normals are not refined (movmf_refine.cl). The lobes of such texels already follow their
+/// normals. Refining reduces errors at texel centres, but increases them between centres (four-quarter map of 256, s =
+/// 100: midway, 11.4 % instead of 10.8 at level 1, 12.6 instead of 12.5 at level 2). Texels of level 3 cover 64
+/// normals, and about as many if sides are not powers of two.
 constexpr float kRefinedNormalsMin = 32.0f;
 /// Approximate number of samples per chunk of EM.
 constexpr int kSamplesPerChunk = 4096;

@@ -28,7 +28,7 @@ int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
 }
 
 // True if windows hold the whole level. Scan-line order needs this, and so do chunks, which are summed band by band of
-// the map for all texels at once. If a window would hold nearly all rows, it holds each row once instead.
+// the map for all texels at once. If a window would hold nearly all rows, it holds the whole level instead.
 bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
   return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
          level.method == FitMethod::kChunks;
@@ -55,8 +55,8 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   return rows;
 }
 
-// Rows per handover: a band, or less on a device with its own memory, whose bands are large: as many as the host
-// should hold.
+// Rows per handover: a band. On a device with its own memory, bands are large, so a handover has only as many rows as
+// the host should hold.
 int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings, const MapInputs& map,
                 int band_rows) {
   constexpr std::size_t kHandedBytes = std::size_t{64} << 20;

@@ -256,8 +256,8 @@ NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t se
 }
 
 std::vector<glm::dvec3> spread_half_vectors(int count) {
-  // Squared height and azimuth of light and view: a Kronecker sequence in four dimensions. Its steps are the powers of
-  // the inverse root of x^5 = x + 1, which generalises the golden ratio (Roberts 2018).
+  // Squared height and azimuth of light and view: a Kronecker sequence in four dimensions. The steps of the sequence
+  // are the powers of the inverse root of x^5 = x + 1, which generalises the golden ratio (Roberts 2018).
   constexpr double kRoot = 1.16730397826141868;
   const auto direction = [](double height, double turn) {
     const double side = std::sqrt(1.0 - height * height), azimuth = 2.0 * std::numbers::pi * turn;

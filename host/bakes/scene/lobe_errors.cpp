@@ -66,8 +66,8 @@ glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
   return mean;
 }
 
-// The sharpest highlight that a texel's normals resolve. If the normals are a sample, several of them must be within
-// the highlight's width anywhere, when spread evenly over the directions within acos |mean|.
+// The sharpest highlight that a texel's normals resolve. The texel's normals may be a sample. If they were spread
+// evenly over the directions within acos |mean|, several must be within the highlight's width anywhere.
 double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
   constexpr double kWithin = 4.0;
   const auto count = static_cast<double>(texel.normals.size());

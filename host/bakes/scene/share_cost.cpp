@@ -12,10 +12,10 @@ namespace multum {
 namespace {
 
 // Processor time in nanoseconds per finest texel, fitted by eye. The sums match a bake of 16384 x 16384 texels: 194 s
-// (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). Their division among levels,
-// lobes and stages is from maps of 1024 and 2048 (tools/lab/share_constants.py prints both, measured and predicted).
-// Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with other programs running. The additional work of
-// shares is from docs/evidence/SHARES.md, measured on an AMD EPYC without AVX-512.
+// (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). The division of the sums among
+// levels, lobes and stages is from maps of 1024 and 2048 (tools/lab/share_constants.py prints both, measured and
+// predicted). Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with other programs running. The additional
+// work of shares is from docs/evidence/SHARES.md, measured on an AMD EPYC without AVX-512.
 constexpr double kReadCpu = 60.0;          // with decoding, hashing and detection of the encoding
 constexpr double kStoreRows = 8.0;         // the map's rows, written to share 0's file
 constexpr double kFitLevelOneCpu = 40.0;   // level 1

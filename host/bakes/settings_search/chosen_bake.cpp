@@ -184,7 +184,7 @@ class TimeGuess {
   std::map<bool, double> correction_;
 };
 
-// Bakes the settings with the lowest error among those predicted to be fast enough, until one is fast enough and no
+// Bakes settings that are predicted to be fast enough, the lowest error first. Stops when one is fast enough and no
 // better one is expected.
 std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_seconds, SettingTrials& trials,
                                         Attempts& attempts, Progress* progress) {

@@ -27,8 +27,8 @@ enum class CandidateAxis { kLobes, kMoments, kHarmonics, kGaussians, kIterations
 /// Name of an axis: "first level".
 const char* candidate_axis_name(CandidateAxis axis);
 
-/// Settings that may be chosen. Their cost is the number of textures read per texel, which determines memory and frame
-/// time; with equal counts, the time of the bake.
+/// Settings that may be chosen. The cost of a candidate is the number of textures read per texel, which determines
+/// memory and frame time. With equal counts, the time of the bake is the cost.
 struct SettingCandidate {
   ParameterValues values;  // representation, lobes, order, effort, ...; the job has the rest
   CandidateAxis axis;

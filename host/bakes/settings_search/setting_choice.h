@@ -25,7 +25,7 @@ struct TargetBrdf {
   /// True if it is shaded as a sum of vMFs.
   bool is_sum() const { return is_vmf_sum(brdf); }
   bool can_shade(Representation r) const { return !is_sum() || representation_info(r).takes_every_brdf; }
-  /// Its highlight, unless every bake measures it.
+  /// The BRDF's highlight, unless every bake measures it.
   std::vector<Highlight> more_highlights() const;
 };
 /// Parses a BRDF as parse_brdf() does; only the highlight counts. Throws Error(kUsage) naming `option`, Error(kInput).
@@ -85,9 +85,9 @@ class SettingTrials {
 /// JOB with the settings of a candidate.
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
-/// The cheapest candidate, from number `first` on, whose error on the mosaic, with its interval and multiplied by
-/// `correction`, is at most `error`; nullopt if there is none. Skips candidates whose quicker variant has too high an
-/// error: a longer fit of as many lobes reduces the error by a quarter at most.
+/// The cheapest candidate, from number `first` on, that meets `error` on the mosaic; nullopt if there is none. Its
+/// error plus interval, times `correction`, must be at most `error`. Skips candidates whose quicker variant has too
+/// high an error: a longer fit of as many lobes reduces the error by a quarter at most.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 

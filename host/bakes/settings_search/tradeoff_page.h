@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the results of a sweep (host/bakes/settings_search/tradeoff_sweep.h) for people and programs. The page is one
-// HTML file that contains its pictures and JSON, from host/bakes/settings_search/templates. Its script draws plots as
-// SVG and sortable tables.
+// HTML file that contains its pictures and JSON, from host/bakes/settings_search/templates. The page's script draws
+// plots as SVG and makes tables sortable.
 #pragma once
 
 #include <map>

@@ -228,7 +228,7 @@ class Sweep {
   }
 
   // Bakes all settings again, alternately and without measurement: in the first bakes, kernels were compiled and files
-  // entered the cache. The search for a start is remembered from the first bake, and its time then is added.
+  // entered the cache. The start is remembered from the first bake, and the time of its search is added.
   void time_bakes(const std::vector<SweptBake>& sweep, const BakeSource& source) {
     progress_stage(progress_, "time bakes");
     std::vector<RunTime> remembered(sweep.size());

@@ -46,7 +46,7 @@ struct TradeoffRow {
   double rendered = -1.0;                // error of the picture, reference with the same filter; < 0: not drawn
   RunTime bake;                          // time of fitting or averaging, and writing; all rows share the reading
   double frame_ms = -1.0;                // elapsed; < 0: not drawn
-  double frame_work_ms = -1.0;           // processor time with software drawing, else GPU time; < 0: not drawn
+  double frame_work_ms = -1.0;           // processor time if software draws, else GPU time; < 0: not drawn
   std::uint64_t normals_file_bytes = 0;  // size on disk of the normal map, if it provides the finest levels
   std::uint64_t file_bytes = 0;          // with these
   std::uint64_t normals_bytes = 0;       // size on the GPU of the normal map, if it provides the finest levels

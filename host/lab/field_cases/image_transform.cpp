@@ -21,7 +21,7 @@ std::size_t mirrored_index(long i, long n) {
 }
 
 // Analysis filters of the 9/7 pair, taps of distance 0, 1, ... on both sides (Antonini et al. 1992, table 2, h~ and
-// g~), times sqrt(2) and sqrt(1/2). Both have about unit length, as filters of orthonormal wavelets do.
+// g~), times sqrt(2) and sqrt(1/2). Both filters have about unit length, as filters of orthonormal wavelets do.
 constexpr std::array<double, 5> kLow = {0.602949018236360, 0.266864118442875, -0.078223266528990, -0.016864118442875,
                                         0.026748757410810};
 constexpr std::array<double, 4> kHigh = {1.115087052457000, -0.591271763114250, -0.057543526228500, 0.091271763114250};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a numerical case: one hard input, or a family of them, of one kernel or shader function. It compares
+// Describes a numerical case: one hard input, or a family of them, of one kernel or shader function. A case compares
 // single precision with double precision and states a bound. docs/contributing/STABILITY.md is generated from the
 // cases.
 //

@@ -3,9 +3,9 @@
 // is known. Sums are by chunks (movmf_em_chunks.cl, movmf_em_mstep.cl), of colours (movmf_features.cl) and into cells
 // (movmf_binning.cl).
 //
-// A float is not sufficient. It counts only to 2^24: there a sum stops growing, because half its last place exceeds
-// the increment. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the total,
-// and always in the same direction if a pattern repeats.
+// A float is not sufficient. A float counts only to 2^24: there a sum stops growing, because half its last place
+// exceeds the increment. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the
+// total, and always in the same direction if a pattern repeats.
 #include <fmt/format.h>
 
 #include <algorithm>
