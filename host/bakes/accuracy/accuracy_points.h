@@ -36,9 +36,9 @@ struct SamplePoint {
   int tap_count;
 };
 
-/// Levels up to this factor above the wanted samples are measured whole. A grid of cells of 2 x 2 texels, cut off at
-/// the borders of thin levels, would save too little to justify an interval: a bake takes at most 0.04 s more
-/// processor time (docs/contributing/ALGORITHMS.md, "Measured error").
+/// Levels up to this factor above the wanted samples are measured whole. Sampling one of 2 x 2 texels would save too
+/// little to justify an interval. Without it, a bake takes at most 0.04 s more processor time
+/// (docs/contributing/ALGORITHMS.md, "Measured error").
 constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {

@@ -40,7 +40,7 @@ class FootprintAverages {
 
  private:
   // Part of a line in a row: weight_turns times the sum of the row, plus weight_end times the integral up to `end` and
-  // end_part of that texel, minus the same for the begin. The signs include the mirroring of rows.
+  // end_part of that texel. The same integral for the begin is subtracted. The signs include the mirroring of rows.
   struct Line {
     std::uint32_t footprint;
     std::int32_t begin, end;

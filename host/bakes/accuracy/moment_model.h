@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked file of moments: filters the moments of the texels around a point linearly
+// Models what a renderer shows of a baked file of moments. Filters the moments of the texels around a point linearly,
 // and shades them by the runtime's formulas on the device (kernels/moment_shade.cl). Keeps only the texels that points
 // read.
 #pragma once

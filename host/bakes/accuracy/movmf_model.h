@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked mipmap of lobes: filters the lobes of the texels around a point linearly and
+// Models what a renderer shows of a baked mipmap of lobes. Filters the lobes of the texels around a point linearly, and
 // shades them by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps only the lobes of texels that
 // points read.
 #pragma once

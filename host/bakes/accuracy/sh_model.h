@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked file of spherical harmonics: filters the coefficients of the texels around a
-// point linearly and shades them by the runtime's formula on the device (kernels/sh_shade.cl). Keeps only the texels
+// Models what a renderer shows of a baked file of spherical harmonics. Filters the coefficients of the texels around a
+// point linearly, and shades them by the runtime's formula on the device (kernels/sh_shade.cl). Keeps only the texels
 // that points read.
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole
-// map; each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
-// parents. A band is therefore fitted with some extra rows on either side, more on coarser levels, which are dropped
-// afterwards:
+// Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole map;
+// each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
+// parents. A band is therefore fitted with extra rows on either side, more on coarser levels. The extra rows are
+// dropped afterwards:
 //
 //   level 3     [  ######  ]        [ ]  fitted
 //   level 2      [ ###### ]         ###  kept

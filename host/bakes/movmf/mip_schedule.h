@@ -59,9 +59,9 @@ constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
 constexpr float kAlignmentFactorFewNormals = 1.2f;
 /// Texels that cover fewer normals are not refined (movmf_refine.cl). The lobes of such texels already follow their
-/// normals. Refining reduces errors at texel centres, but increases them between centres (four-quarter map of 256, s =
-/// 100: midway, 11.4 % instead of 10.8 at level 1, 12.6 instead of 12.5 at level 2). Texels of level 3 cover 64
-/// normals, and about as many if sides are not powers of two.
+/// normals. Refining reduces errors at texel centres, but increases them between centres. On the four-quarter map of
+/// 256 with s = 100, errors midway rise from 10.8 to 11.4 % at level 1, and from 12.5 to 12.6 % at level 2. Texels of
+/// level 3 cover 64 normals, and about as many if sides are not powers of two.
 constexpr float kRefinedNormalsMin = 32.0f;
 /// Approximate number of samples per chunk of EM.
 constexpr int kSamplesPerChunk = 4096;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Provides the rows of a bake's levels: fitted in this run (RowOrigin itself), taken from an earlier run
-// (ResumedRows), gathered from shares (GatheredRows), or taken from the file that a part is fitted onto
-// (host/bakes/bake/region_bake.h). A share of a map (ShareRows) is also fitted in this run, and its rows are kept for
-// the merge.
+// Provides the rows of a bake's levels. They are fitted in this run (RowOrigin itself), taken from an earlier run
+// (ResumedRows), gathered from shares (GatheredRows), or taken from an older file (host/bakes/bake/region_bake.h). A
+// share of a map (ShareRows) is also fitted in this run, and its rows are kept for the merge.
 #pragma once
 
 #include <memory>

@@ -12,8 +12,9 @@
 namespace multum {
 namespace {
 
-// More memory gives no speed. Averaging a map of 4096 x 4096 on 2 cores of an AMD EPYC takes 3.6 s in bands of 16 MiB,
-// 3.9 s in bands of 64 MiB and 4.5 s in bands of 2 MiB (PoCL 3.1, medians of three, with other work running).
+// More memory gives no speed. Averaging a map of 4096 x 4096 takes 3.6 s in bands of 16 MiB, 3.9 s in bands of 64 MiB
+// and 4.5 s in bands of 2 MiB. Measured on 2 cores of an AMD EPYC with PoCL 3.1; medians of three, with other work
+// running.
 constexpr std::uint64_t kUsefulBandBytes = std::uint64_t{16} << 20;
 constexpr int kBoxMapSideMax = 32768;  // products of two sides fit an int
 

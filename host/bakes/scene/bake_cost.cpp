@@ -9,8 +9,8 @@
 namespace multum {
 namespace {
 
-// Nanoseconds per finest texel, fitted by eye to bakes of the four-quarter map of 2048 and 4096 texels per side on 2
-// cores of an Intel Xeon with AVX-512, PoCL 3.1, with no other load (docs/reference/scenes.md).
+// Nanoseconds per finest texel, fitted by eye to bakes of the four-quarter map of 2048 and 4096 texels per side.
+// Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with no other load (docs/reference/scenes.md).
 constexpr double kRead = 55.0;          // a map of three channels
 constexpr double kAveragePlane = 18.0;  // a plane
 constexpr double kFitLevelOne = 80.0;   // level 1, whose texels assign each of four normals to a lobe

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates the error of lobes before any bake. Fits mixtures of 0, 1, 2, ... lobes to the normals under the surveyed
-// texels, each texel independently, shades them as the runtime does, and compares with those normals shaded one by
-// one. Alignment and filtering are not included: the estimate holds for texel centres and serves to choose settings.
+// Estimates the error of lobes before any bake. Fits mixtures of 0, 1, 2, ... lobes to the normals under each surveyed
+// texel and shades them as the runtime does. The reference is those normals shaded one by one. Alignment and filtering
+// are not included: the estimate holds for texel centres and serves to choose settings.
 #pragma once
 
 #include <functional>

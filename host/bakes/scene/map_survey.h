@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surveys a map for a plan in one pass over its rows: moments of the normals under every texel of every level, and the
-// normals themselves under a few texels of each level. Needs no device.
+// Surveys a map for a plan in one pass over its rows. Collects moments of the normals under every texel of every level,
+// and the normals under a few texels of each level. Needs no device.
 #pragma once
 
 #include <cstdint>

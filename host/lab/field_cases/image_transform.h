@@ -9,8 +9,8 @@
 
 namespace multum::reference {
 
-/// Returns [block][v][u] for an image [height][width]: the sum of c(v, y) c(u, x) times the samples, c(k, i) = sqrt(2
-/// / n) cos(pi (2 i + 1) k / 2 n), times sqrt(1 / 2) for k = 0. Samples beyond the right and lower borders repeat the
+/// Returns [block][v][u] for an image [height][width]: the sum of c(v, y) c(u, x) times the samples. c(k, i) = sqrt(2 /
+/// n) cos(pi (2 i + 1) k / 2 n), times sqrt(1 / 2) for k = 0. Samples beyond the right and lower borders repeat the
 /// outermost ones.
 std::vector<double> block_cosines(const std::vector<double>& image, std::size_t width, std::size_t height,
                                   std::size_t side);

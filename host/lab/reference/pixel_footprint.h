@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages values over a pixel's rectangle at dense points, and filters them by trilinear taps as the equations of
-// OpenGL define: the reference and the model of a pixel, in double and by definition. Slow; it tests
-// host/bakes/accuracy.
+// Computes the reference and the model of a pixel, in double and by definition. The reference averages values over the
+// pixel's rectangle at dense points. The model filters them by trilinear taps, as the equations of OpenGL define. Slow;
+// tests host/bakes/accuracy.
 #pragma once
 
 #include <functional>

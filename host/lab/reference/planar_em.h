@@ -16,8 +16,8 @@
 
 namespace multum::reference {
 
-/// The sample of a finest normal. For a normal that a BRDF's width has shortened to c n, scatter is 2 v, v = (1 - c) /
-/// (2 - c) (1 - |p|^2 / 2), at most 1 - |p|^2.
+/// The sample of a finest normal. If a BRDF's width has shortened the normal to c n, scatter is 2 v, at most 1 - |p|^2;
+/// v = (1 - c) / (2 - c) (1 - |p|^2 / 2).
 glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened);
 
 /// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.

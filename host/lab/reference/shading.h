@@ -31,8 +31,8 @@ double convolved_lambert(double kappa, double theta);
 double mean_cosine(double kappa, double theta);
 double convolved_vmf(double kappa_f, double kappa, double theta);
 
-/// A highlight over a vMF of normals, with its cosine, integral f(angle of n and h) vMF(n; mu, kappa) max(n . l, 0)
-/// dn, and without the last factor. f is 0 or small where a vMF of concentration `facet_kappa` about h is.
+/// A highlight over a vMF of normals. With its cosine: integral f(angle of n and h) vMF(n; mu, kappa) max(n . l, 0) dn;
+/// without it, the last factor is omitted. f is 0 or small where a vMF of concentration `facet_kappa` about h is small.
 struct Highlight {
   double with_cosine, without_cosine;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests averages of every level (kernels/mip_box.cl) and reflectance maps (reflectance_pyramid.cl, Williams 1983):
-// numbers that arithmetic would change, sums over more texels than a float can count, highlights narrower than a
-// texel, light along and behind the surface.
+// Tests averages of every level (kernels/mip_box.cl) and reflectance maps (reflectance_pyramid.cl, Williams 1983).
+// Inputs: numbers that arithmetic would change, sums over more texels than a float can count, highlights narrower than
+// a texel, light along and behind the surface.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -225,8 +225,8 @@ EmTexel two_lobes(double kappa) { return {{}, {{tilted(10.0, 0.0), kappa, 0.5}, 
 glm::dvec3 far_normal(int i) { return glm::dvec3(glm::vec3(tilted(60.0, i % 2 == 0 ? 0.1 : 1.4))); }
 glm::dvec3 colour_of_contrast(int i) { return glm::dvec3(glm::vec3(glm::dvec3(1e-6, 1.0, 1e6) * (0.5 + 0.01 * i))); }
 
-// Partial sums of two texels of a map of 37 x 21: both share a column, one chunk has fewer rows than the others, one
-// has none, and for slots without a texel nothing may be written. The second texel has the lobes of the first in
+// Partial sums of two texels of a map of 37 x 21. Both share a column, one chunk has fewer rows than the others, and
+// one has none. Nothing may be written for slots without a texel. The second texel has the lobes of the first in
 // another order.
 void colours_of_uneven_chunks(Device& device, WorstError& worst) {
   FeatureMap map{37, 21, 2, 1, 4, 7, {}, {}};
