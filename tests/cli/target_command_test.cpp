@@ -36,11 +36,11 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
   EXPECT_TRUE(found) << report["error"];
   // What other footprints say than those that chose, which the report has, and what the worst of them have.
   std::smatch judged;
-  ASSERT_TRUE(
-      std::regex_search(met.out, judged,
-                        std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*by footprints that had no part in the "
-                                   "choice; those that had: (\\S+) \\+- [^]*95 % of pixels are within \\S+ %; the "
-                                   "worst are those that cover \\d+ to \\d+ texels, with \\S+ %")))
+  ASSERT_TRUE(std::regex_search(
+      met.out, judged,
+      std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*measured at footprints that had no part in the "
+                 "choice; at the other footprints: (\\S+) \\+- [^]*95 % of pixels are within "
+                 "\\S+ %; the worst pixels cover \\d+ to \\d+ texels, with \\S+ %")))
       << met.out;
   EXPECT_LE(std::stod(judged[1]) + std::stod(judged[2]), 30.0);
   EXPECT_NE(judged[1], judged[3]) << "the same footprints again";
@@ -139,9 +139,8 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
     const bool is_sampled = size > 32;
     const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";
     const std::regex line(
-        "error of pixels, [^\n]*\n  blinn-phong:20 +[0-9.]+ \\+- [0-9.]+ %; 95 % of pixels within [0-9.]+ %; the "
-        "worst, "
-        "[0-9.]+ %, cover \\d+ to \\d+ texels\n");
+        "error of pixels, [^\n]*\n  blinn-phong:20 +[0-9.]+ \\+- [0-9.]+ %; 95 % of pixels within [0-9.]+ %; "
+        "worst: [0-9.]+ % for pixels that cover \\d+ to \\d+ texels\n");
     std::smatch said, stated_line;
     EXPECT_TRUE(std::regex_search(plain.out, said, line)) << plain.out;
     const std::string info = multum({"info", path("map.ndf.exr")}).out;

@@ -145,7 +145,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_EQ(page_data(page)["setting_count"], json["rows"].size());
   if (const std::optional<std::string> shown = rendered_page(page)) {
     for (const char* part : {"<s><code>--ndf vmf --lobes 6</code></s>", "GPU, MiB", "mark over",
-                             "0.03147 MiB on the GPU, 1e+07 ms of baking", "keep to it"})
+                             "0.03147 MiB on the GPU, 1e+07 ms of baking", "meet it"})
       EXPECT_TRUE(contains(*shown, part)) << part;
     EXPECT_FALSE(contains(*shown, "MB")) << "one unit of memory";
   }
@@ -192,7 +192,7 @@ TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
   EXPECT_EQ(page_data(page)["setting_count"], rows.size()) << "one number everywhere";
   if (const std::optional<std::string> shown = rendered_page(page)) {
     for (const char* part :
-         {"<h2>Pictures</h2>", "<b>reference</b>", "src=\"data:image/png;base64,iVBOR", "% off</b>: --ndf"})
+         {"<h2>Pictures</h2>", "<b>reference</b>", "src=\"data:image/png;base64,iVBOR", " %</b>: --ndf"})
       EXPECT_TRUE(contains(*shown, part)) << part;
   }
   EXPECT_EQ(multum(command({"--gloss", path("map_gloss.png"), "--brdf", "lambert"})).exit_code, kUsage);

@@ -15,17 +15,19 @@
 namespace multum {
 namespace {
 
-// They are added up for each level, kind of point and BRDF, each sample for all texels of its cell. Of levels that are
-// sampled, those of each point are kept too: the spread among them is the confidence.
+// Sums errors per level, kind of point and BRDF. Each sample counts for all texels of its cell. For sampled levels the
+// errors of each point are kept too; their spread gives the confidence interval.
 //
-// Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i with w_i the texels of cell i (Cochran 1977, section
-// 9A.7); the error is their ratio R. Its variance is that of sum_i w_i e_i with e_i = d_i - R t_i (the delta method,
-// Cochran section 6.4; where a texel has no such point, e_i = 0, section 5A.14), over the sum of reference squared:
+// Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i, where w_i is the number of texels in cell i (Cochran
+// 1977, section 9A.7). The error is a ratio R of two such sums. The variance of R is the variance of sum_i w_i e_i, e_i
+// = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). Where a texel has
+// no such point, e_i = 0 (section 5A.14).
 //
 //   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
 //
-// (1 - 1 / w_i) is the finite population correction of a cell. One sample a cell has no variance of its own, so the
-// spread among all cells stands in for that within cells, which is wider wherever neighbours are alike (section 5A.12).
+// (1 - 1 / w_i) is the finite population correction of a cell. A single sample per cell gives no variance within the
+// cell, so the spread among all cells is used instead. That spread is larger wherever neighbours are similar (section
+// 5A.12).
 class ErrorSums {
  public:
   ErrorSums(const AccuracyPoints& points, std::size_t brdf_count)
@@ -45,7 +47,7 @@ class ErrorSums {
     if (point.sample < points_.chosen_count()) chosen_[chosen_index(point.sample, point.kind, brdf)] += sum;
   }
 
-  // Ratio of sums, and the half width of its 95 % interval.
+  // Returns the ratio of sums and the half width of its 95 % interval.
   AccuracyRow row(int level, AccuracyPoint kind, std::size_t brdf, AccuracyBrdf what) const {
     AccuracyRow row{level, kind, std::move(what), 0.0, 0.0, counts_[group(level, kind)]};
     const ErrorSum& total = totals_[group(level, kind) * brdf_count_ + brdf];
@@ -66,7 +68,7 @@ class ErrorSums {
     return points_.chosen_count() > 0 && level <= points_.samples()[points_.chosen_count() - 1].level;
   }
 
-  // Of the sum of residual(sample) over all texels of a sampled level: v above.
+  // Variance v (above) of the sum of residual(sample) over all texels of a sampled level.
   template <typename Residual>
   double total_variance(int level, const Residual& residual) const {
     double sum = 0.0, n = 0.0;
@@ -85,7 +87,7 @@ class ErrorSums {
       const double off = weight * value - sum / n;
       squares += (1.0 - 1.0 / weight) * off * off;
     });
-    return squares * n / (n - 1.0);  // AccuracyPoints gives a sampled level two samples at least
+    return squares * n / (n - 1.0);  // AccuracyPoints takes at least two samples per sampled level
   }
 
   std::size_t group(int level, AccuracyPoint kind) const {
@@ -118,12 +120,12 @@ std::vector<Highlight> highlights_of(const AccuracySettings& settings) {
   return all;
 }
 
-// Where a measurement looks.
+// Texels and footprints that a measurement reads.
 struct MeasuredPlaces {
   const AccuracyPoints& points;
   const FootprintAverages& footprints;
   const TexelSelection& model_texels;
-  const std::vector<std::size_t>& model_slots;  // of the points'
+  const std::vector<std::size_t>& model_slots;  // slots of the points' texels
 };
 
 void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model_slots, PointTaps& taps) {
@@ -132,8 +134,8 @@ void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model
   taps.finish_point();
 }
 
-// One measurement: the reference of as many directions as memory has room for, compared with the model; then of the
-// next. Footprints, which are few, come with the first.
+// One measurement. Each pass evaluates the reference of as many directions as fit into memory and compares them with
+// the model. Footprints are few, so the first pass handles all of them.
 class Comparison {
  public:
   Comparison(const AccuracySettings& settings, const MeasuredPlaces& places, const AccuracyModel& model,
@@ -164,7 +166,8 @@ class Comparison {
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& reference : pass.references) streamed.push_back(reference.get());
-      // Footprints have the same directions, all of them now: of those of the pass they take its values.
+      // Footprints use the same directions, and all of them in this pass. Footprints reuse the values of directions
+      // that the pass evaluates.
       for (std::size_t d = 0; d < footprint_references.size() && direction == 0; ++d)
         if (d < pass.references.size()) pass.references[d]->share_with(*footprint_references[d]);
         else streamed.push_back(footprint_references[d].get());
@@ -189,7 +192,7 @@ class Comparison {
     return rows;
   }
 
-  // Of one of `count` equal parts of the footprints, one after the other.
+  // Errors of one of `count` equal, consecutive parts of the footprints.
   std::vector<FootprintError> footprint_errors(int part, int count) const {
     const std::vector<Footprint>& all = places_.footprints.footprints();
     const auto place = [&](int number) {
@@ -205,7 +208,7 @@ class Comparison {
   }
 
  private:
-  // Half vectors before lights, in `directions` and in `references`.
+  // `directions` and `references` hold half vectors first, then lights.
   struct Pass {
     ShadingDirections directions;
     std::vector<std::unique_ptr<BrdfReference>> references;
@@ -215,9 +218,9 @@ class Comparison {
   std::size_t direction_count() const { return half_count() + settings_.directions.lights.size(); }
   std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
-  // What does not fit is another pass over the map. With 2048 samples a level all 40 values of a map of 16384 x 16384
-  // take 33 MB, with colours four times that; with every texel of a map of 1024 x 1024 three values take 34 MB.
-  // Does not depend on the number of threads: sums are added up pass by pass.
+  // Directions that do not fit need another pass over the map. With 2048 samples per level, all 40 values of a map of
+  // 16384 x 16384 take 33 MB, and four times that with colours. With every texel of a map of 1024 x 1024, three values
+  // take 34 MB. The result does not depend on the number of threads, because sums are added pass by pass.
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kReferenceBytesMax = std::size_t{256} << 20;
     Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
@@ -241,7 +244,7 @@ class Comparison {
     return is_light ? power_values(omega, {1.0}) : highlight_values(omega, highlights_);
   }
 
-  // Half vectors before lights.
+  // References for half vectors first, then for lights.
   std::vector<std::unique_ptr<FootprintReference>> make_footprint_references() const {
     std::vector<std::unique_ptr<FootprintReference>> references;
     if (!has_footprints()) return references;
@@ -258,18 +261,18 @@ class Comparison {
     return references;
   }
 
-  // footprint_sums_[BRDF][footprint].
+  // Fills footprint_sums_[BRDF][footprint].
   void compare_footprints(Device& device, const std::vector<std::unique_ptr<FootprintReference>>& references,
                           const AccuracyModel& model) {
     const std::vector<Footprint>& footprints = places_.footprints.footprints();
     const FootprintSettings settings = footprint_settings(settings_);
     PointTaps points;
-    std::vector<std::size_t> point_begin = {0};  // [footprint]; one more ends the last
+    std::vector<std::size_t> point_begin = {0};  // [footprint]; a last entry ends the last range
     std::vector<FilterTap> taps;
     for (const Footprint& footprint : footprints) {
       taps.clear();
       const int point_count = append_filter_taps(footprint, places_.model_texels.sizes(), settings, taps);
-      auto tap = taps.begin();  // those of a point lie together
+      auto tap = taps.begin();  // taps of a point are adjacent
       for (int p = 0; p < point_count; ++p) {
         for (; tap != taps.end() && tap->point == p; ++tap)
           points.add(places_.model_texels.slot(tap->level, tap->texel), tap->weight);
@@ -291,7 +294,7 @@ class Comparison {
       }
   }
 
-  // Of one channel, or plain for -1.
+  // Adds the errors of one channel; -1: without colours.
   void add_footprints(const std::vector<std::unique_ptr<FootprintReference>>& references,
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
                       std::size_t first_brdf) {
@@ -316,7 +319,7 @@ class Comparison {
     }
   }
 
-  // What is averaged without it.
+  // The factor that the reference's averages omit.
   double value_scale(bool is_light, std::size_t highlight) const {
     return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }
@@ -330,7 +333,7 @@ class Comparison {
     std::vector<float> values;
     std::vector<ErrorSum> sums;
     for (std::size_t first = 0; first < sample_count; first += kSamplesPerBatch) {
-      progress_advance(progress, 0);  // a chance to cancel
+      progress_advance(progress, 0);  // lets the caller cancel
       points.clear();
       for (std::size_t i = first; i < std::min(first + kSamplesPerBatch, sample_count); ++i)
         points_.append_points(i, points);
@@ -349,7 +352,7 @@ class Comparison {
     }
   }
 
-  // sums[point][highlights, then Lambert] of one channel, or plain for -1.
+  // Fills sums[point][highlights, then Lambert] for one channel; -1: without colours.
   void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
                       int channel, std::vector<ErrorSum>& sums) const {
     constexpr int kPointsPerBand = 4096;
@@ -381,7 +384,7 @@ class Comparison {
     return sum;
   }
 
-  // Plain, and with colours.
+  // One group without colours, and one with them if there are any.
   std::size_t groups_per_shading() const { return channel_count_ > 0 ? 2 : 1; }
   std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
   AccuracyBrdf what_of(std::size_t brdf) const {
@@ -400,7 +403,7 @@ class Comparison {
   const std::vector<Highlight> highlights_;
   const std::vector<std::string> shadings_;
   const std::size_t channel_count_;  // 0: no colours
-  const std::size_t plain_count_;    // BRDFs: highlights, then Lambert
+  const std::size_t plain_count_;    // number of BRDFs: highlights, then Lambert
   const TexelAverages averages_;
   ErrorSums sums_;
   std::vector<std::vector<ErrorSum>> footprint_sums_;  // [BRDF][footprint]
@@ -554,7 +557,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
     const bool takes_mean = channel >= 0 && !shown.has_colours();
     const std::unique_ptr<PointShading> shading = shown.make_shading(device, directions);
     std::vector<float> values;
-    // Of several ways to shade, the last is the runtime's by_default one.
+    // If there are several ways to shade, the runtime's default is the last.
     shading->shade(taps, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
                    values);
     for (std::size_t i = 0; takes_mean && i < points.size(); ++i) {
@@ -608,7 +611,7 @@ std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mip
 
 namespace {
 
-// `levels`: of what the meter's add_rows() takes.
+// `levels` hold rows that the meter's add_rows() accepts.
 template <typename Meter, typename Level>
 void add_levels(Meter& meter, const BakedHeader& header, const std::vector<Level>& levels) {
   for (int l = header.first_level; l < header.level_count(); ++l)

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how far a baked mipmap is from its reference, in two ways.
+// Measures the error of a baked mipmap against its reference, in two ways.
 //
-// What a bake states, promises and is chosen by is the error of pixels (host/bakes/accuracy/footprint_error.h).
-// Reference: the average, over the pixel's footprint, of the BRDF times n . l of every finest normal, in double. Model:
-// what is stored, rounded as stored, read by the runtime's filter (host/formats/asset/tap_filter.h), filtered and
-// shaded by the runtime's formula (accuracy_model.h). Error: relative L1 = sum |model - reference| / sum reference,
-// over footprints and a fixed set of lights and views.
+// The pixel error is the error that a bake states and promises, and that settings are chosen by
+// (host/bakes/accuracy/footprint_error.h). Reference: the average, over the pixel's footprint, of the BRDF times n . l
+// of every finest normal, in double. Model: the stored texels, rounded as stored, read by the runtime's filter
+// (host/formats/asset/tap_filter.h), filtered and shaded by the runtime's formula (accuracy_model.h). Error: relative
+// L1 = sum |model - reference| / sum reference, over footprints and a fixed set of lights and views.
 //
-// The table of levels says where a fit is good: at texel centres, midway between texels and between levels, against
-// averages over the normals that the texels cover, filtered alike, of the BRDF's convolution alone, f without n . l.
+// The table of levels shows where a fit is good: at texel centres, midway between texels and between levels. The
+// reference of the table is the average over the normals that the texels cover, with the same filter. The table
+// measures only the BRDF's convolution: f without n . l.
 //
-// Levels finer than the first that is stored are the normal map's own mips, in float, each texel one lobe with the mean
-// vector of the normals that it covers; between them and the stored levels both are shaded and mixed, as renderers do
-// (docs/contributing/ALGORITHMS.md).
+// Levels finer than the first stored level are the normal map's own mips, in float. Each of their texels is one lobe:
+// the mean vector of the normals that the texel covers. Between such a level and a stored one, both are shaded and
+// mixed, as renderers do (docs/contributing/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -42,93 +43,95 @@ struct AccuracyRow {
   int level;
   AccuracyPoint point;
   AccuracyBrdf brdf;
-  double error;  // relative L1, 0.1 = 10 %; of a hundredth of a white diffuse surface where the reference is less
-  // Half width of the 95 % interval of `error`: 0 where all texels were measured, at least kIntervalMin where they were
-  // sampled, kIntervalUnstated in rows of a file whose header has none.
+  double error;  // relative L1, 0.1 = 10 %; the denominator is at least 1 % of a white diffuse surface
+  // Half width of the 95 % interval of `error`. 0 if all texels were measured; at least kIntervalMin if they were
+  // sampled; kIntervalUnstated in rows of a file whose header states no interval.
   double confidence;
-  std::int64_t sample_count;  // texels; 0 in rows of a file
+  std::int64_t sample_count;  // texels; 0 in rows read from a file
 };
-/// Errors are stated to the sixth digit behind the point: a narrower interval would be none of what is stated.
+/// Smallest interval that is stated: errors have six digits behind the point.
 constexpr double kIntervalMin = 1e-6;
 constexpr double kIntervalUnstated = -1.0;
 
-/// The finest level of which differences are an average (host/bakes/scene/scene_difference.h).
+/// The finest level whose differences are averages (host/bakes/scene/scene_difference.h).
 constexpr int kSummaryLevel = 2;
 
-/// Difference between two files over texel centres, midpoints, and half-way to the next level: sums of |a - b| and of
-/// b.
+/// Difference between two files over texel centres, midpoints and points half-way to the next level: sum of |a - b|
+/// and sum of b.
 struct LevelDifference {
   int level;
-  AccuracyBrdf brdf;  // however shaded, without colours
+  AccuracyBrdf brdf;  // without the way to shade it and without colours
   double difference = 0.0, by_default = 0.0;
 };
 
-/// "7.4 +- 0.2 %".
+/// Formats an error and its interval: "7.4 +- 0.2 %".
 std::string error_text(double error, double confidence);
 
-/// The lights and half vectors of every figure: 4 lights, 12 half vectors (docs/evidence/ACCURACY.md names them).
+/// The lights and half vectors of all measured errors: 4 lights, 12 half vectors (docs/evidence/ACCURACY.md lists
+/// them).
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;        // at least one
   std::vector<glm::dvec3> half_vectors;  // at least one
-  std::vector<int> half_vector_lights;   // [half vector]: the number of its light; of footprints alone, which need them
+  std::vector<int> half_vector_lights;   // [half vector]: number of its light; only footprints need it
 };
 AccuracyDirections accuracy_directions();
 
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
-  std::vector<Highlight> highlights;                     // more of them, after those
+  std::vector<Highlight> highlights;                     // further highlights, after the exponents
   std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0: every texel
   int footprints_per_octave = 256;                       // 0: none
-  int replicates = 1;  // so many independent choices of these, of seeds that follow each other
+  int replicates = 1;                                    // independent choices of footprints, with consecutive seeds
   std::uint64_t seed = 1;
   bool has_level_table = true;
-  int first_level = 0;  // finer ones, and smaller footprints, are not measured
+  int first_level = 0;  // finer levels and smaller footprints are not measured
   TapFilter filter = {};
-  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // of the file
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // wrap modes of the file
   AccuracyDirections directions = accuracy_directions();
-  // Normals are shortened by their BRDF's width (host/formats/image/material_maps.h), by `mean_cosine` in the mean, and
-  // every one has its own highlight: the BRDFs are "roughness" and "lambert".
+  // True if normals are shortened by the width of their BRDF (host/formats/image/material_maps.h), by `mean_cosine` on
+  // average. Each normal then has its own highlight, and the BRDFs are "roughness" and "lambert".
   bool has_roughness = false;
   float mean_cosine = 1.0f;
   int threads = 2;
 };
 
-/// Measures a file's error: takes what a bake stores, row by row, keeps what is stored of the texels that it looks at,
-/// and measures at the end. With 2048 samples a level that takes some 50 MB for maps of any size.
+/// Measures a file's error. Takes the baked rows as they are stored, keeps the texels that the measurement reads, and
+/// measures at the end. With 2048 samples per level it needs about 50 MB for maps of any size.
 class AccuracyMeter {
  public:
   virtual ~AccuracyMeter() = default;
   AccuracyMeter(const AccuracyMeter&) = delete;
   AccuracyMeter& operator=(const AccuracyMeter&) = delete;
 
-  /// Is any texel of these rows looked at? If not, they need not be added.
+  /// True if the measurement reads any texel of these rows; other rows need not be added.
   bool needs_rows(int level, int first_row, int row_count) const;
 
-  /// After all rows that it needs, once. With `albedo`, which needs a file with colours, those are compared too, per
-  /// channel. Reads every normal once, more often where it looks at millions of texels. Progress: counts no units.
+  /// Measures. Call it once, after all needed rows were added. With `albedo`, which requires a file with colours,
+  /// colours are compared too, per channel. Reads every normal once, or several times if it measures millions of
+  /// texels. Progress: counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
-  /// Difference of what it shows from what `by_default` shows, of the same map at the same texels, before run(). With
-  /// `albedo`, which needs a `by_default` of colours, Lambert is per channel; a file without colours then shows the
-  /// albedo's mean.
+  /// Difference between this file's shading and that of `by_default`, for the same map at the same texels; call it
+  /// before run(). With `albedo`, which requires colours in `by_default`, Lambert is compared per channel; a file
+  /// without colours is then multiplied by the albedo's mean.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
-  /// After run(), with footprints: one for each of its BRDFs, of all replicates together.
+  /// One error per BRDF, over all replicates together; valid after run(), if there are footprints.
   const std::vector<FootprintError>& footprint_errors() const { return footprint_errors_; }
-  /// [replicate][BRDF].
+  /// Errors of each replicate: [replicate][BRDF].
   const std::vector<std::vector<FootprintError>>& replicate_errors() const { return replicate_errors_; }
 
  protected:
-  /// Takes from `header` wrap modes and whether a BRDF's width is in.
+  /// Takes the wrap modes from `header`, and whether it contains a BRDF's width.
   AccuracyMeter(PlaneSize map, const BakedHeader& header, const AccuracySettings& settings);
-  /// That models keep.
+  /// Texels that models keep.
   const TexelSelection& texels() const { return texels_; }
   virtual AccuracyModel& model() = 0;
 
  private:
   const AccuracySettings settings_;
-  const AccuracyPoints points_;  // of the table
+  const AccuracyPoints points_;  // points of the table of levels
   const FootprintAverages footprints_;
-  const TexelSelection texels_;                 // that either reads
+  const TexelSelection texels_;                 // texels that points_ or footprints_ read
   const std::vector<std::size_t> model_slots_;  // [slot of points_.texels()]: its slot in texels_
   std::vector<FootprintError> footprint_errors_;
   std::vector<std::vector<FootprintError>> replicate_errors_;
@@ -137,12 +140,13 @@ class AccuracyMeter {
 /// Measures files of lobes.
 class MovmfMeter : public AccuracyMeter {
  public:
-  /// Takes from `header` the sizes of levels, the lobe count and the first level; it needs no texels.
+  /// Takes the level sizes, the lobe count and the first level from `header`, whose texels are not needed.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
       : AccuracyMeter({header.width(), header.height()}, header.header, settings),
         model_(header, has_colours, texels()) {}
 
-  /// `rows.height` rows of a level that is stored, rounded as stored; in any order, each row once, one call at a time.
+  /// Adds `rows.height` rows of a stored level, rounded as stored. Rows may come in any order, each once, and calls
+  /// must not overlap.
   void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
 
  private:
@@ -150,7 +154,7 @@ class MovmfMeter : public AccuracyMeter {
   MovmfModel model_;
 };
 
-/// Measures files of moments: each BRDF shaded as "toksvig", "lean" and "lean-jacobian".
+/// Measures files of moments. Each BRDF is shaded in three ways: "toksvig", "lean" and "lean-jacobian".
 class MomentMeter : public AccuracyMeter {
  public:
   MomentMeter(const BakedHeader& header, const AccuracySettings& settings)
@@ -166,7 +170,7 @@ class MomentMeter : public AccuracyMeter {
 /// Measures files of spherical harmonics.
 class ShMeter : public AccuracyMeter {
  public:
-  /// Takes from `header` the sizes of levels, the order and the first level; it needs no texels.
+  /// Takes the level sizes, the order and the first level from `header`, whose texels are not needed.
   ShMeter(const ShMipmap& header, const AccuracySettings& settings)
       : AccuracyMeter({header.header.width, header.header.height}, header.header, settings), model_(header, texels()) {}
 
@@ -178,7 +182,7 @@ class ShMeter : public AccuracyMeter {
   ShModel model_;
 };
 
-/// Measures a whole mipmap against a map in memory, which must be of one size. `albedo`: null, or of that size.
+/// Measures a whole mipmap against a map of the same size in memory. `albedo`: null, or a map of that size.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress);

@@ -15,9 +15,9 @@ namespace {
 
 using Plane = std::vector<double>;
 
-constexpr double kHorizonZ = 0.05;  // slopes of normals nearer to the horizon are those at this z: LEAN has no others
+constexpr double kHorizonZ = 0.05;  // slopes are taken at z >= this value: LEAN has none at the horizon
 
-// Planes that average linearly: the normal, slopes and their products.
+// Planes that can be averaged linearly: the normal, its slopes and their products.
 struct LinearPlanes {
   Plane nx, ny, nz, sx, sy, sxx, sxy, syy;
 };

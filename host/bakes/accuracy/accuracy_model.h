@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked file, as far as the measurement (host/bakes/accuracy/accuracy.h) needs it:
-// values at points of the pyramid, filtered and shaded as the runtime does. A representation may be shaded in several
-// ways; each is measured.
+// Models what a renderer shows of a baked file, for the measurement in host/bakes/accuracy/accuracy.h: values at
+// points of the pyramid, filtered and shaded as the runtime does. A representation may have several ways to shade it;
+// each is measured.
 #pragma once
 
 #include <memory>
@@ -19,42 +19,43 @@
 
 namespace multum {
 
-/// The lights and half vectors that points are shaded with.
+/// Lights and half vectors for shading points.
 struct ShadingDirections {
   std::vector<glm::dvec3> half_vectors;
   std::vector<glm::dvec3> lights;
   std::vector<Highlight> highlights;
-  float mean_cosine = 0.0f;  // of a roughness map that is in the lengths of normals: of lights, divided out; 0: none is
-  // Of each half vector the number of the light, in `lights`, whose cosine n . l is in its highlights; empty: in none.
+  float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, which divides lights; 0: no such map
+  // [half vector]: number, in `lights`, of the light whose cosine n . l multiplies its highlights; empty: no cosine.
   std::vector<int> half_vector_lights = {};
 };
 
-/// Model values at some points.
+/// Evaluates the model at points.
 class PointShading {
  public:
   virtual ~PointShading() = default;
-  /// [point][highlights x half vectors, then lights] into values[0 .. points x values), by the model's shading number
-  /// `shading`, multiplied by the colours in `channel` unless it is -1.
+  /// Writes [point][highlights x half vectors, then lights] to values[0 .. points x values). `shading` is the number
+  /// of one of the model's shadings. Values are multiplied by the colours in `channel` unless it is -1.
   virtual void shade(const PointTaps& points, int shading, int channel, int threads, std::vector<float>& values) = 0;
 };
 
-/// Keeps what is stored of the texels that points read.
+/// Keeps the stored texels that points read.
 class AccuracyModel {
  public:
   virtual ~AccuracyModel() = default;
   virtual bool has_colours() const = 0;
-  /// The finest level that is stored; finer ones show these averages of the map instead, which must outlive it.
+  /// The finest stored level. Finer levels show the averages of the map that set_map_averages() was given, which must
+  /// outlive the model.
   int first_level() const { return kept_.first_level(); }
   void set_map_averages(const TexelSums* averages) { map_averages_ = averages; }
-  /// Names of the ways to shade it; one without a name where there is no choice.
+  /// Names of the ways to shade it; one empty name if there is only one way.
   virtual const std::vector<std::string>& shadings() const = 0;
-  /// After all texels have come. The model must outlive it.
+  /// Call it after all texels were added. The model must outlive the result.
   virtual std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const = 0;
 
  protected:
-  /// `texels` must outlive it.
+  /// `texels` must outlive the model.
   AccuracyModel(const TexelSelection& texels, int first_level) : kept_(texels, first_level) {}
-  /// Can points be filtered: has all come?
+  /// True if all texels have been added, so that points can be filtered.
   bool is_complete() const { return kept_.is_complete() && (first_level() == 0 || map_averages_ != nullptr); }
   const KeptTexels& kept() const { return kept_; }
   KeptTexels& kept() { return kept_; }
@@ -65,7 +66,7 @@ class AccuracyModel {
   const TexelSums* map_averages_ = nullptr;
 };
 
-/// The same directions in buffers of the device, for the shading kernels.
+/// Directions and highlights in device buffers, for the shading kernels.
 class DirectionBuffers {
  public:
   DirectionBuffers(Device& device, const ShadingDirections& directions);
@@ -76,7 +77,7 @@ class DirectionBuffers {
   int half_count() const { return half_count_; }
   int light_count() const { return light_count_; }
   int highlight_count() const { return highlight_count_; }
-  /// Multiplies values that were shaded as Blinn-Phong of each highlight's exponent by the integral that it has.
+  /// Multiplies values, which were shaded as Blinn-Phong of each highlight's exponent, by the highlight's integral.
   void scale_by_totals(std::vector<float>& values) const;
   const DeviceBuffer& half_vectors() const { return half_buffer_; }
   const DeviceBuffer& lights() const { return light_buffer_; }
@@ -86,7 +87,7 @@ class DirectionBuffers {
  private:
   std::vector<glm::vec4> half_vectors_, lights_;
   std::vector<MultumHighlight> shaded_;
-  std::vector<float> exponents_;  // of each highlight
+  std::vector<float> exponents_;  // [highlight]
   int half_count_, light_count_, highlight_count_;
   std::size_t value_count_;
   DeviceBuffer half_buffer_, light_buffer_, highlight_buffer_, exponent_buffer_;

@@ -13,7 +13,7 @@ bool is_whole(PlaneSize size, std::int64_t wanted) {
   return wanted <= 0 || std::int64_t{size.width} * size.height <= kWholeLevelFactor * wanted;
 }
 
-// Sides of the grid's cells: so that there are about as many as are wanted, and at least two.
+// Side of the grid's cells: gives about `wanted` cells, and at least two.
 int cell_side(PlaneSize size, std::int64_t wanted) {
   if (is_whole(size, wanted)) return 1;
   const auto count = static_cast<double>(std::int64_t{size.width} * size.height);
@@ -21,11 +21,12 @@ int cell_side(PlaneSize size, std::int64_t wanted) {
   return std::min(side, (std::max(size.width, size.height) + 1) / 2);
 }
 
-// One texel at random in each cell of a regular grid: spread evenly, no two alike. All texels when they are few enough.
-// Cells at the right and the lower border are cut off, and their texels more likely drawn:
+// Chooses one texel at random in each cell of a regular grid, so that samples are spread evenly and never repeat.
+// Takes all texels if there are few enough. Cells at the right and lower borders are cut off, and their texels are
+// more likely to be drawn:
 //
-//      7 rows, cells of 4 x 4:   | 16 | 16 | .. | 4 |      the number that a sample stands for; without it the lower
-//                                | 12 | 12 | .. | 3 |      rows of a thin level would weigh too much
+//      7 rows, cells of 4 x 4:   | 16 | 16 | .. | 4 |      the number of texels that a sample counts for; without it
+//                                | 12 | 12 | .. | 3 |      the lower rows of a thin level would weigh too much
 void append_samples(int level, PlaneSize size, std::int64_t wanted, SplitMix64& random,
                     std::vector<AccuracySample>& samples) {
   const int side = cell_side(size, wanted);
@@ -38,7 +39,7 @@ void append_samples(int level, PlaneSize size, std::int64_t wanted, SplitMix64& 
     }
 }
 
-// The two texels of `size` around the point that is the centre of texel i of `fine_size`, along one axis, clamped.
+// The two texels of `size` on either side of the centre of texel i of `fine_size`, along one axis, clamped.
 struct AxisTaps {
   int first, second;
   double second_weight;
@@ -85,7 +86,7 @@ std::vector<AccuracySample> choose_samples(const std::vector<PlaneSize>& levels,
   return samples;
 }
 
-// Of a level whose texels are samples all, the samples are all that there is to read, and so in every coarser level.
+// If every texel of a level is a sample, the samples are all texels to read; the same holds for every coarser level.
 TexelSelection needed_texels(const std::vector<PlaneSize>& levels, const std::vector<AccuracySample>& samples,
                              std::int64_t wanted) {
   std::vector<std::vector<int>> texels(levels.size());

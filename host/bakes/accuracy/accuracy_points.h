@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// Where in the pyramid the model is evaluated.
+/// Positions in the pyramid where the model is evaluated.
 enum class AccuracyPoint {
   kCentre,   // texel centres: no filtering
   kMidX,     // midway between a texel and its right neighbour
@@ -24,25 +24,26 @@ const char* accuracy_point_name(AccuracyPoint point);
 struct AccuracySample {
   int level;
   int texel;
-  int cell_texels;  // that it stands for, itself included: its weight in sums over the level; 1 where all are samples
+  int cell_texels;  // texels in its cell, itself included: its weight in sums; 1 if all texels are samples
 };
 
-/// A point as weighted texels: one for a centre, two midway, up to five between levels.
+/// A point as weighted texels: one for a centre, two for a midpoint, up to five between levels.
 struct SamplePoint {
   AccuracyPoint kind;
-  std::size_t sample;  // its number among AccuracyPoints::samples()
+  std::size_t sample;  // index into AccuracyPoints::samples()
   std::array<std::size_t, 5> slots;
   std::array<double, 5> weights;
   int tap_count;
 };
 
-/// A grid of cells of 2 x 2 texels, which thin levels cut off, would save too little to be worth an interval: a bake
-/// takes 0.04 s of processor time more at most (docs/contributing/ALGORITHMS.md, "Measured error").
+/// Levels up to this factor above the wanted samples are measured whole. Sampling one of 2 x 2 texels would save too
+/// little to justify an interval. Without it, a bake takes at most 0.04 s more processor time
+/// (docs/contributing/ALGORITHMS.md, "Measured error").
 constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {
-  int first_level = 0;  // finer ones have no samples
-  // About; 0: every texel. Levels of at most kWholeLevelFactor times as many texels have all of them as samples.
+  int first_level = 0;  // finer levels have no samples
+  // Approximate number; 0: every texel. Levels with at most kWholeLevelFactor times as many texels use all of them.
   std::int64_t samples_per_level = 2048;
   std::uint64_t seed = 1;
 };
@@ -51,13 +52,13 @@ class AccuracyPoints {
  public:
   AccuracyPoints(const std::vector<PlaneSize>& levels, const SampleSettings& settings);
 
-  /// Level by level, the finest first.
+  /// Samples level by level, the finest level first.
   const std::vector<AccuracySample>& samples() const { return samples_; }
-  /// Those before this number are of levels that are sampled; of later ones every texel is a sample.
+  /// Samples before this number belong to sampled levels; in the later levels every texel is a sample.
   std::size_t chosen_count() const { return chosen_count_; }
   /// All texels that any point reads.
   const TexelSelection& texels() const { return texels_; }
-  /// Appends the points of a sample. At borders there are fewer.
+  /// Appends the points of a sample; samples at borders have fewer points.
   void append_points(std::size_t sample, std::vector<SamplePoint>& points) const;
 
  private:

@@ -20,7 +20,7 @@ void multiply_colour(const double* __restrict values, const float* __restrict co
   for (std::size_t i = 0; i < count; ++i) product[i] = values[i] * static_cast<double>(colour[i]);
 }
 
-// Some rows of the planes, in memory.
+// Some rows of the planes in memory.
 class Band {
  public:
   Band(const FinestPlanes& planes, int rows_per_band) : planes_(&planes) {
@@ -53,7 +53,7 @@ class Band {
 };
 
 int default_rows_per_band(const PlaneStore& normals) {
-  constexpr int kTexelsPerBand = 1 << 18;  // a band is some milliseconds of work, and stays in the last cache
+  constexpr int kTexelsPerBand = 1 << 18;  // a band takes some milliseconds and stays in the last cache
   return std::clamp(kTexelsPerBand / normals.width(), 1, normals.height());
 }
 
@@ -77,7 +77,7 @@ BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& expo
 
 namespace {
 
-// e = 1 - omega . n = |n - omega|^2 / 2, which a narrow f needs to full precision; n is a unit vector.
+// e = 1 - omega . n = |n - omega|^2 / 2: a narrow f needs e to full precision. n is a unit vector.
 void evaluate_density(const Brdf& brdf, const glm::dvec3& omega, const std::array<const float*, 3>& normals, int count,
                       double* values) {
   for (int i = 0; i < count; ++i) {
@@ -186,7 +186,7 @@ void PlaneAverages::add_row(const FinestRow& row) {
   }
 }
 
-// While the directions take a band, one of the threads reads the next.
+// While the other threads evaluate a band, one thread reads the next.
 void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress) {
   const int height = planes.normals.height();
@@ -197,7 +197,7 @@ void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, con
   Band current(planes, rows_per_band), next(planes, rows_per_band);
   current.read(0, rows_per_band);
   for (int first_row = 0; first_row < height; first_row += rows_per_band) {
-    progress_advance(progress, 0);  // a chance to cancel
+    progress_advance(progress, 0);  // lets the caller cancel
     const int next_row = first_row + rows_per_band;
     for_each_item(static_cast<int>(sums.size()) + 1, settings.threads, [&](int item) {
       if (item == 0 && next_row < height) next.read(next_row, std::min(rows_per_band, height - next_row));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference that bakes are measured against: averages over all finest normals that a texel covers, in one pass over
-// the map by bands of rows. Memory: some rows a light or half vector, and a value for each texel that is looked at.
+// Computes the reference that bakes are measured against: averages over all finest normals that a texel covers, in one
+// pass over the map by bands of rows. Memory: some rows per light or half vector, and a value per measured texel.
 //
-// Threads share the directions of a band. A direction's sums take the rows in their order, whichever thread it is and
-// however high the bands are, so that neither can be seen in the result.
+// Threads share the directions of a band. Each direction adds up rows in their order. The result therefore depends
+// neither on the threads nor on the height of the bands.
 #pragma once
 
 #include <functional>
@@ -22,13 +22,13 @@
 
 namespace multum {
 
-/// Normals and, unless null, linear colours, of the size of level 0.
+/// Normals and, unless null, linear colours; both have the size of level 0.
 struct FinestPlanes {
   const PlaneStore& normals;
   const PlaneStore* albedo;
 };
 
-/// One row of them; no colours: null.
+/// One row of the planes; colours may be null.
 struct FinestRow {
   int y;
   std::array<const float*, 3> normals;
@@ -39,17 +39,17 @@ struct FinestRow {
 class RowSums {
  public:
   virtual ~RowSums() = default;
-  /// Rows from the top, each once.
+  /// Adds a row; call it once per row, from the top.
   virtual void add_row(const FinestRow& row) = 0;
-  /// After the last row.
+  /// Called after the last row.
   virtual void finish() {}
 };
 
-/// Averages of something over the selected texels.
+/// Averages of row values over the selected texels.
 class TexelSums : public RowSums {
  public:
   void finish() override;
-  /// Of value `value` of a texel.
+  /// Average of value number `value` of a texel.
   double at(std::size_t slot, std::size_t value) const { return sums_[slot * value_count_ + value]; }
 
  protected:
@@ -67,29 +67,29 @@ class TexelSums : public RowSums {
   std::vector<double> sums_;  // [slot][value]
 };
 
-/// What one direction's values of a row are, and how many.
+/// Evaluates the values of one direction for a row; `count` values per texel.
 struct BrdfValues {
   std::size_t count;
   std::function<void(const std::array<const float*, 3>& normals, int width, const std::vector<double*>& rows)> evaluate;
 };
-/// max(0, omega . n)^s of each exponent.
+/// max(0, omega . n)^s for each exponent.
 BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents);
-/// f at the half vector `omega` of each highlight, divided by highlight_scale().
+/// f at the half vector `omega` for each highlight, divided by highlight_scale().
 BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights);
-/// (s + 1) / (2 pi) of Blinn-Phong, which is averaged without it; else 1.
+/// (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor; else 1.
 double highlight_scale(const Highlight& highlight);
-/// Of shortened normals, one value (evaluate_shortened()).
+/// One value for shortened normals (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 
-/// Averages over footprints of a BRDF times n . l, the pixel's own reference: value e of each highlight; with colours
-/// also times channel c, as value (1 + c) * count + e.
+/// Averages a BRDF times n . l over footprints: the reference of pixels. Value e belongs to highlight e; with colours,
+/// value (1 + c) * count + e is also multiplied by channel c.
 class FootprintReference : public RowSums {
  public:
-  /// `values`: of the highlights, which `cosines` multiply; none: of Lambert, the cosines alone.
+  /// `values` are the highlights, which `cosines` multiply; nullopt: Lambert, the cosines only.
   FootprintReference(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
                      bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// The same of values that are at hand: of each highlight, or of Lambert.
+  /// Adds a row whose values have been evaluated: of each highlight, or of Lambert.
   void add_values(const FinestRow& row, const std::vector<double*>& values);
   double at(std::size_t footprint, std::size_t value) const { return sums_[footprint * value_count_ + value]; }
 
@@ -98,18 +98,18 @@ class FootprintReference : public RowSums {
   const std::optional<BrdfValues> brdf_;
   const BrdfValues cosines_;
   const std::size_t highlight_count_, value_count_;
-  std::vector<AlignedRow> rows_;      // [highlight], or Lambert's
+  std::vector<AlignedRow> rows_;      // [highlight]; one for Lambert
   AlignedRow cosine_row_, coloured_;  // a row each
   AlignedRow scratch_;                // for FootprintAverages
   std::vector<double> sums_;          // [footprint][value]
 };
 
-/// Value e of each; with colours also times channel c, as value (1 + c) * count + e.
+/// Averages BRDF values over texels: value e; with colours, value (1 + c) * count + e is multiplied by channel c.
 class BrdfReference : public TexelSums {
  public:
   BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// Gives its values, which are those of `footprints` too, on to it, so that they are evaluated once. Not owned.
+  /// Passes its values on to `footprints`, which needs the same ones, so that they are evaluated once. Not owned.
   void share_with(FootprintReference& footprints) { footprints_ = &footprints; }
 
  private:
@@ -119,7 +119,7 @@ class BrdfReference : public TexelSums {
   FootprintReference* footprints_ = nullptr;
 };
 
-/// The planes themselves: values 0 to 2 the normal, 3 to 5 the colour if there are any.
+/// Averages the planes themselves: values 0 to 2 are the normal, 3 to 5 the colour if there is one.
 class PlaneAverages : public TexelSums {
  public:
   PlaneAverages(const TexelAverages& averages, bool has_colours);
@@ -135,7 +135,7 @@ struct StreamSettings {
   int rows_per_band = 0;  // 0: about 3 MB of normals
 };
 
-/// Gives every row to all of `sums` and finishes them. Progress: counts no units; cancels at bands.
+/// Gives every row to all of `sums` and finishes them. Progress: counts no units; cancels between bands.
 void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress);
 

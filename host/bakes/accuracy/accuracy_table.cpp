@@ -12,12 +12,12 @@
 namespace multum {
 namespace {
 
-constexpr int kLevelMax = 63;  // of any file: sides fit into 32 bits
+constexpr int kLevelMax = 63;  // the most of any file: sides fit into 32 bits
 
-// As the file keeps it. The table rounds again, from this, so that it is the same from a bake and from its file.
+// Rounds as the file does. The table rounds this value again, so that it is identical from a bake and from its file.
 double rounded(double error) { return std::round(error * 1e6) / 1e6; }
 
-// Half widths are rounded up: no interval is stated narrower than it is. In millionths, less the noise of the product.
+// Half width in millionths, rounded up so that no stated interval is too narrow. Subtracts the noise of the product.
 double millionths_up(double half_width) { return std::max(0.0, std::ceil(half_width * 1e6 - 1e-6)); }
 double hundredths_of_percent_up(double half_width) { return std::ceil(millionths_up(half_width) / 100.0); }
 
@@ -28,7 +28,7 @@ const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, Acc
   return nullptr;
 }
 
-// "1.23", or "1.23 +- 0.05" where texels were sampled.
+// "1.23", or "1.23 +- 0.05" if texels were sampled.
 std::string percent_text(const AccuracyRow* row) {
   if (row == nullptr) return "-";
   std::string text = fmt::format("{:.2f}", 100.0 * rounded(row->error));
@@ -41,13 +41,13 @@ const AccuracyRow* worse(const AccuracyRow* a, const AccuracyRow* b) {
   return a->error < b->error ? b : a;
 }
 
-// Which texels of a level were measured.
+// Says which texels of a level were measured.
 std::string texels_text(double confidence) {
   if (confidence == kIntervalUnstated) return "unstated";
   return confidence > 0.0 ? "sampled" : "all";
 }
 
-// What a table's heading says of its BRDFs, which are shaded alike: " of lean with colours".
+// Part of a table's heading that describes its BRDFs, which share one shading: " of lean with colours".
 std::string group_text(const AccuracyBrdf& brdf) {
   return (brdf.shading.empty() ? "" : " of " + brdf.shading) + (brdf.has_colours ? " with colours" : "");
 }
@@ -56,9 +56,9 @@ bool is_shaded_alike(const AccuracyBrdf& a, const AccuracyBrdf& b) {
   return a.shading == b.shading && a.has_colours == b.has_colours;
 }
 
-// `brdfs`: at least one, all shaded alike.
+// `brdfs`: at least one, all with the same shading.
 std::string table(const std::vector<AccuracyRow>& rows, const std::vector<AccuracyBrdf>& brdfs) {
-  std::map<int, double> confidences;  // [level]: whether it was sampled is the same of all its rows
+  std::map<int, double> confidences;  // [level]: the same for all its rows
   bool has_intervals = false;
   for (const AccuracyRow& row : rows) {
     confidences[row.level] = row.confidence;
@@ -87,7 +87,7 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<Accura
   return text;
 }
 
-constexpr const char* kPixels = "pixels";  // in the place of a point
+constexpr const char* kPixels = "pixels";  // replaces the name of a point
 constexpr int kNoLevel = -1;
 
 nlohmann::json entry_of(const FootprintError& one) {
@@ -133,15 +133,15 @@ std::string footprint_error_text(const std::vector<FootprintError>& errors) {
   for (const FootprintError& one : errors) width = std::max(width, one.brdf.text().size());
   std::string text = "error of pixels, relative L1 with its 95 % interval\n";
   for (const FootprintError& one : errors)
-    text += fmt::format("  {:<{}}  {:.2f} +- {:.2f} %; 95 % of pixels within {:.2f} %; the worst, {:.2f} %, cover {}\n",
-                        one.brdf.text(), width, 100.0 * rounded(one.error),
-                        hundredths_of_percent_up(one.confidence) / 100.0, 100.0 * rounded(one.percentile_95),
-                        100.0 * rounded(one.worst_octave_error), octave_text(one.worst_octave));
+    text += fmt::format(
+        "  {:<{}}  {:.2f} +- {:.2f} %; 95 % of pixels within {:.2f} %; worst: {:.2f} % for pixels that cover {}\n",
+        one.brdf.text(), width, 100.0 * rounded(one.error), hundredths_of_percent_up(one.confidence) / 100.0,
+        100.0 * rounded(one.percentile_95), 100.0 * rounded(one.worst_octave_error), octave_text(one.worst_octave));
   return text;
 }
 
 std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
-  std::vector<std::vector<AccuracyBrdf>> groups;  // of BRDFs that are shaded alike, as they come
+  std::vector<std::vector<AccuracyBrdf>> groups;  // BRDFs grouped by shading, in their order
   for (const AccuracyRow& row : rows) {
     auto group = std::find_if(groups.begin(), groups.end(),
                               [&](const auto& brdfs) { return is_shaded_alike(brdfs.front(), row.brdf); });
@@ -166,7 +166,7 @@ std::string measured_error_json(const std::vector<AccuracyRow>& rows, const std:
 }
 
 std::optional<StatedErrors> parse_measured_error(const std::string& text) {
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);  // discarded, not thrown, when it is none
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);  // no exceptions
   if (!json.is_array()) return std::nullopt;
   StatedErrors stated;
   for (const nlohmann::json& one : json) {

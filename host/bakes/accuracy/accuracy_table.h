@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured errors as text: for people, and the attribute multum:measuredError of the baked file.
+// Converts measured errors to text, for people and for the attribute multum:measuredError of baked files.
 #pragma once
 
 #include <optional>
@@ -10,25 +10,25 @@
 
 namespace multum {
 
-/// Errors of pixels, a line a BRDF: "  blinn-phong:100  9.10 +- 0.21 %; 95 % of pixels within 21.30 %; ...". Empty
+/// Errors of pixels, one line per BRDF: "  blinn-phong:100  9.10 +- 0.21 %; 95 % of pixels within 21.30 %; ...". Empty
 /// without errors.
 std::string footprint_error_text(const std::vector<FootprintError>& errors);
 
-/// A line per level and a column per BRDF, with intervals where texels were sampled; a table for each way of shading,
-/// and when there are coloured rows, tables with those. Empty without rows.
+/// A line per level and a column per BRDF, with intervals if texels were sampled. There is a table for each way of
+/// shading, and further tables for rows with colours. Empty without rows.
 std::string accuracy_table(const std::vector<AccuracyRow>& rows);
 
-/// JSON array of [level, point, BRDF, error, half width of its 95 % interval], numbers to six digits behind the point.
-/// Half widths are rounded up, so that 0 says "all texels"; rows whose interval is unstated have none. Before them come
-/// those of pixels, [-1, "pixels", BRDF, error, half width, 95th percentile, worst octave, its error, footprints].
+/// JSON array of [level, point, BRDF, error, half width of its 95 % interval], with six digits behind the point. Half
+/// widths are rounded up, so that 0 means "all texels"; a row whose interval is unstated omits it. Errors of pixels
+/// come first: [-1, "pixels", BRDF, error, half width, 95th percentile, worst octave, its error, footprints].
 std::string measured_error_json(const std::vector<AccuracyRow>& rows, const std::vector<FootprintError>& errors = {});
 
 struct StatedErrors {
-  std::vector<FootprintError> footprint_errors;  // none in files of programs that did not measure them
+  std::vector<FootprintError> footprint_errors;  // empty if the program that wrote the file did not measure them
   std::vector<AccuracyRow> rows;
 };
-/// What measured_error_json() wrote, rows without sample counts, or programs before it, without intervals; nullopt for
-/// any other text.
+/// Parses the output of measured_error_json(), and of earlier programs, which wrote no intervals. Rows have no sample
+/// counts. Returns nullopt for any other text.
 std::optional<StatedErrors> parse_measured_error(const std::string& json);
 
 }  // namespace multum

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr int kColumnsOfBlock = 128;  // columns: the powers of a block, some twelve of them, stay in the nearest cache
+constexpr int kColumnsOfBlock = 128;  // the powers of a block, about twelve, stay in the nearest cache
 constexpr double kIntegerMax = 1e6;
 
 MULTUM_VECTOR_CLONES
@@ -28,7 +28,7 @@ void clamped_cosines(const float* __restrict x, const float* __restrict y, const
   }
 }
 
-// Whole blocks, so that the inner loops have no rests to look after.
+// Works on whole blocks, so that the inner loops have no remainder.
 MULTUM_VECTOR_CLONES
 void multiply_powers(const PowerProduct* products, std::size_t product_count, double* const* powers) {
   for (std::size_t p = 0; p < product_count; ++p) {
@@ -39,8 +39,8 @@ void multiply_powers(const PowerProduct* products, std::size_t product_count, do
   }
 }
 
-// Adds powers until t^n is at hand, and returns its number. A sum of two powers at hand takes one product more; else
-// t^n is the square of t^(n/2), or, for odd n, t^(n-1) times t.
+// Adds products until t^n is available, and returns its number. If n is the sum of two available powers, this takes
+// one product. Otherwise t^n is the square of t^(n/2) or, for odd n, t^(n-1) times t.
 int reach(int n, std::map<int, int>& at_hand, std::vector<PowerProduct>& products) {
   if (const auto found = at_hand.find(n); found != at_hand.end()) return found->second;
   PowerProduct product{-1, -1};
@@ -100,7 +100,7 @@ void BrdfRows::evaluate(const std::array<const float*, 3>& normals, int count, c
   for (std::size_t p = 0; p < powers.size(); ++p) powers[p] = own(p);
   for (int begin = 0; begin < count; begin += kColumnsOfBlock) {
     const int size = std::min(kColumnsOfBlock, count - begin);
-    for (std::size_t e = 0; e < exponents_.size() && size == kColumnsOfBlock; ++e)  // made where they are to lie
+    for (std::size_t e = 0; e < exponents_.size() && size == kColumnsOfBlock; ++e)  // written directly to the output
       if (plan_.whole[e] > 0) powers[static_cast<std::size_t>(plan_.whole[e])] = rows[e] + begin;
     clamped_cosines(normals[0] + begin, normals[1] + begin, normals[2] + begin, omega_.x, omega_.y, omega_.z, size,
                     powers[0]);

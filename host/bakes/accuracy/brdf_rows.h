@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluates max(0, omega . n)^s on rows of normals, for several s at once: Blinn-Phong without its scale, and Lambert
-// as s = 1. In double. All powers are reached by multiplying powers at hand: t^20, t^100 and t^500 take 11 products
-// together.
+// Evaluates max(0, omega . n)^s on rows of normals for several s at once, in double: Blinn-Phong without its scale,
+// and Lambert as s = 1. Powers are products of lower powers: t^20, t^100 and t^500 together take 11 products.
 #pragma once
 
 #include <array>
@@ -13,21 +12,21 @@
 
 namespace multum {
 
-/// A power as the product of two earlier ones; number 0 is t itself.
+/// A power as the product of two earlier powers; number 0 is t itself.
 struct PowerProduct {
   int first, second;
 };
 struct PowerPlan {
   std::vector<PowerProduct> products;  // power 1, 2, ...
-  std::vector<int> whole;              // [exponent]: its power, -1 for one that is no whole number and takes pow()
+  std::vector<int> whole;              // [exponent]: number of its power; -1 if it is not an integer and takes pow()
 };
-/// Whole exponents up to 1e6 are products; the relative error of t^s is that of s roundings.
+/// Integer exponents up to 1e6 become products; the relative error of t^s is that of s roundings.
 PowerPlan plan_powers(const std::vector<double>& exponents);
 
 class BrdfRows {
  public:
   BrdfRows(const glm::dvec3& omega, const std::vector<double>& exponents);
-  /// Writes rows[exponent][0..count). Not from two threads at once.
+  /// Writes rows[exponent][0..count). Not thread-safe.
   void evaluate(const std::array<const float*, 3>& normals, int count, const std::vector<double*>& rows);
 
  private:
@@ -37,8 +36,9 @@ class BrdfRows {
   AlignedRow powers_;  // [power][column of a block]
 };
 
-/// Evaluates rows of normals that a BRDF's width has shortened (host/formats/image/material_maps.h): the vMF lobe of
-/// each normal, as densities towards `omega`; or max(0, omega . n) of the normal alone, which diffuse light depends on.
+/// Evaluates rows of normals whose lengths contain a BRDF's width (host/formats/image/material_maps.h): densities
+/// towards `omega` of the vMF lobe of each normal. For Lambert, returns max(0, omega . n) of the unit normal, which
+/// diffuse light depends on.
 void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
                         double* values);
 

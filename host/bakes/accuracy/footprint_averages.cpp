@@ -12,14 +12,14 @@
 namespace multum {
 namespace {
 
-// A row is summed up in so many strips beside each other, which hide how long an addition waits for the one before it.
+// A row is summed in this many strips in parallel, which hides the latency of dependent additions.
 constexpr std::size_t kStrips = 4;
 
-// Columns of a strip but the last, which has the rest: somewhat less than a quarter, since places that lie a whole
-// power of two apart share cache lines' sets.
+// Columns of each strip except the last, which takes the rest. A strip has slightly less than a quarter of the columns,
+// because addresses a power of two apart share sets of the cache.
 std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
 
-// before[i] = the sum of the columns of a strip up to column i, which is not in it; sums of whole strips.
+// before[i] is the sum of the strip's columns before column i. Also returns the sums of whole strips.
 template <typename Value>
 std::array<double, kStrips> sum_up(const Value& value, std::size_t width, double* before) {
   const std::size_t strip = strip_width(width);
@@ -34,7 +34,7 @@ std::array<double, kStrips> sum_up(const Value& value, std::size_t width, double
   return sums;
 }
 
-// Where the line at height y enters and leaves a rectangle; entry >= exit: nowhere.
+// Positions where the line at height y enters and leaves a rectangle; entry >= exit if it misses.
 std::pair<double, double> crossing(const Footprint& footprint, double y) {
   const glm::dvec2 half_longer = 0.5 * footprint.longer_side, half_shorter = 0.5 * footprint.shorter_side;
   const std::array<glm::dvec2, 4> corners = {
@@ -55,9 +55,9 @@ struct HorizontalLine {
   double y, thickness;
 };
 
-// Lines through the middles of the thin slices that a footprint is cut into. Slices end where rows do and at the
-// corners, so that in each the ends of lines move evenly. Of a tall footprint, one row at random of each of as many
-// strips.
+// Cuts a footprint into thin slices and returns the lines through their middles. Slices end at rows and at corners, so
+// that the ends of the lines move evenly within each slice. A tall footprint is divided into equal strips, with one
+// random row in each.
 std::vector<HorizontalLine> horizontal_lines(const Footprint& footprint, std::uint64_t seed) {
   const double height = std::abs(footprint.longer_side.y) + std::abs(footprint.shorter_side.y);
   const double top = footprint.centre.y - 0.5 * height, bottom = top + height;
@@ -121,8 +121,8 @@ void FootprintAverages::append_lines(std::uint32_t number, std::uint64_t seed, s
     const double in_map = (end.texel + end.part) - (begin.texel + begin.part);
     const auto row = static_cast<std::int64_t>(std::floor(y));
     const bool is_beyond = row < 0 || row >= map_height_;
-    // Of a map that ends at its border, a pixel there has as much of the surface as lies under it. Beyond a black
-    // border there is a surface too, which reflects nothing.
+    // On a map that ends at its border, a pixel there averages only the surface under it. Beyond a black border there
+    // is a surface that reflects nothing.
     if (is_beyond && wrap_t_ == WrapMode::kClamp) continue;
     area += thickness * (wrap_s_ == WrapMode::kClamp ? in_map : exit - entry);
     if (is_beyond && wrap_t_ == WrapMode::kBlack) continue;
@@ -149,7 +149,7 @@ FootprintAverages::FootprintAverages(std::vector<Footprint> footprints, int map_
   std::vector<RowLine> unsorted;
   for (std::uint32_t i = 0; i < footprints_.size(); ++i)
     append_lines(i, split_mix(settings.seed ^ split_mix(i)), unsorted);
-  // By rows; of a row in the order of footprints, which does not depend on anything else.
+  // Sorts by row and, within a row, by footprint: a fixed order.
   for (const RowLine& one : unsorted) ++line_begin_[static_cast<std::size_t>(one.row) + 1];
   for (std::size_t y = 1; y < line_begin_.size(); ++y) line_begin_[y] += line_begin_[y - 1];
   std::vector<std::size_t> next = line_begin_;
@@ -164,7 +164,7 @@ void FootprintAverages::add_values(int y, const Value& value, double* before, do
   std::array<double, kStrips> upto_strip = {};
   for (std::size_t k = 1; k < kStrips; ++k) upto_strip[k] = upto_strip[k - 1] + strip_sums[k - 1];
   const double whole = upto_strip.back() + strip_sums.back();
-  // Of the columns before `texel`, and the part of it.
+  // Integral over the columns before `texel` and over `part` of it.
   const auto integral = [&](std::int32_t texel, float part) {
     const auto i = static_cast<std::size_t>(texel);
     const std::size_t k = (i >= strip ? 1u : 0u) + (i >= 2 * strip ? 1u : 0u) + (i >= 3 * strip ? 1u : 0u);

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages of a plane over footprints (host/bakes/accuracy/footprints.h): the pixel's own reference. The plane comes
-// row by row, and nothing of it is kept but a sum for each footprint. Texels of level 0 are squares of one value, as
-// "nearest" shows them.
+// Averages a plane over footprints (host/bakes/accuracy/footprints.h): the reference of pixels. The plane comes row by
+// row, and only one sum per footprint is kept. Texels of level 0 are squares of constant value, as with "nearest"
+// filtering.
 //
 // A footprint is cut into horizontal lines. Along a line the average is exact, from sums of the row up to each end:
 //
-//      ..|..____:::     the part of a line that lies in the footprint is whole texels and a fraction of one at each
-//      end;
-//      ..|:::::/..      sum = C(x1) - C(x0), C(x) the integral of the row from its border to x, whatever the border
+//      ..|..____:::     the part of a line inside the footprint is whole texels and a fraction of a texel at each end
+//      ..|:::::/..      sum = C(x1) - C(x0); C(x) is the integral of the row from its border to x, for any wrap mode
 //
-// There are kLinesMin of them, or as many as the footprint has rows, whichever is more; of footprints of more than
-// kRowsMax rows one line at a random place in each of kRowsMax equal strips.
+// There are at least kLinesMin lines, and at least as many as the footprint has rows. A footprint of more than
+// kRowsMax rows has one line, at a random place, in each of kRowsMax equal strips.
 #pragma once
 
 #include <cstdint>
@@ -29,19 +28,19 @@ class FootprintAverages {
 
   const std::vector<Footprint>& footprints() const { return footprints_; }
   int map_width() const { return map_width_; }
-  /// Doubles that add_row() works with.
+  /// Number of doubles that add_row() needs as scratch memory.
   std::size_t scratch_length() const { return static_cast<std::size_t>(map_width_); }
   bool needs_row(int y) const {
     return line_begin_[static_cast<std::size_t>(y)] < line_begin_[static_cast<std::size_t>(y) + 1];
   }
-  /// Adds row y of the plane, values[0..map_width()) times, unless null, `factors`, to sums[footprint * stride]. Sums
-  /// begin as 0 and are averages after the last row. `scratch`: scratch_length() doubles.
+  /// Adds row y of the plane, values[0..map_width()), to sums[footprint * stride]; values are multiplied by `factors`
+  /// unless that is null. Sums begin as 0 and are averages after the last row. `scratch`: scratch_length() doubles.
   void add_row(int y, const double* values, const double* factors, double* scratch, double* sums,
                std::size_t stride) const;
 
  private:
-  // A line's part in a row: weight_turns times the sum of the row, plus weight_end times the integral up to `end` and
-  // end_part of that texel, less the same of the begin. Signs are those of mirrored rows.
+  // Part of a line in a row: weight_turns times the sum of the row, plus weight_end times the integral up to `end` and
+  // end_part of that texel. The same integral for the begin is subtracted. The signs include the mirroring of rows.
   struct Line {
     std::uint32_t footprint;
     std::int32_t begin, end;
@@ -62,7 +61,7 @@ class FootprintAverages {
   const int map_width_, map_height_;
   const WrapMode wrap_s_, wrap_t_;
   std::vector<Line> lines_;
-  std::vector<std::size_t> line_begin_;  // [row]; one more ends the last
+  std::vector<std::size_t> line_begin_;  // [row]; a last entry ends the last range
 };
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error that a bake states of itself: how far pixels of pictures are from what they should show, over the
+// Computes the error that a bake states: the difference between pixels of pictures and their reference, over the
 // footprints of host/bakes/accuracy/footprints.h (docs/contributing/ALGORITHMS.md, "Measured error").
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// Differences |model - reference| and references, summed over the directions and colour channels of one footprint or
-/// point, or of many.
+/// Sums of |model - reference| and of references, over the directions and colour channels of one or more footprints or
+/// points.
 struct ErrorSum {
   double difference = 0.0;
   double reference = 0.0;
@@ -26,9 +26,9 @@ struct ErrorSum {
   ErrorSum times(double weight) const { return {weight * difference, weight * reference, weight * count}; }
 };
 
-/// What differences are in parts of: the reference, or where that is next to nothing, since no light and no eye is
-/// where the highlight is, a hundredth of what a white diffuse surface reflects, 1/pi. In parts of 1e-40 nothing says
-/// anything.
+/// The denominator of relative errors: the reference, or at least a hundredth of the reflection of a white diffuse
+/// surface, 1/pi. The reference itself is almost 0 where no light or eye is near the highlight; errors relative to
+/// 1e-40 would mean nothing.
 class ErrorBase {
  public:
   explicit ErrorBase(const ErrorSum& all) : is_floor_(all.reference < kFloor * all.count) {}
@@ -39,24 +39,24 @@ class ErrorBase {
   const bool is_floor_;
 };
 
-/// Relative L1 of one BRDF: 0.1 = 10 %.
+/// Error of one BRDF; relative L1, 0.1 = 10 %.
 struct FootprintError {
   AccuracyBrdf brdf;
-  double error = 0.0;  // sum of |model - reference| over the sum of the reference, octaves weighing alike
-  // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate, the strata being the octaves
-  // (Cochran 1977, section 6.11). A footprint is one draw, with all its directions and channels.
+  double error = 0.0;  // sum of |model - reference| / sum of the reference, with equal weights for octaves
+  // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate, with octaves as strata
+  // (Cochran 1977, section 6.11). A footprint with all its directions and channels is one draw.
   double confidence = 0.0;
-  double percentile_95 = 0.0;  // of the errors of single footprints
-  int worst_octave = 0;        // k: footprints whose shorter side is 2^k to 2^(k+1) texels
+  double percentile_95 = 0.0;  // 95th percentile of the errors of single footprints
+  int worst_octave = 0;        // k: the shorter side of footprints is 2^k to 2^(k+1) texels
   double worst_octave_error = 0.0;
   std::int64_t sample_count = 0;  // footprints
 };
 
-/// `sums` of each footprint, `footprints` as choose_footprints() gives them.
+/// `sums`: one per footprint; `footprints` in the order of choose_footprints().
 FootprintError footprint_error(AccuracyBrdf brdf, const std::vector<Footprint>& footprints,
                                const std::vector<ErrorSum>& sums);
 
-/// "1 to 2 texels", "16 to 32 texels": of octave k.
+/// Text of octave k: "1 to 2 texels", "16 to 32 texels".
 std::string octave_text(int octave);
 
 }  // namespace multum

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// One number at random in each of `count` equal parts of [0, 1), in random order.
+// Returns one random number in each of `count` equal parts of [0, 1), in random order.
 std::vector<double> stratified(int count, SplitMix64& random) {
   std::vector<double> values;
   for (int i = 0; i < count; ++i) values.push_back((i + 1.0 - random.uniform()) / count);
@@ -22,8 +22,8 @@ std::vector<double> stratified(int count, SplitMix64& random) {
   return values;
 }
 
-// One point at random in each of `count` cells of equal area: rows of about square cells, of which some rows have one
-// more than others; a row is as high as it has cells.
+// Returns one random point in each of `count` cells of equal area. Cells are about square and form rows; some rows
+// have one cell more, and the height of a row is proportional to its number of cells.
 std::vector<glm::dvec2> spread_points(int count, double width, double height, SplitMix64& random) {
   const int rows = std::clamp(static_cast<int>(std::lround(std::sqrt(count * height / width))), 1, count);
   std::vector<glm::dvec2> points;
@@ -39,7 +39,7 @@ std::vector<glm::dvec2> spread_points(int count, double width, double height, Sp
   return points;
 }
 
-// The two texels around a place along one axis, in texels of the level, and the weight of the second.
+// The two texels around a position along one axis, in texels of the level, and the weight of the second.
 struct BilinearPair {
   int first, second;  // -1: none
   double second_weight;
@@ -97,7 +97,7 @@ int append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>&
   const int count = settings.filter.tap_count(longer, shorter);
   const int point_count = settings.filter.shades_taps ? count : 1;
   const auto coarsest = static_cast<double>(levels.size() - 1);
-  // What is finer than the first level is not there, as for a renderer that draws what is stored alone.
+  // Levels finer than the first are not used, as in a renderer that draws only stored levels.
   const double finest = std::min(static_cast<double>(settings.first_octave), coarsest);
   const double lambda = std::clamp(settings.filter.level(longer, shorter), finest, coarsest);
   const double map_width = levels.front().width, map_height = levels.front().height;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the footprints whose errors are measured: what pixels of pictures cover of a map, spread evenly over octaves
-// of size, over directions and elongations, anywhere on the map. Says which texels the runtime's filter reads for each
-// (host/formats/asset/tap_filter.h).
+// Chooses the footprints whose errors are measured: the areas of a map that pixels of pictures cover. The footprints
+// are spread evenly over octaves of size, over directions and elongations, and over the map. Lists the texels that the
+// runtime's filter reads for each footprint (host/formats/asset/tap_filter.h).
 //
-//         ______             a footprint is a rectangle in texels of level 0: the pixel's square, as it lies on a
-//        /     /  b          plane that is looked at from anywhere. Its shorter side b, 2^u texels, says how far away
-//       /  x  /              the surface is; the longer, a = e b, how much it is tilted; x is one of N taps, here 2.
+//         ______             a footprint is a rectangle in texels of level 0: the pixel's square, projected onto a
+//        /     /  b          plane that is seen from any direction. The shorter side b = 2^u texels depends on the
+//       /  x  /              distance; the longer side a = e b depends on the tilt; x is one of N taps, here 2.
 //      /  x  /
 //     /_____/ a
 #pragma once
@@ -24,8 +24,8 @@ namespace multum {
 
 struct Footprint {
   int octave;              // floor(u)
-  glm::dvec2 centre;       // texels of level 0, in the map
-  glm::dvec2 longer_side;  // the vector along it
+  glm::dvec2 centre;       // position in texels of level 0, inside the map
+  glm::dvec2 longer_side;  // vector along the longer side
   glm::dvec2 shorter_side;
 };
 
@@ -33,31 +33,32 @@ struct FootprintSettings {
   int per_octave = 256;  // 0: none
   int first_octave = 0;  // smaller footprints are not measured
   std::uint64_t seed = 1;
-  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // what lies beyond the map's borders
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // beyond the map's borders
   TapFilter filter = {};
-  double elongation_max = 4.0;  // the longest footprint's longer side over its shorter
+  double elongation_max = 4.0;  // longer side / shorter side of the longest footprint
 };
 
-/// Octaves of a map: from 1 texel to the longer side, at least one.
+/// Number of octaves of a map: from 1 texel to the longer side, at least one.
 int footprint_octave_count(int map_width, int map_height);
 
-/// settings.per_octave of each octave, one octave after the other. Their centres are one at random in each of as many
-/// cells of equal area, about square; u and log2 e are one at random in each of as many equal intervals, in random
-/// order; e is from 1 to settings.elongation_max.
+/// Returns settings.per_octave footprints for each octave, octave by octave. Each centre is a random point in its own
+/// cell; the cells have equal areas and are about square. Each u and log2 e is random in its own interval of equal
+/// length, in random order; e is from 1 to settings.elongation_max.
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings);
 
 /// A texel that a filter reads.
 struct FilterTap {
-  int point;  // what is shaded by itself: 0 to the footprint's point count - 1
+  int point;  // number of the point that is shaded: 0 to the footprint's point count - 1
   int level, texel;
   double weight;
 };
-/// What the filter reads for a footprint, appended, and how many points it shades there; a footprint's value is their
-/// mean. The weights of a point sum to 1, less where a black border lies under it.
+/// Appends the texels that the filter reads for a footprint. Returns the number of points that it shades; the
+/// footprint's value is their mean. The weights of a point sum to 1, or less where part of the point is on a black
+/// border.
 int append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>& levels,
                        const FootprintSettings& settings, std::vector<FilterTap>& taps);
 
-/// Index i, of any value, of `count` texels; -1: beyond a black border.
+/// Wraps any index i to 0..count - 1; -1: beyond a black border.
 int wrapped_index(std::int64_t i, int count, WrapMode mode);
 
 }  // namespace multum

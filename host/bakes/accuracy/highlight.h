@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a BRDF whose highlights errors are measured for: f of n . h alone, without what depends on other angles
-// (Fresnel, shadowing), as the reference takes it and as the shading kernels do. Coloured f are taken grey, by their
-// mean.
+// Describes a BRDF whose highlights are measured: f of n . h only, without factors that depend on other angles
+// (Fresnel, shadowing). The reference and the shading kernels evaluate the same f. A coloured f is replaced by the
+// mean of its channels.
 #pragma once
 
 #include "host/bakes/accuracy/accuracy_brdf.h"
@@ -11,19 +11,19 @@
 namespace multum {
 
 struct Highlight {
-  AccuracyBrdf id;  // what errors of it are stated as; not kLambert
-  Brdf brdf;        // the same, as it is shaded
+  AccuracyBrdf id;  // name of the BRDF in stated errors; not kLambert
+  Brdf brdf;        // the BRDF that is shaded
   MultumHighlight shaded;
 };
-/// Takes 10 to 100 ms for GGX and measurements, which are fitted: made once, and handed on.
+/// Makes a highlight. GGX and measured BRDFs are fitted, which takes 10 to 100 ms: make a highlight once and share it.
 Highlight make_highlight(const AccuracyBrdf& id, const Brdf& brdf);
 
 Highlight blinn_phong_highlight(double exponent);
 
-/// The mean of f's channels at e = 1 - n.h.
+/// Mean of f's channels at e = 1 - n.h.
 double grey_density(const Brdf& brdf, double e);
 
-/// The highlight as the kernels shade it: Blinn-Phong exactly, others as the runtime does (runtime_gl/shaders/brdf).
+/// The highlight as kernels shade it: Blinn-Phong exactly, other BRDFs as in the runtime (runtime_gl/shaders/brdf).
 MultumHighlight shaded_highlight(const Brdf& brdf);
 MultumHighlight shaded_highlight(double exponent);
 

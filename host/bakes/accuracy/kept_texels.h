@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Indexes what a model keeps of a file's texels: one entry for each texel that points read (texel_selection.h) and that
-// the file stores, from its first level on.
+// Indexes the texels that a model keeps: one entry for each texel that points read (texel_selection.h) and that the
+// file stores, from its first level on.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace multum {
 
 class KeptTexels {
  public:
-  /// `texels` must outlive it.
+  /// `texels` must outlive the object.
   KeptTexels(const TexelSelection& texels, int first_level)
       : texels_(texels),
         first_level_(first_level),
@@ -22,13 +22,13 @@ class KeptTexels {
   int first_level() const { return first_level_; }
   std::size_t count() const { return texels_.slot_count() - first_slot_; }
   bool is_stored(std::size_t slot) const { return slot >= first_slot_; }
-  /// The entry of a slot that is stored.
+  /// Entry of a stored slot.
   std::size_t entry(std::size_t slot) const { return slot - first_slot_; }
-  /// Has every texel come?
+  /// True if every texel was added.
   bool is_complete() const { return missing_count_ == 0; }
 
-  /// Calls keep(entry, texel) for the texels of these rows, `texel` counted from the first row's first; each row may
-  /// come once.
+  /// Calls keep(entry, texel) for the kept texels of these rows; `texel` counts from the first texel of the first row.
+  /// Each row may come once.
   template <typename Level, typename Keep>
   void take_rows(int level, int first_row, const Level& rows, const Keep& keep) {
     const PlaneSize size = texels_.sizes()[static_cast<std::size_t>(level)];
@@ -48,7 +48,7 @@ class KeptTexels {
  private:
   const TexelSelection& texels_;
   const int first_level_;
-  const std::size_t first_slot_;  // the first texel that is stored
+  const std::size_t first_slot_;  // slot of the first stored texel
   std::size_t missing_count_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMomentPointsPerBand = 4096;
 
-// Sums over taps: of stored texels normal, share, five moments and colour, of the normal map's normal, share and
+// Sums over taps. From stored texels: normal, share, five moments and colour. From the normal map: normal, share and
 // colour.
 enum MomentSum : std::size_t {
   kNormal = 0,

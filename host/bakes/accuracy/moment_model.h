@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked file of moments: the moments of the texels around a point, filtered linearly,
-// and shaded by the runtime's formulas on the device (kernels/moment_shade.cl). Keeps the texels that points read, no
-// others.
+// Models what a renderer shows of a baked file of moments. Filters the moments of the texels around a point linearly,
+// and shades them by the runtime's formulas on the device (kernels/moment_shade.cl). Keeps only the texels that points
+// read.
 #pragma once
 
 #include <memory>
@@ -16,19 +16,19 @@ namespace multum {
 
 class MomentModel : public AccuracyModel {
  public:
-  /// `texels` must outlive it.
+  /// `texels` must outlive the model.
   MomentModel(const BakedHeader& header, const TexelSelection& texels);
 
-  /// Rows of a stored level; in any order, each row once.
+  /// Adds rows of a stored level; rows may come in any order, each once.
   void add_rows(int level, int first_row, const MomentLevel& rows);
 
   bool has_colours() const override { return has_colours_; }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// Moments at points as hardware filtering gives them; multiplied by the colours in `channel` unless it is -1, as a
-  /// share is: shading is linear in the share, and of points between a stored level and one of the normal map's each
-  /// side has its own colour.
+  /// Moments at points, filtered as hardware does. Colours in `channel`, unless it is -1, multiply the share, because
+  /// shading is linear in the share. At points between a stored level and a level of the normal map, each side has its
+  /// own colour.
   std::vector<MultumFilteredMoments> filtered(const PointTaps& points, int channel, int threads) const;
 
  private:

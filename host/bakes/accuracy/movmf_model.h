@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked mipmap of lobes: the lobes of the texels around a point, filtered linearly,
-// and shaded by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps the lobes of the texels that points
-// read, no others.
+// Models what a renderer shows of a baked mipmap of lobes. Filters the lobes of the texels around a point linearly, and
+// shades them by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps only the lobes of texels that
+// points read.
 #pragma once
 
 #include <memory>
@@ -21,18 +21,18 @@ class MovmfModel : public AccuracyModel {
   /// The program that shades models of such mipmaps.
   static ProgramChoice program(Representation representation, int lobe_count, int first_level);
 
-  /// `mipmap` without texels; `texels` must outlive it.
+  /// `mipmap` needs no texels; `texels` must outlive the model.
   MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
 
   void add_rows(int level, int first_row, const MovmfLevel& rows);
   bool has_colours() const override { return !colours_.empty(); }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
-  /// Lobes of a filtered point: behind those of the file, one of the map's averages where there are any.
+  /// Lobes per filtered point: the lobes of the file, then one for the map's averages if levels are missing.
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
   const ProgramChoice& program() const { return program_; }
 
-  /// lobes[point][lobe] as hardware filtering gives them; multiplied by their colours in `channel` unless it is -1.
+  /// lobes[point][lobe], filtered as hardware does; multiplied by their colours in `channel` unless it is -1.
   std::vector<glm::vec4> filtered_lobes(const PointTaps& points, int channel, int threads) const;
 
  private:

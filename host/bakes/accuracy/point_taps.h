@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of a pyramid as weighted texels, any number of them a point: what a filter reads there.
+// Stores points of a pyramid as weighted texels, any number per point: the texels that a filter reads.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ class PointTaps {
     taps_.clear();
     ends_.clear();
   }
-  /// Adds a texel to the point that comes next.
+  /// Adds a texel to the current point.
   void add(std::size_t slot, double weight) { taps_.push_back({slot, weight}); }
   void finish_point() { ends_.push_back(taps_.size()); }
 

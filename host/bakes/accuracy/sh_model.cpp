@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Of order 20 some 14 MiB of coefficients.
+// About 14 MiB of coefficients at order 20.
 constexpr std::size_t kPointsPerLaunch = 8192;
 constexpr int kShPointsPerBand = 1024;
 
@@ -95,7 +95,7 @@ std::unique_ptr<PointShading> ShModel::make_shading(Device& device, const Shadin
   return std::make_unique<ShShading>(device, *this, directions);
 }
 
-// Sums over taps: of stored texels coefficients, share and colour, of the normal map normal, share and colour.
+// Sums over taps. From stored texels: coefficients, share and colour. From the normal map: normal, share and colour.
 void ShModel::add_tap(std::size_t slot, double weight, int channel, double* coefficients, double* map, double* share,
                       Colour& colour) const {
   if (!kept().is_stored(slot)) {

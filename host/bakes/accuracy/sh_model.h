@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked file of spherical harmonics: the coefficients of the texels around a point,
-// filtered linearly, and shaded by the runtime's formula on the device (kernels/sh_shade.cl). Keeps the texels that
-// points read, no others.
+// Models what a renderer shows of a baked file of spherical harmonics. Filters the coefficients of the texels around a
+// point linearly, and shades them by the runtime's formula on the device (kernels/sh_shade.cl). Keeps only the texels
+// that points read.
 #pragma once
 
 #include <memory>
@@ -16,22 +16,23 @@ namespace multum {
 
 class ShModel : public AccuracyModel {
  public:
-  /// `header` needs no texels; `texels` must outlive it.
+  /// `header` needs no texels; `texels` must outlive the model.
   ShModel(const ShMipmap& header, const TexelSelection& texels);
 
-  /// Rows of a stored level; in any order, each row once.
+  /// Adds rows of a stored level; rows may come in any order, each once.
   void add_rows(int level, int first_row, const ShLevel& rows);
 
   int order() const { return order_; }
-  /// Memory that the kept texels take.
+  /// Memory of the kept texels.
   std::size_t kept_bytes() const { return coefficients_.size() * sizeof(float); }
 
   bool has_colours() const override { return has_colours_; }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// Points [begin, end) as hardware filtering gives them, their coefficients [point][coefficient] apart; all is
-  /// multiplied by the colours in `channel` unless it is -1, as shading is linear but for its clamp at 0.
+  /// Points [begin, end), filtered as hardware does; their coefficients are stored separately, [point][coefficient].
+  /// Points and coefficients are multiplied by the colours in `channel` unless it is -1, because shading is linear
+  /// except for its clamp at 0.
   struct Filtered {
     std::vector<float> coefficients;
     std::vector<MultumFilteredSh> points;
@@ -46,7 +47,7 @@ class ShModel : public AccuracyModel {
                Colour& colour) const;
 
   const int order_;
-  const std::size_t count_;  // coefficients of a texel
+  const std::size_t count_;  // coefficients per texel
   const bool has_colours_;
   std::vector<float> coefficients_;  // [kept texel][coefficient]
   std::vector<glm::vec3> colours_;

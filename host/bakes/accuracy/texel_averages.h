@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact averages over what some texels of a pyramid cover (host/bakes/pyramid/mip_coverage.h), of a plane that comes
-// row by row: nothing of it is kept but a sum for each of these texels.
+// Computes exact averages over the area of selected texels of a pyramid (host/bakes/pyramid/mip_coverage.h). The plane
+// comes row by row, and only one sum per selected texel is kept.
 //
-// Along a row, a texel of any level covers whole blocks of 2^k finest texels and fractions of one at the ends
-// (row_blocks.h), so that one pass of pairwise sums over a row serves all levels, and a texel takes few additions a
-// row.
+// Along a row, a texel of any level covers whole blocks of 2^k finest texels and fractions of a texel at the ends
+// (row_blocks.h). One pass of pairwise sums over a row therefore serves all levels, and a texel takes few additions
+// per row.
 #pragma once
 
 #include <cstdint>
@@ -18,24 +18,24 @@ namespace multum {
 class TexelAverages {
  public:
   /// Averages over the texels selected in levels 0 to level_count - 1; level 0 is the plane itself. `texels` must
-  /// outlive it.
+  /// outlive the object.
   TexelAverages(const TexelSelection& texels, int level_count);
 
   const TexelSelection& texels() const { return texels_; }
   int level_count() const { return level_count_; }
-  /// Slots of these levels, a sum each.
+  /// Number of slots of these levels, each with one sum.
   std::size_t slot_count() const { return texels_.level_begin(level_count_); }
-  /// A row of the plane with the sums of its blocks behind it: so many values.
+  /// Number of values of a row of the plane, followed by the sums of its blocks.
   std::size_t row_length() const { return blocks_.node_count(); }
-  /// Adds row y of the plane, of which row[0..width) is given, to sums[slot * stride]; the rest of `row` is written
-  /// over. Sums begin as 0; rows come from the top, each once.
+  /// Adds row y of the plane, row[0..width), to sums[slot * stride] and overwrites the rest of `row`. Sums begin as 0;
+  /// rows come from the top, each once.
   void add_row(int y, double* row, double* sums, std::size_t stride) const;
-  /// Factor that turns the sums of a level's slots into averages.
+  /// Factor that converts the sums of a level's slots to averages.
   double share(int level) const;
 
  private:
   struct Level {
-    std::vector<std::uint32_t> tap_begin;  // [column]; one more ends the last; empty when no texel is selected
+    std::vector<std::uint32_t> tap_begin;  // [column]; a last entry ends the last range; empty if no texel is selected
     std::vector<RowBlocks::Tap> taps;
   };
   Level make_level(int width) const;

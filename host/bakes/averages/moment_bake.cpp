@@ -51,7 +51,7 @@ class MomentPlanes : public AveragedPlanes {
   MomentPlanes(Device& device, const AverageInputs& inputs, MomentSink& sink)
       : inputs_(inputs), sink_(sink), finest_(device.kernel("moments", "moment_finest", {1, 1, false})) {}
 
-  /// Normals nearer to the horizon than slopes go.
+  /// Number of normals that are closer to the horizon than slopes can express.
   std::uint64_t limited() const { return limited_; }
 
   std::string name() const override { return "moments"; }
@@ -62,7 +62,7 @@ class MomentPlanes : public AveragedPlanes {
   }
   void see_normals(const std::array<const float*, 3>& n, std::size_t count) override {
     for (std::size_t i = 0; i < count; ++i) {
-      // Whatever the normal's length is.
+      // Normals may have any length.
       const float length =
           inputs_.normals->is_shortened() ? std::sqrt(n[0][i] * n[0][i] + n[1][i] * n[1][i] + n[2][i] * n[2][i]) : 1.0f;
       limited_ += n[2][i] < kSlopeZMin * length ? 1u : 0u;
@@ -79,7 +79,7 @@ class MomentPlanes : public AveragedPlanes {
   std::uint64_t limited_ = 0;
 };
 
-// Gathers what a bake hands over into a whole mipmap.
+// Collects the rows of a bake in a whole mipmap.
 class MomentMipmapSink : public MomentSink {
  public:
   explicit MomentMipmapSink(std::vector<MomentLevel>& levels) : levels_(levels) {}

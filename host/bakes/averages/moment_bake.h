@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a normal map into a mip pyramid of moments (host/formats/asset/averages/moment_mipmap.h): every texel of every
-// level is the plain average of what it covers of the finest (host/bakes/pyramid/average_pass.h).
+// Bakes a normal map into a mip pyramid of moments (host/formats/asset/averages/moment_mipmap.h). Every texel of every
+// level is the plain average of the finest texels that it covers (host/bakes/pyramid/average_pass.h).
 #pragma once
 
 #include "host/bakes/pyramid/average_pass.h"
@@ -12,19 +12,19 @@
 
 namespace multum {
 
-/// Takes rows as they are done: of each level in order from the top, levels in any order.
+/// Takes finished rows: the rows of a level in order from the top, the levels in any order.
 class MomentSink {
  public:
   virtual ~MomentSink() = default;
   virtual void add_level(int level, int first_row, MomentLevel rows) = 0;
 };
 
-/// Hands rows to `sink`, exact to float, not yet rounded to what the file stores (quantize_moments). Fills device, plan
-/// and counts of `report`. Throws and counts as average_map() does.
+/// Gives rows to `sink`, exact to float, before they are rounded for storage (quantize_moments). Fills device, plan
+/// and counts of `report`. Errors and progress are those of average_map().
 void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, AverageReport& report,
                   Progress* progress);
 
-/// The same as a whole, of maps in memory; `albedo` may be null. The header has sizes alone.
+/// Bakes maps in memory into a whole mipmap; `albedo` may be null. The header contains sizes only.
 MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                           AverageReport& report, Progress* progress);
 

@@ -68,7 +68,7 @@ class ShPlanes : public AveragedPlanes {
   Kernel project_;
 };
 
-// Gathers what a bake hands over into a whole mipmap.
+// Collects the rows of a bake in a whole mipmap.
 class ShMipmapSink : public ShSink {
  public:
   ShMipmapSink(int order, std::vector<ShLevel>& levels) : order_(order), levels_(levels) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a normal map into a mip pyramid of spherical harmonics (host/formats/asset/averages/sh_mipmap.h): of every
-// texel the plain average of Y_lm over what it covers of the finest normals (Han et al. 2007, section 5;
+// Bakes a normal map into a mip pyramid of spherical harmonics (host/formats/asset/averages/sh_mipmap.h). Each texel
+// is the plain average of Y_lm over the finest normals that it covers (Han et al. 2007, section 5;
 // host/bakes/pyramid/average_pass.h).
 #pragma once
 
@@ -10,22 +10,22 @@
 
 namespace multum {
 
-/// Takes rows as they are done: of each level in order from the top, levels in any order.
+/// Takes finished rows: the rows of a level in order from the top, the levels in any order.
 class ShSink {
  public:
   virtual ~ShSink() = default;
   virtual void add_level(int level, int first_row, ShLevel rows) = 0;
 };
 
-/// Throws Error(kUsage) for an order out of its range.
+/// Throws Error(kUsage) if the order is out of range.
 void validate_sh_order(int order);
 
-/// Hands rows to `sink`, exact to float, not yet rounded to what the file stores (quantize_sh). Fills device and plan
-/// of `report`. Throws and counts as average_map() does.
+/// Gives rows to `sink`, exact to float, before they are rounded for storage (quantize_sh). Fills device and plan of
+/// `report`. Errors and progress are those of average_map().
 void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, AverageReport& report,
              Progress* progress);
 
-/// The same as a whole, of maps in memory; `albedo` may be null. The header has sizes alone.
+/// Bakes maps in memory into a whole mipmap; `albedo` may be null. The header contains sizes only.
 ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                  AverageReport& report, Progress* progress);
 

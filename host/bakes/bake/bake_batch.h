@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the jobs of a run over several maps: names given one by one, and UDIM sets
-// (host/foundation/base/files/udim_set.h).
+// Makes the jobs of a run over several maps: single names and UDIM sets (host/foundation/base/files/udim_set.h).
 #pragma once
 
 #include <string>
@@ -10,11 +9,13 @@
 
 namespace multum {
 
-/// One job a map, in the order given, tiles in the order of their numbers; each is `pattern` with its own paths.
-/// Where there is one map and no `<UDIM>`, that is `pattern` with its input. Else pattern.output, and pattern.report if
-/// there is one, is a folder that exists (files are named after the maps) or holds `<UDIM>` (then every input does);
-/// `<UDIM>` in the names of the material's maps is the map's tile. Throws Error(kUsage) for names that do not fit
-/// together or that two maps would share, Error(kInput) when a set has no tile.
+/// Returns one job per map, in the given order, with the tiles of a set in the order of their numbers. Each job is
+/// `pattern` with its own paths.
+/// A single map without `<UDIM>` gives `pattern` with its input. With several maps, pattern.output (and pattern.report,
+/// if set) is either an existing folder or contains `<UDIM>`. Files in a folder are named after the maps. If the output
+/// contains `<UDIM>`, every input must contain it. `<UDIM>` in the names of material maps is replaced by the map's
+/// tile. Throws Error(kUsage) for names that do not fit together or that two maps would share, and Error(kInput) for a
+/// set without tiles.
 std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<std::string>& inputs);
 
 }  // namespace multum

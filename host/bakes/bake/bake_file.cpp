@@ -22,14 +22,14 @@
 namespace multum {
 namespace {
 
-// Programs choose a reader by the extension: a baked file named .png would be taken for a broken picture.
+// Programs choose a reader by the extension: they would treat a baked file named .png as a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
     throw Error(ErrorCode::kUsage,
                 path + ": is not a name for a baked file, expected one that ends in .ndf.exr or .exr");
 }
 
-// What the device did for a bake.
+// Reports the device's work for a bake.
 void report_counts(const DeviceCounts& counts, Device& device, BakeReport& report) {
   report.launches = counts.launches();
   report.builds = counts.builds();
@@ -38,21 +38,22 @@ void report_counts(const DeviceCounts& counts, Device& device, BakeReport& repor
   report.device_bytes_peak = device.buffer_bytes_peak();
 }
 
-// What the process takes whatever the map: the program, the OpenCL driver with its compiler, and the rows that wait to
-// be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
+// Memory of the process for any map: the program, the OpenCL driver with its compiler, and the rows that wait to be
+// rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
 constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
 constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
-constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // more than the least, where a machine is small
+constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // above the minimum, on small machines
 
-// A quarter of the machine, of which three maps may take 3/32 (host/bakes/bake/bake_source.cpp). In a small container,
-// where that is too little, what a bake needs, up to seven eighths: of the program's own bytes a good part are those of
-// libraries, which the system can drop, and with 400 MB maps of 4096 x 4096 were baked.
+// The default is 5/32 of the machine's memory: a quarter less the 3/32 that three maps may take
+// (host/bakes/bake/bake_source.cpp). In a small container, where that is too little, it is the bake's minimum plus
+// kRoomy, up to seven eighths. Many of the program's own bytes belong to libraries, which the system can drop: with
+// 400 MB, maps of 4096 x 4096 were baked.
 std::uint64_t usual_memory(std::uint64_t least) {
   const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
   if (most < least)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("not enough memory to bake: this process may take {} MiB (the machine's, or the limit of "
-                            "its container or its shell), expected at least {} MiB",
+                fmt::format("not enough memory to bake: this process may use {} MiB (the machine's memory, or the "
+                            "limit of its container or shell), expected at least {} MiB",
                             all >> 20, (least / 7 * 8 >> 20) + 1));
   return std::max(all / 32 * 5, std::min(least + kRoomy, most));
 }
@@ -61,14 +62,13 @@ std::uint64_t window_bytes(const BakeJob& job) {
   constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
   const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : usual_memory(kTaken + kLeast);
   if (memory < kTaken + kLeast)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--memory is {} MiB, expected at least {} MiB: {} of them are the program's own, with its "
-                            "OpenCL driver and what waits to be written",
-                            memory >> 20, (kTaken + kLeast) >> 20, kTaken >> 20));
+    throw Error(ErrorCode::kUsage, fmt::format("--memory is {} MiB, expected at least {} MiB: the program, its OpenCL "
+                                               "driver and rows that wait to be written take {} of them",
+                                               memory >> 20, (kTaken + kLeast) >> 20, kTaken >> 20));
   return memory - kTaken;
 }
 
-// `tiles`: what other tiles of its set gave to the map.
+// `tiles`: names of the other tiles of the set that this map used.
 BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings,
                                 const std::string& tiles = "") {
   BakedProvenance from;
@@ -85,8 +85,8 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
   return from;
 }
 
-// The map as share 0 has it: decoded already. Nothing where that is not there, or damaged: GatheredRows lists what is
-// missing, and the map is read where nothing is.
+// Returns the map as share 0 has decoded it. Returns nullopt if share 0 is missing or damaged: GatheredRows then lists
+// the missing shares, and if none is missing, the map is read.
 std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
   try {
     return read_shard_source(job, key);
@@ -96,7 +96,7 @@ std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string
   }
 }
 
-// The job with the region that is baked again, where one is.
+// Sets the job's region if the job bakes a region again.
 BakeJob with_region(BakeJob job, const BakeSource& source) {
   if (job.onto.empty()) return job;
   const MovmfMipmap header = empty_movmf_mipmap(baked_header_of(job, source), job.fitting.lobe_count);
@@ -105,10 +105,10 @@ BakeJob with_region(BakeJob job, const BakeSource& source) {
   return job;
 }
 
-// Lobes that roughness has shortened are as wide for diffuse light. The shader divides the mean of c out
-// (without_roughness in kernels/device/vmf_shading.clh), which leaves what a texel's c differs from it by: nothing
-// where roughness varies little, and of a map with polished and dull parts more than averaged normals have at fine
-// levels (docs/evidence/INPUT_MAPS.md has the measurements).
+// Roughness shortens lobes, which also widens them for diffuse light. The shader divides by the mean of c
+// (without_roughness in kernels/device/vmf_shading.clh), so the difference between a texel's c and that mean remains.
+// The error is 0 where roughness is nearly constant. On a map with polished and dull parts it exceeds the error of
+// averaged normals at fine levels (docs/evidence/INPUT_MAPS.md has the measurements).
 constexpr double kDiffuseErrorNoted = 0.02;
 constexpr int kFineLevels = 2;
 
@@ -120,11 +120,11 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
         !row.brdf.has_colours)
       error = std::max(error, row.error);
   if (error <= kDiffuseErrorNoted) return;
-  report.roughness->warnings.push_back(fmt::format(
-      "{}: with roughness baked in, diffuse light is up to {:.3g} % off at levels 0 and 1, where averaged "
-      "normals are nearly exact, since roughness varies much over the map. Where diffuse light matters, take "
-      "it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
-      job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
+  report.roughness->warnings.push_back(
+      fmt::format("{}: with roughness baked in, the error of diffuse light is up to {:.3g} % at levels 0 and 1, where "
+                  "averaged normals are nearly exact, because roughness varies much over the map. If diffuse light "
+                  "matters, take it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
+                  job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
   log_named_warning(report.roughness->warnings.back());
 }
 
@@ -138,7 +138,7 @@ void check_job(const BakeJob& job) {
   ndf_bake(job.representation).check_settings(job);
   if ((job.shard || job.merged_shards > 0) && !holds_lobes(job.representation))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} is given, expected lobes: of {} one pass over the map makes averages",
+                fmt::format("{} is given, expected lobes: the bake of {} is one averaging pass and cannot be divided",
                             job.shard ? "--shard" : "--merge", representation_info(job.representation).name));
   validate(job.writing);
   check_paths_differ(input_files(job), {job.output, job.report});
@@ -156,7 +156,7 @@ BakeReport unchanged_report(const BakeJob& job) {
 }
 
 BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& device, Progress* progress) {
-  const std::uint64_t memory_bytes = window_bytes(asked);  // too little memory is told first
+  const std::uint64_t memory_bytes = window_bytes(asked);  // reports too little memory first
   check_job(asked);
   if (asked.shard && asked.shard->index > 0) take_share_hashes(asked);
   const std::string asked_settings = all_settings_json(asked);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes the rows of a bake of lobes: rounds them to what is stored, shows them to the measurement, and writes them.
+// Takes the rows of a bake of lobes: rounds them for storage, passes them to the measurement, and writes them.
 #pragma once
 
 #include "host/bakes/accuracy/accuracy.h"
@@ -11,7 +11,7 @@ namespace multum {
 
 class BakeOutput : public MovmfSink {
  public:
-  /// `header`: the file's; `meter`: null when nothing is measured. Fills OutputReport::unrepresentable and the times of
+  /// `header`: of the file; `meter`: null if nothing is measured. Fills OutputReport::unrepresentable and the times of
   /// rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
@@ -20,7 +20,7 @@ class BakeOutput : public MovmfSink {
   void add_level(int level, int first_row, MovmfLevel rows) override;
   void add_finest(int first_row, MovmfFinest rows) override;
 
-  /// Rounds rows as they come from the fit to what is stored, and counts lobes that are sharper than that.
+  /// Rounds fitted rows for storage, and counts lobes that are too sharp for the encoding.
   void round(MovmfLevel& rows);
   void round(MovmfFinest& rows);
   /// Writes rounded rows of a level, or of level 0, in order.

@@ -42,14 +42,13 @@ Json error_json(const std::vector<FootprintError>& errors) {
   return list;
 }
 
-// One line when anything was repaired, else nothing.
+// Returns one line if any texel was repaired, else an empty string.
 std::string repairs_text(const NormalMapReport& input) {
   if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
     return "";
   return fmt::format(
-      "repaired texels of the source: {} not finite, {} of zero length, {} below the horizon; {} black or without data "
-      "taken as "
-      "flat\n",
+      "repaired texels of the source: {} not finite, {} of zero length, {} below the horizon; {} black or without "
+      "data, read as flat\n",
       input.nonfinite_repaired, input.zero_length_repaired, input.below_horizon_repaired, input.unused_texels);
 }
 
@@ -135,15 +134,16 @@ std::string BakeReport::to_text() const {
     times += fmt::format("{}{} {:.2f} s", times.empty() ? "" : ", ", stage.name, stage.seconds);
     total += stage.seconds;
   }
-  text += fmt::format("{}; {:.2f} s in all on {}\n", times, total, device) + footprint_error_text(error);
+  text += fmt::format("{}; {:.2f} s in total on {}\n", times, total, device) + footprint_error_text(error);
   if (fit.lobe_count_total > 0)
     text += fmt::format(
-        "{} lobes: {} not finite, {} clamped at the largest kappa, {} empty (no normals fell to them), {} without a "
-        "direction (their normals cancel out), {} sharper than the data format holds\n",
+        "{} lobes: {} not finite, {} clamped at the largest kappa, {} empty (without normals), {} without a direction "
+        "(their normals cancel out), {} too sharp for the data format\n",
         fit.lobe_count_total, fit.nonfinite, fit.kappa_clamped, fit.dead_lobes, fit.undirected_lobes,
         output.unrepresentable);
   if (average.slopes_limited > 0)
-    text += fmt::format("{} normals too near to the horizon for slopes, taken at 87 degrees\n", average.slopes_limited);
+    text += fmt::format("{} normals too close to the horizon for slopes, treated as tilted by 87 degrees\n",
+                        average.slopes_limited);
   const bool has_finer =
       std::any_of(accuracy.begin(), accuracy.end(), [&](const AccuracyRow& row) { return row.level < first_level; });
   if (first_level > 0 && stored_only)

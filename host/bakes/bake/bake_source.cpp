@@ -17,9 +17,9 @@
 namespace multum {
 namespace {
 
-// A map stays in memory up to so many bytes: of what a job is held to, little. A map of 4096 x 4096 is 192 MiB: a
-// scratch file of it is a fifth of a plan's time. Its file's 16-bit numbers are 96 MiB, in memory while it is read and
-// gone before a bake takes most.
+// Largest map that stays in memory, in bytes. The limit is small if the job has a memory limit. A map of 4096 x 4096
+// takes 192 MiB, and writing it to a scratch file takes a fifth of a plan's time. The 16-bit numbers of its file take
+// 96 MiB while it is read, and are freed before the bake needs most memory.
 std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
   constexpr std::int64_t kLittle = std::int64_t{16} << 20, kDefault = std::int64_t{96} << 20;
   if (job.memory_bytes > 0) return kLittle;
@@ -27,8 +27,8 @@ std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
   return readings == MapReadings::kFew ? std::min(kDefault, much) : much;
 }
 
-// Colours are stored as halfs, but for files of floats: of these, far enough from the largest for sums of texels and
-// for what is measured of them.
+// Colours are stored as halfs, except in float files. For float files, the limit leaves room below the largest float
+// for sums of texels and for their measurement.
 void check_range(const BakeJob& job, float largest) {
   constexpr float kHalfMax = 65504.0f, kFloatMax = 1e15f;
   const bool is_float = job.encoding == StorageEncoding::kFloat;
@@ -40,7 +40,7 @@ void check_range(const BakeJob& job, float largest) {
                     is_float ? "" : ", the largest half float" + advice("; <data_format float> stores larger ones")));
 }
 
-// In the texels' place, from here on.
+// Replaces texels by points of the surface.
 void take_surface_points(const BakeJob& job, const SpillPolicy& spill, BakeSource& source, Progress* progress) {
   progress_stage(progress, "interpolate " + job.input);
   const MapWrap wrap = {source.map.report.wrap_s, source.map.report.wrap_t};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a bake's inputs, the map and its material's maps: into memory where they are small, else into scratch files.
+// Reads a bake's inputs, the map and its material maps, into memory if they are small, else into scratch files.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@
 
 namespace multum {
 
-/// How often a job goes through its maps: what it reads again and again stays in memory longer.
+/// How often a job reads its maps: maps that it reads many times stay in memory up to a larger size.
 enum class MapReadings { kFew, kMany };
 
 struct BakeSource {
   NormalMapRows map;
-  std::optional<PlaneStore> albedo;                         // where the job has one
+  std::optional<PlaneStore> albedo;                         // if the job has one
   std::optional<WeightMap> weights;                         // the same
-  double mean_cosine = 1.0;                                 // of the roughness map
-  std::optional<RoughnessReport> roughness = std::nullopt;  // of the file it was read from
+  double mean_cosine = 1.0;                                 // mean cosine of the roughness map
+  std::optional<RoughnessReport> roughness = std::nullopt;  // report about the roughness file
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
-  std::vector<std::string> map_warnings = {};               // of albedo and weights, with the file's name
+  std::vector<std::string> map_warnings = {};               // about albedo and weights, with the file's name
   std::string albedo_format = {};                           // ColourRows::format
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }
@@ -35,22 +35,22 @@ struct BakeSource {
   bool has_roughness() const { return map.normals.is_shortened(); }
 };
 
-/// The folder for what does not fit in memory: the job's, or the output's.
+/// The folder for data that does not fit into memory: the job's scratch folder, or the output's folder.
 std::string scratch_folder(const BakeJob& job);
 
-/// Header of the files that are baked from the source, all but their provenance.
+/// Header of files that are baked from the source, without their provenance.
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
-/// BakedProvenance::reading: what was found in the files, and what was taken in doubt.
+/// BakedProvenance::reading: properties that were found in the files, and assumptions in case of doubt.
 std::string reading_json(const BakeJob& job, const BakeSource& source);
 
-/// Throws Error(kInput) for files that cannot be used.
+/// Throws Error(kInput) for unusable files.
 BakeSource read_bake_source(const BakeJob& job, MapReadings readings, Progress* progress);
-/// The same, and notes what was found in the log and in `report`.
+/// Reads the source and notes its properties in the log and in `report`.
 BakeSource read_source(const BakeJob& job, MapReadings readings, BakeReport& report, Progress* progress);
-/// Notes in the log what was found in the source's files.
+/// Writes the properties of the source's files to the log.
 void log_source(const BakeJob& job, const BakeSource& source);
-/// Notes it in the report.
+/// Copies the properties of the source's files to the report.
 void note_source(const BakeSource& source, BakeReport& report);
 
 }  // namespace multum

@@ -14,18 +14,19 @@
 namespace multum {
 namespace {
 
-// What of a difference is no finding: the device that measures need not be the one that baked, and both shade in float.
-// Six maps of 16 to 64 texels a side, baked with PoCL 3.1 and measured with Oclgrind 21.10, differ in no figure by more
-// than the 5e-7 that the header's six digits round off; GPUs were not measured, and 1 % is room for their exp and sqrt.
-// Of an error that is nearly nothing, as at a smooth map's finest level, rounding is a large share: hence the second
-// figure, one unit of the last digit that `multum info` prints.
+// Differences that are allowed: another device may measure than the one that baked, and both shade in float. Six maps
+// of 16 to 64 texels per side were baked with PoCL 3.1 and measured with Oclgrind 21.10. No error differs by more than
+// 5e-7, which six digits in the header round off. GPUs were not measured; 1 % leaves room for their exp and sqrt. If an
+// error is nearly 0, as at a smooth map's finest level, rounding is a large part of it. The second limit covers this:
+// one unit of the last digit that `multum info` prints.
 constexpr double kAllowedRelative = 0.01;
 constexpr double kAllowedAbsolute = 1e-4;
-// Errors without an interval are of programs that looked at other texels, and weighed those at the borders of thin maps
-// too much: 60.9 % was stated as 42.6 % (4097 x 7, level 1), 1.43 times less. This tells damage, not rounding.
+// Errors without an interval come from programs that measured other texels and gave too much weight to texels at the
+// borders of thin maps. For example, 60.9 % was stated as 42.6 % (4097 x 7, level 1), lower by a factor of 1.43. The
+// limit of 0.5 detects damage, not rounding.
 constexpr double kAllowedOfUnstated = 0.5;
 
-// Of a file that names this source, yet was not baked from it.
+// Describes why a file that names this source was not baked from it; empty if it may have been.
 std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   const PlaneStore& normals = source.map.normals;
   if (header.width != normals.width() || header.height != normals.height())
@@ -35,13 +36,15 @@ std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   if (header.weight_count != weight_count)
     return fmt::format("has {} weights, its source has {}", header.weight_count, weight_count);
   if (header.has_roughness != source.has_roughness())
-    return header.has_roughness ? "has roughness, its source has none" : "has no roughness, its source has a map of it";
+    return header.has_roughness ? "has roughness, its source has none"
+                                : "has no roughness, its source has a roughness map";
   if (header.has_colours != source.albedo.has_value())
     return header.has_colours ? "has colours, its source has none" : "has no colours, its source has an albedo";
   return "";
 }
 
-// Verifies, with a meter that sees every row on the way; what is damaged, in words, or nothing. Progress: a unit a row.
+// Verifies the file and passes every row to a meter. Returns the damage in words, or an empty string. Progress: one
+// unit per row.
 std::string find_damage(const BakeJob& job, Representation representation, VerifiedFile& file, Progress* progress) {
   AccuracySettings settings;
   settings.threads = job.threads;
@@ -51,7 +54,7 @@ std::string find_damage(const BakeJob& job, Representation representation, Verif
     for (const VerifyFinding& finding : file.findings)
       if (!finding.passed) return fmt::format("{}: {}", finding.check, finding.detail);
   } catch (const Error& error) {
-    // The source has been read by now: what cannot be read is the file, and that is what was asked.
+    // The source has been read by now, so the unreadable file is the baked one: a finding, not an error.
     if (error.code() != ErrorCode::kInput) throw;
     return error.what();
   }
@@ -65,7 +68,7 @@ std::uint64_t stored_rows(const BakedHeader& header) {
   return rows;
 }
 
-// What is no number is no good: further off than any number.
+// NaN counts as worse than any number.
 double comparable(double error) { return std::isnan(error) ? std::numeric_limits<double>::infinity() : error; }
 
 std::string row_name(const AccuracyRow& row) {
@@ -106,11 +109,11 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     if (stated.footprint_errors.empty()) break;
     const auto same = std::find_if(stated.footprint_errors.begin(), stated.footprint_errors.end(),
                                    [&](const FootprintError& other) { return other.brdf == one.brdf; });
-    if (same == stated.footprint_errors.end()) return fmt::format("states no error of pixels for {}", one.brdf.text());
+    if (same == stated.footprint_errors.end()) return fmt::format("states no pixel error for {}", one.brdf.text());
     const double excess = comparable(one.error) - (same->error * (1.0 + kAllowedRelative) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("is {:.4g} % off for pixels, {}, states {:.4g} %", 100.0 * one.error, one.brdf.text(),
+    worst = fmt::format("has a pixel error of {:.4g} % for {}, states {:.4g} %", 100.0 * one.error, one.brdf.text(),
                         100.0 * same->error);
   }
   if (!worst.empty()) return worst;
@@ -123,8 +126,8 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     const double excess = comparable(row.error) - (same->error * (1.0 + allowed) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst =
-        fmt::format("is {:.4g} % off at {}, states {:.4g} %", 100.0 * row.error, row_name(row), 100.0 * same->error);
+    worst = fmt::format("has an error of {:.4g} % at {}, states {:.4g} %", 100.0 * row.error, row_name(row),
+                        100.0 * same->error);
   }
   return worst;
 }

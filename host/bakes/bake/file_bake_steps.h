@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps that the bakes of all representations share: rounding and writing of rows, measurement and commit at the end,
-// and verification of a file by rows.
+// Implements the steps that bakes of all representations share: rounding and writing of rows, measurement and commit
+// at the end, and verification of a file by rows.
 #pragma once
 
 #include <memory>
@@ -14,14 +14,13 @@
 
 namespace multum {
 
-/// A sink of plain averages: rounds rows as they are stored, shows them to the measurement, if there is one, and writes
-/// them.
+/// A sink for plain averages: rounds rows for storage, passes them to the measurement, if any, and writes them.
 template <typename Sink, typename Level, typename Writer, typename Meter>
 class RoundingSink : public Sink {
  public:
   using Round = void (*)(Level& rows, StorageEncoding encoding, int threads);
 
-  /// `meter`: null: nothing is measured.
+  /// `meter`: null if nothing is measured.
   RoundingSink(Round round, Writer& writer, Meter* meter, const BakeJob& job)
       : round_(round), writer_(writer), meter_(meter), encoding_(job.encoding), threads_(job.threads) {}
 
@@ -39,15 +38,14 @@ class RoundingSink : public Sink {
   const int threads_;
 };
 
-/// Inputs of a bake of averages, from its source; `waiting_bytes`: what its writer holds (memory_beside_writer()).
+/// Inputs of a bake of averages, from its source; `waiting_bytes`: memory of its writer (memory_beside_writer()).
 inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
   AverageInputs inputs{run, run.header.first_level};
   inputs.memory_bytes = memory_beside_writer(run, waiting_bytes);
   return inputs;
 }
 
-/// Settings of the measurement of a bake's error; BakeJob::highlights come behind the BRDFs that are measured of every
-/// map.
+/// Settings for measuring a bake's error; BakeJob::highlights follow the BRDFs that are measured for every map.
 inline AccuracySettings accuracy_settings(const BakeJob& job) {
   AccuracySettings settings;
   settings.threads = job.threads;
@@ -58,7 +56,7 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
   return settings;
 }
 
-/// Removes those of BakeJob::highlights; the other rows or errors of pixels are what every file states.
+/// Removes the errors of BakeJob::highlights; every file states the remaining ones.
 template <typename Measured>
 std::vector<Measured> stated(const BakeJob& job, std::vector<Measured> all) {
   for (const Highlight& one : job.highlights)
@@ -66,13 +64,13 @@ std::vector<Measured> stated(const BakeJob& job, std::vector<Measured> all) {
   return all;
 }
 
-/// Writer that drops its rows: for bakes that are only measured.
+/// A writer that drops its rows, for bakes that are only measured.
 struct NoFile {
   template <typename Rows>
   void write_level(int, int, const Rows&) {}
 };
 
-/// Measures the error when all rows are there, unless `meter` is null, and finishes the file. Measuring counts as
+/// Measures the error after the last row, unless `meter` is null, and finishes the file. The measurement counts as
 /// `measure_units` of progress.
 template <typename Writer>
 void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t measure_units, Writer& writer,
@@ -89,7 +87,7 @@ void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t 
   run.clock.finish("write");
 }
 
-/// NdfBake::verify by one of verify_movmf(), verify_moments(), verify_sh(), whose rows `meter` takes.
+/// Implements NdfBake::verify with verify_movmf(), verify_moments() or verify_sh(), and passes the rows to `meter`.
 template <typename Level, typename Meter, typename Verify>
 VerifiedFile verify_by_rows(Verify verify_file, const BakeJob& job, std::unique_ptr<Meter> meter, Progress* progress) {
   const auto seen = [&](int level, int first_row, const Level& rows) {

@@ -9,14 +9,14 @@
 namespace multum {
 namespace {
 
-// Level 0 is the normal map's own then, to which no point of the surface belongs.
+// Level 0 then is the normal map itself, which contains no points of the surface.
 void apply_surface(const ParameterValues& values, BakeJob& job) {
   job.surface = map_surface(values).value_or(job.surface);
   if (job.surface == MapSurface::kTexels || job.fitting.first_level > 0) return;
   if (values.integer("first_level"))
     throw Error(ErrorCode::kUsage,
-                "--first-level is 0 with --surface interpolated, expected 1 or more: the finest level that is stored "
-                "would have points between texels in the texels' place");
+                "--first-level is 0 with --surface interpolated, expected 1 or more: level 0 would store points "
+                "between the texels instead of the texels");
   job.fitting.first_level = 1;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Applies the parameters of bake_parameters() to a job: the same words make the same job, on command lines, in
-// manifests, scenes and candidates of a target.
+// Applies the parameters of bake_parameters() to a job: the same words make the same job on command lines, in
+// manifests, in scenes and for candidates of a target.
 #pragma once
 
 #include <initializer_list>
@@ -13,27 +13,27 @@
 
 namespace multum {
 
-/// Of bake_parameters(): bake_values({{"ndf", "vmf"}, {"lobes", 3}}).
+/// Makes values of bake_parameters(): bake_values({{"ndf", "vmf"}, {"lobes", 3}}).
 ParameterValues bake_values(std::initializer_list<std::pair<const char*, ParameterValue>> values = {});
 
-/// What was given replaces what the job has; the storage encoding becomes that of the representation where none was
-/// given.
+/// Replaces the job's values by those that are given. Without a given storage encoding, takes the representation's
+/// default.
 void apply(const ParameterValues& values, BakeJob& job);
 
-/// The representation of `ndf`; unset where it was not given.
+/// The representation of `ndf`; nullopt if it is not given.
 std::optional<Representation> given_representation(const ParameterValues& values);
 
-/// The given parameter that a target chooses; null: there is none.
+/// The first given parameter that a target would choose; null if there is none.
 const Parameter* given_of_target(const ParameterValues& values);
-/// Without any.
+/// Removes all parameters that a target chooses.
 ParameterValues without_those_of_target(ParameterValues values);
 
-/// What they say of the representation, the fit and the storage, as `multum bake` takes it: "--ndf vmf --lobes 3".
+/// Options of `multum bake` for the values of representation, fit and storage: "--ndf vmf --lobes 3".
 std::string options_text(const ParameterValues& values);
 
-/// A parameter of `table` for another representation than `ndf`; null: there is none. Of `values`, where it is given.
+/// A given parameter that is for another representation than `ndf`; null if there is none.
 const Parameter* given_of_another_ndf(const ParameterValues& values);
-/// "for vmf and gmm": the values of --ndf that the parameter is for.
+/// The values of --ndf that the parameter is for: "for vmf and gmm".
 std::string scope_text(const Parameter& parameter);
 /// Throws Error(kUsage) for a parameter of another representation: "--lobes is for --ndf vmf and gmm, found --ndf sh".
 void check_scopes(const ParameterValues& values);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of moments, from file to file.
+// Bakes moments from file to file.
 #include <fmt/format.h>
 
 #include <memory>
@@ -18,8 +18,8 @@
 namespace multum {
 namespace {
 
-// Slopes that are cut off change the moments of all coarser texels. Of 32 real maps one has 0.8 % of such normals
-// (asphalt, noise of every steepness), six a handful and the others none.
+// Limited slopes change the moments of all coarser texels. Of 32 real maps, one has 0.8 % of such normals (asphalt,
+// noise of every steepness), six have a few and the others none.
 constexpr double kLimitedNoted = 0.01;
 
 template <typename Writer>
@@ -29,17 +29,14 @@ void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
   if (share <= kLimitedNoted) return;
-  log_warning(
-      run.job.input,
-      fmt::format(
-          "{:.1f} % of the normals are steeper than slopes of {} (87 degrees) and count as that steep: LEAN shades too "
-          "narrow a highlight there{}",
-          100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
+  log_warning(run.job.input, fmt::format("{:.1f} % of the normals are steeper than a slope of {} (87 degrees) and are "
+                                         "limited to it: LEAN shades too narrow a highlight there{}",
+                                         100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
 }
 
 void bake_moment_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
-  // Measuring and writing count as about half as much work as averaging.
+  // Measuring and writing together count as half the work of averaging.
   const std::uint64_t texels =
       static_cast<std::uint64_t>(run.header.width) * static_cast<std::uint64_t>(run.header.height);
   progress_start(progress, 2 * texels);
@@ -69,9 +66,9 @@ std::unique_ptr<AccuracyMeter> try_moments(const BakeRun& run, const AccuracySet
 
 void check_moment_settings(const BakeJob& job) {
   if (job.region.has_value() || !job.onto.empty())
-    throw Error(ErrorCode::kUsage,
-                "--region and --onto are for --ndf vmf: moments of the whole map are averaged in less time than it is "
-                "read");
+    throw Error(
+        ErrorCode::kUsage,
+        "--region and --onto are for --ndf vmf: moments of the whole map are averaged faster than the map is read");
 }
 
 std::string moment_settings(const BakeJob& job) {

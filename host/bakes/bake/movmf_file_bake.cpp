@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of lobes, von Mises-Fisher distributions or planar Gaussians, from file to file.
+// Bakes lobes, von Mises-Fisher distributions or planar Gaussians, from file to file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,14 +24,14 @@
 namespace multum {
 namespace {
 
-// Lobes sharper than the storage keeps: counted, and warned of where they stand for more of the map than this. Every
-// map has some at level 1, around two or three normals that are nearly alike. Measured on the test folder, snorm16: 2
-// to 28 % of ordinary maps, 36 to 57 % of surfaces with slopes of 0.01 rms, which only a glossy material shows.
+// Share of normals in too sharp lobes above which a warning is printed. Every map has some such lobes at level 1, from
+// two or three normals that are nearly equal. Measured with snorm16: 2 to 28 % on ordinary maps, 36 to 57 % on
+// surfaces with slopes of 0.01 rms, which only a glossy material shows.
 constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
   double texels = 0.0;
-  // Level 0 has single directions alone.
+  // Level 0 contains only single directions.
   for (std::size_t l = static_cast<std::size_t>(std::max(1, header.header.first_level)); l < header.levels.size(); ++l)
     texels += static_cast<double>(header.levels[l].width) * header.levels[l].height;
   if (texels > 0.0) report.unrepresentable_share = report.unrepresentable_amplitude / texels;
@@ -40,22 +40,21 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
   const auto kappa_max = static_cast<double>(family.kappa_max(header.header.encoding));
   log_warning(
       job.input,
-      fmt::format(
-          "{} lobes, which stand for {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their spread in "
-          "{}: highlights about as sharp (Blinn-Phong of s = {:.0f} and more) come out too sharp{}",
-          report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
-          storage_encoding_name(header.header.encoding), kappa_max,
-          header.header.encoding == StorageEncoding::kHalf
-              ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
-                                   family.kappa_max(StorageEncoding::kSnorm16)))
-              : advice("; <data_format float> keeps them")));
+      fmt::format("{} lobes, which represent {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their "
+                  "spread in {}: sharp highlights (Blinn-Phong of s = {:.0f} and more) become too sharp{}",
+                  report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
+                  storage_encoding_name(header.header.encoding), kappa_max,
+                  header.header.encoding == StorageEncoding::kHalf
+                      ? advice(fmt::format("; <data_format snorm16> keeps kappa up to {:.0f}, float more",
+                                           family.kappa_max(StorageEncoding::kSnorm16)))
+                      : advice("; <data_format float> keeps them")));
 }
 
-// The finest level that is fitted has three quarters of all rows. Of a map of up to so many texels it is fitted in some
-// seconds, of which writing them takes a fifth: they are kept of larger maps, and where the bake is to be resumed.
+// Maps up to this size do not keep the rows of the finest fitted level, which has three quarters of all rows, unless
+// the bake is resumed. The fit of such maps takes some seconds, and writing the rows would take a fifth of that time.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
 
-// Rows of tiles that the writer holds: of the level that is fitted, and of level 0 beside level 1.
+// Rows of tiles that the writer holds: of the fitted level, and of level 0 together with level 1.
 std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
   const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);
@@ -83,7 +82,7 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
   run.clock.finish("write");
 }
 
-// Of a file that is no share.
+// Rows of a bake that is not a share.
 std::unique_ptr<RowOrigin> make_rows(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output) {
   const BakeJob& job = run.job;
   const std::string key = rows_key(header.header.provenance);
@@ -95,12 +94,12 @@ std::unique_ptr<RowOrigin> make_rows(const BakeRun& run, const MovmfMipmap& head
   return std::make_unique<RowOrigin>(&output, run.spill);
 }
 
-// A region alone, or all of the map.
+// Bakes a region, or the whole map.
 void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
   if (job.shard) return bake_lobe_shard(run, report, progress);
   const int width = run.header.width, height = run.header.height;
-  // Measuring and writing count as about a level's work each.
+  // Measuring and writing each count as the work of about one level.
   const std::uint64_t level_units =
       movmf_bake_units(width, height) / static_cast<std::uint64_t>(mip_level_count(width, height));
   progress_start(progress, movmf_bake_units(width, height, job.fitting.first_level) + 2 * level_units);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Table of the representations' bakes: a row (NdfBake) holds the steps of a bake from file to file
+// Lists the bakes of the representations: a row (NdfBake) holds the steps of a bake from file to file
 // (host/bakes/bake/bake_file.h) that differ between representations.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// Appends the time since its making, or since the last stage, to the report.
+/// Appends to the report the time since its construction or since the last stage.
 class StageClock {
  public:
   explicit StageClock(BakeReport& report) : report_(report) {}
@@ -26,30 +26,30 @@ class StageClock {
   Stopwatch stopwatch_;
 };
 
-/// One bake, its source read: what is baked, in as much memory as there is, with whatever its job says.
+/// One bake with its source: the inputs, the available memory and the job's settings.
 struct BakeRun : MapInputs {
   const BakeJob& job;
   Device& device;
   const BakeSource& source;
-  BakedHeader header;     // of the file to be
-  MovmfSettings fitting;  // fitting_settings() of the map
+  BakedHeader header;     // header of the output file
+  MovmfSettings fitting;  // fitting_settings() for the map
   StageClock& clock;
 };
 
-/// What a job and its source give to a bake in so much memory.
+/// Inputs of a bake from its job and source, within `memory_bytes`.
 MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t memory_bytes);
 
-/// Bytes that the writer holds of a level until a row of tiles is full, at `value_count` values per texel, with the
-/// buffers that turn floats into halfs.
+/// Bytes that the writer holds per level until a row of tiles is full, at `value_count` values per texel, including
+/// the buffers for conversion from float to half.
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
-/// Sum over all levels, for bakes that make them all at once.
+/// Sum over all levels, for bakes that compute all levels at once.
 std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
-/// Bytes that are left for windows and buffers beside `waiting_bytes` of rows of tiles. The default amount is already
-/// counted for every bake (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory when that leaves
-/// too little.
+/// Bytes that remain for windows and buffers next to `waiting_bytes` of rows of tiles. A default amount is already
+/// reserved for every bake (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory if too little
+/// remains.
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
 
-/// A file's findings, and a meter that has seen its rows.
+/// Findings about a file, and a meter that has read its rows.
 struct VerifiedFile {
   std::vector<VerifyFinding> findings;
   std::unique_ptr<AccuracyMeter> meter;
@@ -57,32 +57,33 @@ struct VerifiedFile {
 
 struct NdfBake {
   Representation representation;
-  /// Throws Error(kUsage) for settings out of range, before anything is read.
+  /// Checks settings before any file is read. Throws Error(kUsage) for values out of range.
   void (*check_settings)(const BakeJob& job);
-  /// Those settings that change texels, as a JSON object.
+  /// Settings that change texels, as a JSON object.
   std::string (*settings)(const BakeJob& job);
-  /// Throws Error(kInput), Error(kUsage) for a map that cannot be baked with them.
+  /// Throws Error(kInput) or Error(kUsage) for a map that cannot be baked with the settings.
   void (*check_map)(const BakeJob& job, int width, int height);
-  /// Bakes, measures unless the job says no, and writes JOB.output. Fills `report` but for what every bake has.
+  /// Bakes, measures if the job asks for it, and writes JOB.output. Fills `report`, except for fields common to all
+  /// bakes.
   void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
-  /// Bakes and rounds as `bake` does, writes nothing, and returns a meter that has seen all rows. For maps that fit
-  /// into memory. Its time is BakeReport's "fit" or "average".
+  /// Bakes and rounds as `bake` does, writes nothing, and returns a meter that has read all rows. For maps that fit
+  /// into memory. The bake's time is the report's stage "fit" or "average".
   std::unique_ptr<AccuracyMeter> (*try_bake)(const BakeRun& run, const AccuracySettings& accuracy, BakeReport& report,
                                              Progress* progress);
-  /// Verifies JOB.output. Throws Error(kInput) when it cannot be read. Progress: a unit a row.
+  /// Verifies JOB.output. Throws Error(kInput) if it cannot be read. Progress: one unit per row.
   VerifiedFile (*verify)(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress);
 };
 
 const NdfBake& ndf_bake(Representation representation);
 
-/// Tries a job on a map that fits into memory, from level `accuracy.first_level` on (or the job's, if that is coarser):
-/// no level depends on a finer one.
+/// Tries a job on a map that fits into memory. Bakes from level `accuracy.first_level` on, or from the job's first
+/// level if that is coarser: no level depends on a finer one.
 std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const BakeSource& source,
                                           AccuracySettings accuracy, BakeReport& report, Progress* progress);
 
-// The rows, each in a file of its own: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
+// The rows of the list, each in its own file: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
 extern const NdfBake kMovmfBake;
-extern const NdfBake kGmmBake;  // movmf_file_bake.cpp: lobes of another family
+extern const NdfBake kGmmBake;  // movmf_file_bake.cpp: another family of lobes
 extern const NdfBake kMomentBake;
 extern const NdfBake kShBake;
 

@@ -24,22 +24,22 @@
 namespace multum {
 namespace {
 
-// A float as a person gave it: 0.01, which in JSON is 0.00999999977.
+// Formats a float as a person gave it: 0.01, which JSON holds as 0.00999999977.
 std::string shown(const nlohmann::json& json, const std::string& key) {
   const auto found = json.find(key);
   if (found == json.end()) return "not stated";
   return found->is_number_float() ? fmt::format("{:g}", found->get<double>()) : found->dump();
 }
 
-// Settings that are hashes of maps, in words.
+// Words for settings that are hashes of maps.
 const std::map<std::string, std::string> kHashedMaps = {
     {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
 
-// Which settings differ, and how. Hashes tell a person nothing.
+// Lists the settings that differ, with both values; hashes are replaced by words.
 std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
-  if (!old_json.is_object()) return {"its settings are not understood"};
+  if (!old_json.is_object()) return {"its settings cannot be parsed"};
   std::set<std::string> keys;
   for (const nlohmann::json* json : {&old_json, &new_json})
     for (const auto& [key, value] : json->items()) keys.insert(key);
@@ -48,19 +48,19 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
     if (old_json.contains(key) && new_json.contains(key) && old_json[key] == new_json[key]) continue;
     if (const auto map = kHashedMaps.find(key); map != kHashedMaps.end())
       changes.push_back(fmt::format("the {} has changed", map->second));
-    else if (key == "kernels") changes.emplace_back("it was baked by other kernels than this program's");
+    else if (key == "kernels") changes.emplace_back("it was baked with other kernels than those of this program");
     else changes.push_back(fmt::format("{} was {}, is {}", key, shown(old_json, key), shown(new_json, key)));
   }
   return changes;
 }
 
-// Of settings that were chosen: was it for the same, of the same? Which they are is found in a bake alone.
+// If the bake chose its own settings, compares only target and inputs: the settings are unknown until the map is baked.
 std::vector<std::string> changed_target(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
-  if (!old_json.is_object()) return {"its settings are not understood"};
+  if (!old_json.is_object()) return {"its settings cannot be parsed"};
   if (old_json.value("kernels", "") != new_json.at("kernels").get<std::string>())
-    return {"it was baked by other kernels than this program's"};
+    return {"it was baked with other kernels than those of this program"};
   if (!old_json.contains("target")) return {"its settings were not chosen for a target"};
   const std::string was = old_json["target"].dump(), is = new_json["target"].dump();
   const auto words = [](const std::string& target) { return target.substr(1, target.rfind(", ") - 1); };
@@ -88,7 +88,7 @@ MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wra
   return settings;
 }
 
-std::string rows_key(const BakedProvenance& from) {  // the settings name the albedo's hash
+std::string rows_key(const BakedProvenance& from) {  // the settings contain the albedo's hash
   return hash_text(fmt::format("{}\n{}\n{}", from.software, from.settings, from.source_hash));
 }
 
@@ -96,12 +96,12 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
-  // Absent otherwise: files from before it keep their hash.
+  // Omitted otherwise: files of programs without this setting keep their hash.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : job.hashes->hash(job.albedo);
-  // Where there are none, the text is that of programs that knew none.
+  // Without weights, the text equals that of programs that did not support them.
   if (!job.weights.empty()) json["weights"] = job.hashes->hash(job.weights);
   if (!job.roughness.empty()) {
     const ChannelFile file = roughness_file(job);
@@ -110,7 +110,7 @@ std::string all_settings_json(const BakeJob& job) {
   }
   if (!job.onto.empty()) {
     if (job.region) json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
-    else json["region"] = "auto";  // until it is known
+    else json["region"] = "auto";  // until the region is known
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
   if (!job.chosen_for.empty()) json["target"] = job.chosen_for;
@@ -131,7 +131,7 @@ OutputState find_output_state(const BakeJob& job, const std::string& settings) {
   if (there->file_hash() != job.hashes->hash(job.input)) reasons.emplace_back("the source has changed");
   else if (!there->source_tiles.empty() && job.reading.tiles != nullptr &&
            !tiles_are_unchanged(there->source_tiles, *job.reading.tiles, job.reading.tile, job.reading.fix_nan))
-    reasons.emplace_back("other tiles of its set have changed, which its borders or its green are of");
+    reasons.emplace_back("other tiles of its set have changed, and its borders or its green depend on them");
   if (there->software != software_version())
     reasons.push_back(fmt::format("it was baked by {}, this is {}", there->software, software_version()));
   if (there->settings != settings)

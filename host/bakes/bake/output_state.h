@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recognises an output that the same bake has already made: by the program's version and kernels, every setting that
-// changes the file, and the contents of what was read. Times of files say nothing: a fresh checkout has new ones.
+// changes the file, and the contents of the inputs. File times are ignored, because a fresh checkout has new ones.
 #pragma once
 
 #include <string>
@@ -12,32 +12,33 @@
 
 namespace multum {
 
-/// Settings that JOB's texels are fitted with: its own, held to wrap modes: those of JOB, or of the map once it is read
-/// (--wrap auto). A map that repeats is filtered across its border, so its lobes must be alike there.
+/// Settings that fit JOB's texels: JOB's own, restricted by the wrap modes of JOB or, with --wrap auto, of the map. A
+/// map that repeats is filtered across its border, so its lobes must match there.
 MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wrap_t);
 
-/// Every setting that changes the file, the reading's too, hashes of the material's maps, and the kernels. Throws
-/// Error(kInput) when one of them cannot be read.
+/// Every setting that changes the file: settings of reading and fitting, hashes of the material maps, and the kernels.
+/// Throws Error(kInput) if one of the maps cannot be read.
 std::string all_settings_json(const BakeJob& job);
 
-/// Stands for what the rows of a bake depend on: what a killed bake left, or a share, is of use to no other. A line.
+/// Identifies the inputs of the rows of a bake, in one line. Rows of a killed bake or of a share can only be used with
+/// an equal key.
 std::string rows_key(const BakedProvenance& from);
 
 enum class OutputFinding {
-  kInPlace,     // as this bake would make it; its header says so, its texels are not looked at
+  kInPlace,     // equal to the result of this bake, by its header; texels are not read
   kMissing,     // no file
-  kUnreadable,  // no baked file, or its header is damaged
-  kStale,       // baked from something else, otherwise, or by another program
+  kUnreadable,  // not a baked file, or its header is damaged
+  kStale,       // baked from other inputs, with other settings or by another program
 };
 
 struct OutputState {
   OutputFinding finding;
-  std::string why;      // of kUnreadable and kStale
-  StatedErrors stated;  // by the header of a file that is there and was measured
+  std::string why;      // reason for kUnreadable and kStale
+  StatedErrors stated;  // errors in the header of an existing, measured file
 };
 
-/// `settings`: all_settings_json(job). Throws Error(kInput) when there is a file to compare with, and the map cannot be
-/// read.
+/// `settings`: all_settings_json(job). Throws Error(kInput) if an output exists, but the map cannot be read for
+/// comparison.
 OutputState find_output_state(const BakeJob& job, const std::string& settings);
 
 }  // namespace multum

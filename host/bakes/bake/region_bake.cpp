@@ -20,7 +20,7 @@ namespace {
 void check_same(const std::string& path, const char* what, const std::string& found, const std::string& expected) {
   if (found != expected)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} {}, expected {} as this bake makes it", path, what, found, expected));
+                fmt::format("{}: found {} {}, expected {} as in this bake", path, what, found, expected));
 }
 
 std::string size_text(const MovmfMipmap& m) { return fmt::format("{} x {}", m.width(), m.height()); }
@@ -48,18 +48,18 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--region {},{},{},{} is not in the map, expected x,y,width,height inside {} x {}",
                             region.x, region.y, region.width, region.height, header.width(), header.height()));
-  // Points beyond it change with the texels here.
+  // Edits at such a border also change points on the other side of it.
   const BakedHeader& is = header.header;
   const bool wraps_x = is.wrap_s == WrapMode::kPeriodic && (region.x == 0 || region.x + region.width == is.width),
              wraps_y = is.wrap_t == WrapMode::kPeriodic && (region.y == 0 || region.y + region.height == is.height);
   if (baked_surface(is) == map_surface_name(MapSurface::kInterpolated) && (wraps_x || wraps_y))
     throw Error(ErrorCode::kUsage,
-                fmt::format("--region {},{},{},{} touches a border behind which the map repeats, with --surface "
-                            "interpolated; expected a part inside, or a bake of the whole map",
+                fmt::format("--region {},{},{},{} touches a border where the map repeats, with --surface interpolated; "
+                            "expected a region away from such borders, or a bake of the whole map",
                             region.x, region.y, region.width, region.height));
 }
 
-// Texels of a level along an axis that [first, first + count) of the map's touches, and the halo.
+// Texels of a level along one axis that overlap [first, first + count) of the map, plus the halo.
 std::pair<int, int> touched(int first, int count, int map_size, int level_size) {
   const auto texel = [&](std::int64_t map_texel) { return map_texel * level_size; };
   const int begin = static_cast<int>(texel(first) / map_size);
@@ -67,7 +67,7 @@ std::pair<int, int> touched(int first, int count, int map_size, int level_size) 
   return {std::max(0, begin - kRegionHalo), std::min(level_size, end + kRegionHalo)};
 }
 
-// As many values a texel as there are.
+// Copies columns x0..x1 for any number of values per texel.
 template <typename Value>
 void copy_columns(const std::vector<Value>& from, std::vector<Value>& to, int width, int rows, int x0, int x1) {
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(from.size()) / (std::ptrdiff_t{width} * rows);
@@ -85,8 +85,8 @@ bool contains(const MapRegion& outer, const MapRegion& inner) {
          outer.y + outer.height >= inner.y + inner.height;
 }
 
-// Whether any of these rows is looked at when those of `range` are fitted, on this level or the next finer one. A map
-// may repeat: its first rows are its last ones' neighbours.
+// True if fitting the rows of `range`, on this level or the next finer one, reads any of these rows. On a repeating
+// map, the first rows are neighbours of the last.
 bool is_near(int begin, int end, const TexelRange& range, int height) {
   constexpr int kFar = 8;
   for (const int turn : {-height, 0, height})
@@ -94,8 +94,8 @@ bool is_near(int begin, int end, const TexelRange& range, int height) {
   return false;
 }
 
-// What is stored of a texel, whichever lobe has it, but for what another encoding of the same map rounds differently:
-// no edit that anybody could see.
+// Compares the stored values of a texel, whichever lobe owns it. Ignores differences that come from rounding in
+// another encoding of the same map.
 bool is_same_texel(const MovmfFinest& a, const MovmfFinest& b, std::size_t i) {
   constexpr float kNormalSteps = 2.0f / 32767.0f, kColourSteps = 2.0f / 2048.0f;
   const auto is_near = [](float x, float y, float steps) {
@@ -143,23 +143,21 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
   if (asked) check_region(*asked, header);
   const std::optional<MapRegion> changed = find_changed_region(old, header, normals, features, threads);
   if (!changed && !asked)
-    throw Error(ErrorCode::kUsage, old +
-                                       ": stores no level 0, so that changes cannot be found: expected --region "
-                                       "x,y,width,height");
+    throw Error(ErrorCode::kUsage,
+                old + ": stores no level 0, so changes cannot be found; expected --region x,y,width,height");
   if (!changed) {
-    log_warning(input,
-                fmt::format("{} stores no level 0: whether all that has changed lies in --region {} is not known", old,
-                            region_text(*asked)));
+    log_warning(input, fmt::format("{} stores no level 0: cannot check that all changes are inside --region {}", old,
+                                   region_text(*asked)));
     return *asked;
   }
   if (changed->height == 0) log_info(fmt::format("{}: no texel has changed since {} was baked", input, old));
-  else log_info(fmt::format("{}: what has changed since {} was baked is {}", input, old, region_text(*changed)));
+  else
+    log_info(fmt::format("{}: the part that has changed since {} was baked is {}", input, old, region_text(*changed)));
   if (!asked) return changed->height == 0 ? MapRegion{0, 0, 1, 1} : *changed;
   if (changed->height > 0 && !contains(*asked, *changed))
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: found changes since {} was baked in {}, expected none outside of --region {}; "
-                            "--region auto takes what has changed",
-                            input, old, region_text(*changed), region_text(*asked)));
+    throw Error(ErrorCode::kInput, fmt::format("{}: found changes since {} was baked in {}, expected none outside "
+                                               "--region {}; --region auto bakes the changed part",
+                                               input, old, region_text(*changed), region_text(*asked)));
   return *asked;
 }
 
@@ -172,7 +170,7 @@ RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const 
       output_(output),
       next_row_(header.levels.size(), 0) {
   check_old(old, old_.header(), header);
-  // Of settings, which a header that changes are looked for with has not yet.
+  // The surface is stored in the settings, which the header lacks while changes are searched.
   check_same(old, "a surface of", baked_surface(old_.header().header), baked_surface(header.header));
   check_region(region, header);
 }
@@ -189,7 +187,7 @@ LevelTask RegionBake::begin(const LevelShape& level) {
   return RowOrigin::begin(level);
 }
 
-// Rows that were fitted hold, beside the region, what was there.
+// Restores the old values of fitted rows outside the region.
 void RegionBake::end() {
   const TexelRange where = texels(level_.level);
   std::vector<unsigned char> row(level_.lobe_row_bytes);
@@ -207,7 +205,7 @@ RowStore RegionBake::old_lobes(int level) const {
   const std::size_t lobes = size.lobes.size();
   RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), spill_);
   std::vector<MultumVmfLobe> rows(lobes * width);
-  store.write(size.height - 1, 1, rows.data());  // what is not looked at is there, as zeros
+  store.write(size.height - 1, 1, rows.data());  // rows that are not read stay zero
   const TexelRange where = texels(level);
   for (int first = 0; first < size.height; first += old_.tile_size()) {
     if (!is_near(first, first + old_.tile_size(), where, size.height)) continue;
@@ -267,7 +265,7 @@ void RegionBake::add_finest(int first_row, MovmfFinest rows) {
   copy_finest_until(first_row);
   output_.round(rows);
   MovmfFinest merged = old_.read_finest(first_row, rows.height);
-  // What the parents that were fitted again cover: their lobes may have changed places.
+  // Texels that the newly fitted parents cover: the lobes of these may have changed places.
   TexelRange where = header_.levels.size() > 1 ? texels(1) : texels(0);
   const bool to_the_end = header_.levels.size() == 1 || where.x1 == header_.levels[1].width;
   const int x0 = header_.levels.size() > 1 ? 2 * where.x0 : 0, x1 = to_the_end ? header_.width() : 2 * where.x1;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes an edited part of a map onto the file that was baked before the edit: its texels on every level, and a few
-// around them, are fitted again, each from its parent and beside the old file's texels; all others keep the old file's
-// values.
+// Bakes an edited part of a map onto the file that was baked before the edit. The part's texels on every level, and a
+// few around them, are fitted again, each from its parent and next to the old file's texels. All other texels keep the
+// old file's values.
 //
-// It is an approximation: the coarsest texel starts from its old lobes, not from the whole map's candidates, and texels
-// around the region stay as they were (docs/contributing/ALGORITHMS.md, "A region again").
+// This is an approximation. The coarsest texel starts from its old lobes, not from the whole map's candidates, and
+// texels around the region keep their values (docs/contributing/ALGORITHMS.md, "A region again").
 #pragma once
 
 #include <optional>
@@ -24,26 +24,29 @@ struct MapRegion {
   bool operator==(const MapRegion&) const = default;
 };
 
-/// The least rectangle that holds every texel of level 0 that is not as `old` stores it, by more than two steps of
-/// normals of 16 bits or of halfs; no rows: none differs. Nothing: `old` stores no level 0. `header` and `normals`,
-/// `features`: what will be written, and of what. Throws as RegionBake does.
+/// The smallest rectangle of level 0 that contains every changed texel: those that differ from `old` by more than two
+/// steps of 16-bit normals or of halfs. The rectangle's height is 0 if no texel differs. Returns nullopt if `old`
+/// stores no level 0. `header`: of the file to write; `normals`, `features`: the data to compare. Throws as RegionBake
+/// does.
 std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads);
 
-/// Chooses the region to bake again: `asked`, or what has changed. Throws Error(kInput) when more has changed than was
-/// asked for, which would be kept as it was; Error(kUsage) when nothing was asked for and `old` stores no level 0.
+/// Chooses the region to bake again: `asked`, or the changed part. Throws Error(kInput) if texels outside `asked` have
+/// changed, because they would keep their old values. Throws Error(kUsage) if `asked` is not set and `old` stores no
+/// level 0.
 MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::string& input, const std::string& old,
                          const MovmfMipmap& header, const PlaneStore& normals, const FeaturePlanes& features,
                          int threads);
 
-/// Texels beyond a region's own that are fitted again on every level: what a texel's neighbours are held to.
+/// Number of texels around a region that are fitted again on every level, because coherence ties a texel to its
+/// neighbours.
 constexpr int kRegionHalo = 2;
 
 class RegionBake : public RowOrigin, public MovmfSink {
  public:
-  /// `old` is the file to bake onto, `header` says what will be written: both must agree in sizes, lobes, encoding,
-  /// first level and colours. Throws Error(kInput) naming the file and what differs, Error(kUsage) for a region that is
-  /// not in the map.
+  /// `old` is the file to bake onto; `header` belongs to the file to write. The two files must agree in sizes, lobes,
+  /// encoding, first level and colours. Throws Error(kInput) naming the file and the difference, and Error(kUsage) for
+  /// a region outside the map.
   RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const SpillPolicy& spill,
              BakeOutput& output);
 
@@ -52,7 +55,7 @@ class RegionBake : public RowOrigin, public MovmfSink {
   void end() override;
   void add_level(int level, int first_row, MovmfLevel rows) override;
   void add_finest(int first_row, MovmfFinest rows) override;
-  /// Copies what the old file has behind the last rows.
+  /// Copies the rows of the old file after the last fitted rows.
   void finish() override;
 
  private:
@@ -67,7 +70,7 @@ class RegionBake : public RowOrigin, public MovmfSink {
   const MovmfMipmap& header_;
   const MapRegion region_;
   BakeOutput& output_;
-  std::vector<int> next_row_;  // by level: the first row that is not written yet
+  std::vector<int> next_row_;  // [level]: the first row that is not written yet
 };
 
 }  // namespace multum

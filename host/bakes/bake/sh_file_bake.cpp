@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of spherical harmonics, from file to file.
+// Bakes spherical harmonics from file to file.
 #include <fmt/format.h>
 
 #include <memory>
@@ -18,8 +18,8 @@ namespace {
 template <typename Writer>
 using ShFileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 
-// Rows that wait to be written, and texels that are looked at beyond what every bake is taken to need, of many
-// coefficients each.
+// Rows that wait to be written, and measured texels beyond the amount that is reserved for every bake; each has many
+// coefficients.
 std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* meter) {
   constexpr std::uint64_t kDefaultMeter = std::uint64_t{16} << 20;
   const std::uint64_t meter_bytes = meter != nullptr ? meter->kept_bytes() : 0;
@@ -31,7 +31,7 @@ std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* me
 
 void bake_sh_file(const BakeRun& run, BakeReport& report, Progress* progress) {
   const BakeJob& job = run.job;
-  // Measuring and writing count as about half as much work as averaging.
+  // Measuring and writing together count as half the work of averaging.
   const std::uint64_t texels =
       static_cast<std::uint64_t>(run.header.width) * static_cast<std::uint64_t>(run.header.height);
   progress_start(progress, 2 * texels);

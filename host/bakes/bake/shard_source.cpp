@@ -16,7 +16,7 @@
 
 namespace multum {
 
-// As notes have them, written and read by one list.
+// Members of the report in a share's note; one list for writing and reading.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
                                    nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
                                    tiles, warnings)
@@ -25,16 +25,17 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RoughnessReport, mean_cosine, least, mean, mo
 
 namespace {
 
-using NoteJson = nlohmann::json;  // whose types of members NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE knows
+using NoteJson = nlohmann::json;  // member types that NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE supports
 
-// In the place of levels: -1 is the planes of normals, one behind the other, -2 and so on features, rows of three
-// planes. Normals are in blocks that a record has room for however wide a map may be: they are read where they are.
+// Map rows use negative level numbers: -1 for the planes of normals, one after the other; -2 and below for features,
+// in rows of three planes. Normals are split into blocks that fit into a record for any width of the map, and are read
+// in place.
 constexpr int kNormalsLevel = -1;
 constexpr int level_of_feature(std::size_t store) { return kNormalsLevel - static_cast<int>(store); }
 constexpr int kPlaneRows = 32, kFeatureRows = kPlaneRows / 3;
 constexpr std::uint64_t kPlaneGap = sizeof(RowBlock) + RecordFile::kHeadBytes + RecordFile::kChecksumBytes;
 
-// Normals, then features, three planes each.
+// Lists the stores of normals, then of features, three planes each.
 template <typename Source, typename Store>
 std::vector<Store*> stores_of(Source& source) {
   std::vector<Store*> stores = {&source.map.normals};
@@ -44,13 +45,13 @@ std::vector<Store*> stores_of(Source& source) {
   return stores;
 }
 
-// The source of a note, whose planes have no rows yet: normals are read where they are.
+// The source described by a note. Normals are read in place; other planes have no rows yet.
 BakeSource source_of(const NoteJson& note, const std::string& share, std::uint64_t normals_begin,
                      const SpillPolicy& spill) {
   const int width = json_int(note, "width"), height = json_int(note, "height"),
             weight_count = json_int(note, "weights");
   if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
-    throw Error(ErrorCode::kEnvironment, share + ": says nothing of its map");
+    throw Error(ErrorCode::kEnvironment, share + ": has no valid description of its map");
   const PlaneBlocks blocks{normals_begin, kPlaneGap, kPlaneRows};
   BakeSource source{
       {PlaneStore(width, height, ScratchFile::to_read(share), blocks), note.at("report").get<NormalMapReport>()},
@@ -72,7 +73,7 @@ BakeSource source_of(const NoteJson& note, const std::string& share, std::uint64
   return source;
 }
 
-// All of them for a merge.
+// A merge needs all rows.
 LevelRows wanted_rows(const BakeJob& job, const BakeSource& source) {
   if (!job.shard) return {0, source.map.normals.height()};
   const MovmfSettings settings = fitting_settings(job, source.map.report.wrap_s, source.map.report.wrap_t);
@@ -80,21 +81,21 @@ LevelRows wanted_rows(const BakeJob& job, const BakeSource& source) {
   return map_rows(plan_shard(schedule, settings, *job.shard), schedule, settings);
 }
 
-// Looks at rows of normals, which are read again where they are, and copies those of features.
+// Checks the rows of normals, which are read in place later, and copies the rows of features.
 void read_map_rows(RowRecords& rows, const LevelRows& wanted, const std::string& path, BakeSource& source) {
   const std::vector<PlaneStore*> stores = stores_of<BakeSource, PlaneStore>(source);
   const auto width = static_cast<std::size_t>(source.map.normals.width());
   const int height = source.map.normals.height();
   const std::size_t row_bytes = width * sizeof(float);
   if (rows.row_count(kNormalsLevel, {row_bytes, 0, 0}) != 3 * height)
-    throw Error(ErrorCode::kEnvironment, path + ": has other rows than its map should");
+    throw Error(ErrorCode::kEnvironment, path + ": its rows do not match the size of its map");
   std::vector<float> row(3 * width);
   for (int plane = 0; plane < 3; ++plane)
     for (int y = wanted.begin; y < wanted.end; ++y)
       rows.read(kNormalsLevel, RowPart::kLobes, plane * height + y, 1, row.data());
   for (std::size_t s = 1; s < stores.size(); ++s) {
     if (rows.row_count(level_of_feature(s), {3 * row_bytes, 0, 0}) != height)
-      throw Error(ErrorCode::kEnvironment, path + ": has other rows than its map should");
+      throw Error(ErrorCode::kEnvironment, path + ": its rows do not match the size of its map");
     for (int y = wanted.begin; y < wanted.end; ++y) {
       rows.read(level_of_feature(s), RowPart::kLobes, y, 1, row.data());
       stores[s]->write_rows(y, 1, {row.data(), row.data() + width, row.data() + 2 * width});
@@ -155,7 +156,7 @@ void take_share_hashes(const BakeJob& job) {
     RowRecords rows;
     note = NoteJson::parse(ShareFile(job.output, {0, job.shard->count}, nullptr, rows).note(), nullptr, false);
   } catch (const Error&) {
-    return;  // whoever needs the share says so
+    return;  // code that needs the share reports this
   }
   if (!note.is_object() || !note.contains("files")) return;
   const std::vector<std::string> files = input_files(job);
@@ -180,9 +181,9 @@ BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
   try {
     source = source_of(NoteJson::parse(share.note()), share.path(), rows.begin_of(kNormalsLevel), spill);
   } catch (const NoteJson::exception&) {
-    throw Error(ErrorCode::kEnvironment, share.path() + ": says nothing of its map");
+    throw Error(ErrorCode::kEnvironment, share.path() + ": has no valid description of its map");
   }
-  // A scratch file is as long as what was written to it.
+  // Writing the last row gives the scratch file its full length.
   const std::vector<float> row(static_cast<std::size_t>(source->map.normals.width()));
   for (PlaneStore* store : stores_of<BakeSource, PlaneStore>(*source))
     if (store != &source->map.normals) store->write_rows(store->height() - 1, 1, {row.data(), row.data(), row.data()});

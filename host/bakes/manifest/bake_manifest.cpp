@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps are read one by one, each on top of [defaults], and only then set against one another: an output must be nobody
-// else's, whichever of the two comes first.
+// Reads maps one by one, each on top of [defaults]. Compares them only afterwards: an output must belong to one map,
+// whichever comes first.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <fmt/format.h>
@@ -39,13 +39,14 @@ std::vector<std::string> map_keys() {
   return keys;
 }
 
-// The material's maps: keys and where they go.
+// Keys of the material maps, and the job's members for them.
 constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
     {"albedo", &BakeJob::albedo}, {"roughness", &BakeJob::roughness}, {"weights", &BakeJob::weights}};
 
 bool has_target(const ParameterValues& values) { return values.has("target_error") || values.has("budget_ms"); }
 
-// What is said of a map itself goes before what is said of all: its target takes settings away, its setting the target.
+// A map's own values override the defaults: its target removes default settings, its setting removes the default
+// target.
 void read_values(const StrictTable& table, ParameterValues& values) {
   if (table.has("target_error") || table.has("budget_ms")) values = without_those_of_target(values);
   read_parameters(table, kInManifest, values);
@@ -60,7 +61,7 @@ void read_values(const StrictTable& table, ParameterValues& values) {
     if (table.has(key) && !has_target(values)) table.refuse(key, "needs target_error or budget_ms, found neither");
 }
 
-// Of an error, a time or nothing.
+// Target for an error or a time; empty if neither is given.
 BakeTarget target_of(const StrictTable& table, const std::string& manifest, const ParameterValues& values) {
   BakeTarget target;
   target.error = values.number("target_error");
@@ -75,16 +76,16 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
     }
   }
   if (has_target(values) && target.only && !target.brdf.can_shade(*target.only))
-    table.refuse("", fmt::format("has ndf = \"{}\", which the BRDF of its target cannot be shaded with",
+    table.refuse("", fmt::format("has ndf = \"{}\", which cannot shade the BRDF of its target",
                                  representation_info(*target.only).option));
   return target;
 }
 
-// What make_bake_jobs() would refuse, and what it would take for a name, with the line.
+// Reports, with the line, names that make_bake_jobs() would refuse or misread.
 void check_paths(const StrictTable& table, const BakeJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
-    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file's name, not in a folder's", job.input));
+    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file name, not in a folder name", job.input));
   if (!is_set && has_udim(job.output))
     table.refuse("output",
                  fmt::format("is \"{}\", but the input is not a set: expected a name without <UDIM>", job.output));
@@ -108,7 +109,7 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
   return {job};
 }
 
-// [defaults] may say how lobes are fitted for all maps that have any; a map that has none may not.
+// [defaults] may set the fit of lobes for all maps with lobes; a map without lobes may not set it.
 void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   ParameterValues own = values;
   for (const Parameter& row : bake_parameters().rows())
@@ -149,9 +150,9 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   return entry;
 }
 
-// By names, not pair by pair as check_paths_differ() goes: a manifest may have thousands of maps.
+// Compares names through a map, not pair by pair as check_paths_differ() does: a manifest may list thousands of maps.
 void check_apart(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> inputs, outputs;  // canonical name -> what it is
+  std::map<std::string, std::string> inputs, outputs;  // canonical name -> its use
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps)
       for (const std::string& input : input_files(map.job))
@@ -160,12 +161,13 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
     for (const ManifestMap& map : entry.maps) {
       const std::string name = canonical_name(map.job.output);
       if (const auto input = inputs.find(name); input != inputs.end())
-        entry.table.refuse("output", fmt::format("is \"{}\", which is read as {}: expected a file of its own", map.name,
+        entry.table.refuse("output", fmt::format("is \"{}\", which is read as {}: expected a different file", map.name,
                                                  input->second));
       const auto [other, is_new] = outputs.emplace(name, map.job.input);
       if (!is_new)
-        entry.table.refuse("output", fmt::format("is \"{}\", where {} goes already: expected a file of its own",
-                                                 map.name, other->second));
+        entry.table.refuse(
+            "output", fmt::format("is \"{}\", which is already the output for {}: expected a different file", map.name,
+                                  other->second));
     }
 }
 
@@ -177,7 +179,7 @@ std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJ
   ParameterValues defaults(bake_parameters());
   const StrictTable of_all(path, table.table("defaults"), "defaults", default_keys(), kWholeFile);
   read_values(of_all, defaults);
-  target_of(of_all, path, defaults);  // what is wrong with it is wrong here
+  target_of(of_all, path, defaults);  // reports errors of [defaults] here
   std::vector<ManifestEntry> entries;
   for (const toml::table* toml : table.tables("map")) entries.push_back(read_entry(path, *toml, defaults, pattern));
   check_apart(entries);

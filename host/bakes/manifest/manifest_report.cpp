@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// File names may hold any byte but '/' and NUL. XML 1.0 takes valid UTF-8 without most control characters, and Markdown
-// gives punctuation a meaning: names and reasons are escaped for each.
+// Escapes names and reasons for XML and Markdown. File names may contain any byte except '/' and NUL; XML 1.0 takes
+// valid UTF-8 without most control characters, and Markdown gives punctuation a meaning.
 #include "host/bakes/manifest/manifest_report.h"
 
 #include <fmt/format.h>
@@ -15,10 +15,10 @@
 namespace multum {
 namespace {
 
-constexpr char kReplacement[] = "\xEF\xBF\xBD";  // U+FFFD, for what is no character
+constexpr char kReplacement[] = "\xEF\xBF\xBD";  // U+FFFD, for invalid characters
 
-// The length of the UTF-8 sequence that begins at `at`; 0 when there is no valid one, or none that XML 1.0 takes: no
-// overlong forms, no surrogates, nothing beyond U+10FFFF, not U+FFFE and U+FFFF.
+// The length of the UTF-8 sequence that begins at `at`; 0 if it is invalid or not allowed in XML 1.0: overlong forms,
+// surrogates, characters beyond U+10FFFF, U+FFFE and U+FFFF.
 std::size_t character_length(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const std::uint32_t first = byte(at);
@@ -36,7 +36,7 @@ std::size_t character_length(const std::string& text, std::size_t at) {
   return is_valid ? length : 0;
 }
 
-// Characters as they are but for those of one byte, for which `escape` says what to write.
+// Copies characters; `escape` replaces those of one byte.
 template <typename Escape>
 std::string escaped(const std::string& name_or_reason, const Escape& escape) {
   const std::string text = text_of_path(name_or_reason);  // without bytes that are not UTF-8
@@ -51,7 +51,7 @@ std::string escaped(const std::string& name_or_reason, const Escape& escape) {
   return result;
 }
 
-// For contents and for attributes in double quotes; parsers would make spaces of tabs and ends of lines there.
+// Escapes contents and attributes in double quotes; parsers would convert tabs and line ends there to spaces.
 std::string xml(const std::string& text) {
   return escaped(text, [](char c) -> std::string {
     switch (c) {
@@ -68,7 +68,7 @@ std::string xml(const std::string& text) {
   });
 }
 
-// One line of a list, or a cell of a table.
+// Escapes one line of a list, or a cell of a table.
 std::string markdown(const std::string& text) {
   static const std::string kPunctuation = "\\`*_[]<>|~#&!$";
   return escaped(text, [](char c) -> std::string {
@@ -92,7 +92,7 @@ std::size_t count_of(const ManifestOutcome& outcome, MapState state) {
                                                 [&](const MapResult& result) { return result.state == state; }));
 }
 
-// "1 stale, 1 worse": of states that are in place, or of those that are not.
+// Counts maps by state: "1 stale, 1 worse"; only states that are in place, or only the others.
 std::string counts(const ManifestOutcome& outcome, bool in_place) {
   std::vector<std::string> parts;
   for (int s = 0; s < kMapStateCount; ++s) {

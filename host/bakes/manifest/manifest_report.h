@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reports a run over a manifest as build services show it: JUnit XML, Markdown, a list for a terminal, and the exit
-// code.
+// Reports a run over a manifest for build services: JUnit XML, Markdown, a list for a terminal, and the exit code.
 #pragma once
 
 #include <string>
@@ -20,18 +19,18 @@ struct ManifestOutcome {
 /// One line: "multum bake --check: passed, 3 maps in place", "... FAILED for 2 of 3 maps: 1 stale, 1 worse".
 std::string manifest_verdict(const ManifestOutcome& outcome);
 
-/// The verdict and, below it, a line for each map that is not in place: state, name, why. Empty when all are.
+/// The verdict and, below it, a line for each map that is not in place: state, name, reason. Empty if all are in place.
 std::string manifest_failures(const ManifestOutcome& outcome);
 
-/// A test suite with a test case a map: <failure> for what a check found (missing, stale, damaged, worse), <error> for
-/// maps that failed, since nothing could be found out.
+/// A test suite with one test case per map: <failure> for findings of a check (missing, stale, damaged, worse),
+/// <error> for maps that failed, about which nothing is known.
 std::string manifest_junit(const ManifestOutcome& outcome);
 
-/// The verdict, a table with a row a map, and why for those that are not in place.
+/// The verdict, a table with a row per map, and the reasons for maps that are not in place.
 std::string manifest_summary(const ManifestOutcome& outcome);
 
-/// 0 when all are in place. Else that of the first map that failed (3 input, 4 environment), for of that map nothing is
-/// known and the check is not whole; else 5.
+/// 0 if all maps are in place. If a map failed, the exit code of the first such map (3 input, 4 environment), because
+/// the check is then incomplete. Otherwise 5.
 int manifest_exit_code(const ManifestOutcome& outcome);
 
 }  // namespace multum

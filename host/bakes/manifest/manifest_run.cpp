@@ -22,7 +22,7 @@ void add_reason(MapResult& result, const std::string& reason) {
   result.why += (result.why.empty() ? "" : "; ") + reason;
 }
 
-// A file whose header is as it should be: is the rest of it?
+// Checks the texels of a file whose header is as expected.
 void check_in_place(const ManifestMap& map, const OutputState& found, Device& device, Progress* progress,
                     MapResult& result) {
   const BakedCheck check = check_baked_file(map.job, device, progress);
@@ -36,7 +36,7 @@ void check_in_place(const ManifestMap& map, const OutputState& found, Device& de
   if (!result.why.empty()) result.state = MapState::kWorse;
 }
 
-// What a check calls a file that is not as this bake would make it.
+// Sets the state of a file that differs from the result of this bake.
 void note_finding(const OutputState& found, MapResult& result) {
   switch (found.finding) {
     case OutputFinding::kInPlace: return;
@@ -50,7 +50,7 @@ void note_finding(const OutputState& found, MapResult& result) {
   result.why = found.why;
 }
 
-// 0 without one.
+// 0 if the file does not exist.
 std::uint64_t file_bytes(const std::string& path) {
   std::error_code none;
   const auto bytes = fs::file_size(path, none);
@@ -60,7 +60,7 @@ std::uint64_t file_bytes(const std::string& path) {
 void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapResult& result) {
   BakeJob job = map.job;
   if (const fs::path folder = fs::path(job.output).parent_path(); !folder.empty()) make_folder(folder.string());
-  job.force = true;  // that it must be baked is known
+  job.force = true;  // the file is already known to need a bake
   if (!map.target) {
     result.report = bake_file(job, nullptr, device, progress);
   } else {
@@ -68,16 +68,17 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
     if (chosen.written) result.report = chosen.report;
     if (!chosen.met) {
       result.state = MapState::kWorse;
-      add_reason(result, fmt::format("no settings reach {}: the best, {}, are {} off{}", target_text(*map.target),
-                                     chosen.options, error_text(chosen.reached.error, chosen.reached.confidence),
-                                     chosen.written ? "" : ", not written"));
+      add_reason(result,
+                 fmt::format("no settings reach {}: the best, {}, have an error of {}{}", target_text(*map.target),
+                             chosen.options, error_text(chosen.reached.error, chosen.reached.confidence),
+                             chosen.written ? "" : ", not written"));
     }
   }
   if (result.report) result.error = worst_error(result.report->error);
 }
 
-// As far as a bake goes before it fits anything. Throws what the bake would. A folder that the bake would make is stood
-// in for by the nearest one above it.
+// Does everything that a bake does before it fits. Throws the errors of the bake. If the bake would make the output
+// folder, the nearest existing folder above is checked instead.
 void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   BakeJob job = map.job;
   fs::path folder = fs::absolute(fs::path(job.output)).parent_path();
@@ -89,20 +90,20 @@ void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
 }
 
-// A map that is missing since its bake is refused is not told to be missing alone: that could be mended by a bake.
+// If a map's bake is refused, reporting only "missing" would mislead: baking would not help.
 [[noreturn]] void rethrow_with_finding(const Error& error, const MapResult& result) {
   if (result.why.empty()) throw error;
   throw Error(error.code(), fmt::format("{}, and cannot be baked: {}", result.why, error.what()));
 }
 
-// A file that is left as it is without a look is taken at its word.
+// For a file that stays without a check, the error stated in its header counts.
 void hold_to_allowed(MapResult& result) {
   const std::optional<double> error =
       result.error || result.state != MapState::kUnchanged ? result.error : result.stated;
   if (!result.allowed || !error || *error <= *result.allowed) return;
   if (is_in_place(result.state)) result.state = MapState::kWorse;
-  add_reason(result,
-             fmt::format("is {:.4g} % off, error_max allows {:.4g} %", 100.0 * *error, 100.0 * *result.allowed));
+  add_reason(result, fmt::format("has an error of {:.4g} %, error_max allows {:.4g} %", 100.0 * *error,
+                                 100.0 * *result.allowed));
 }
 
 }  // namespace
@@ -127,7 +128,7 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
     note_finding(found, result);
     if (is_current) check_in_place(map, found, device, progress, result);
   }
-  // A file that is worse than it should be would be no better for being baked again from the same source.
+  // A file that is worse than allowed is not baked again: the same source would give the same error.
   const bool must_be_baked = !is_current || result.state == MapState::kDamaged;
   try {
     if (must_be_baked && settings.dry_run) check_can_be_baked(map, progress);
@@ -151,7 +152,7 @@ MapResult failed_map(const ManifestMap& map, const Error& error) {
   result.why = error.what();
   result.allowed = map.error_max;
   result.bytes = file_bytes(map.job.output);
-  // A setting that does not fit its map is the manifest's, and that is a file, not the command line.
+  // A setting that does not fit its map is an error in the manifest file, not in the command line.
   result.failure = error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code();
   return result;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings one map of a manifest into place: bakes it where its file is missing or stale, leaves it alone where it is as
-// it should be; in a check, examines it thoroughly, too.
+// Brings one map of a manifest up to date: bakes it if its file is missing or stale, else leaves it unchanged. A check
+// also verifies and measures the file.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,15 @@
 
 namespace multum {
 
-/// State that a map was found in; docs/reference/manifests.md has a line for each.
+/// State in which a map was found; docs/reference/manifests.md describes each.
 enum class MapState {
-  kUnchanged,  // in place; in a check: whole and no worse than stated and allowed, too
-  kBaked,      // baked in this run; in a check the states below say why it had to be
-  kMissing,    // checks only, as the next two
+  kUnchanged,  // in place; in a check: also undamaged, and no worse than stated and allowed
+  kBaked,      // baked in this run; a check reports the reason as one of the states below
+  kMissing,    // only in checks, as the next two
   kStale,
   kDamaged,
-  kWorse,   // in place or just baked, but worse than it states, or than error_max allows
-  kFailed,  // could not be read or baked: nothing is known of it
+  kWorse,   // in place or just baked, but worse than it states or than error_max allows
+  kFailed,  // could not be read or baked; nothing is known about it
 };
 constexpr int kMapStateCount = 7;
 const char* map_state_name(MapState state);
@@ -32,22 +32,22 @@ inline bool is_in_place(MapState state) { return state == MapState::kUnchanged |
 struct MapResult {
   std::string name;
   MapState state = MapState::kUnchanged;
-  std::string why;                   // of every state but kUnchanged, kBaked
+  std::string why;                   // for every state except kUnchanged and kBaked
   std::optional<BakeReport> report;  // set: the file was written in this run
-  // The largest relative L1 error: measured in this run; by the header of the file that was found; as the manifest
-  // allows.
+  // The largest relative L1 error: measured in this run; stated by the header of the existing file; allowed by the
+  // manifest.
   std::optional<double> error, stated, allowed;
   double seconds = 0.0;
-  std::uint64_t bytes = 0;                // of the file, 0 without one
+  std::uint64_t bytes = 0;                // size of the file; 0 if it does not exist
   ErrorCode failure = ErrorCode::kInput;  // of kFailed
 };
 
 struct ManifestRunSettings {
-  bool check = false;    // verify and measure what is in place; missing and stale files are findings
-  bool dry_run = false;  // checks only: bake nothing, but read what would be baked
+  bool check = false;    // verify and measure existing files; missing and stale files are findings
+  bool dry_run = false;  // checks only: bake nothing, but read the inputs of needed bakes
 };
 
-/// Throws Error when the map cannot be read or baked, Cancelled.
+/// Throws Cancelled, and Error if the map cannot be read or baked.
 MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& settings, Device& device,
                            Progress* progress);
 

@@ -11,9 +11,9 @@ namespace multum {
 namespace {
 
 constexpr int kBandRows[] = {4096, 2048, 1024, 512, 256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 2, 1};
-constexpr int kBandRowsWanted = 8;  // fewer leave too little for many threads: more memory than is useful is better
+constexpr int kBandRowsWanted = 8;  // fewer rows leave too little work for many threads: then more memory is used
 
-// What the windows may take, and who says so.
+// The memory for windows, and where its limit comes from.
 struct WindowMemory {
   std::uint64_t bytes;
   bool on_device;
@@ -26,7 +26,7 @@ struct WindowMemory {
                           static_cast<double>(wanted) / (1 << 20), what));
 }
 
-// The most rows whose bytes are useful, or that are wanted and fit.
+// Chooses the most rows whose bytes are useful; up to kBandRowsWanted rows only need to fit.
 template <typename BytesOf>
 int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
                 const std::string& what) {
@@ -47,7 +47,7 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
   const bool on_device = shape.window_bytes_max > 0;
   const int rgb_plane_count = map.features.rgb_plane_count();
   const std::uint64_t memory_bytes = on_device ? shape.window_bytes_max : map.memory_bytes - map.writer_bytes;
-  // Of binning the writer holds nothing yet.
+  // During binning, the writer holds no memory yet.
   const WindowMemory fitting{memory_bytes, on_device}, binning{on_device ? memory_bytes : map.memory_bytes, on_device};
   plan.memory_bytes = memory_bytes;
   const int map_width = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_width;
@@ -59,7 +59,7 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
     const int height = level.fit.height, map_height = level.fit.map_height;
     BandPlan& band = plan.levels[level.level];
     if (level.method == FitMethod::kChunks) {
-      // The level is there at once, and as much of the map at a time as fits: each band is read once an iteration.
+      // The whole level is in memory, and as much of the map as fits. Each band of the map is read once per iteration.
       const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, rgb_plane_count, {height, rows}); };
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans how a bake fits into memory: the bands of rows in which each level is fitted, and what stays in memory between
-// levels. The plan changes no byte of the result.
+// Plans how a bake fits into memory: the bands of rows in which each level is fitted, and the data that stays in
+// memory between levels. The plan changes no byte of the result.
 #pragma once
 
 #include <cstdint>
@@ -15,22 +15,21 @@
 namespace multum {
 
 struct BakePlan {
-  std::uint64_t memory_bytes = 0;  // what the windows and buffers of a level may take
-  std::map<int, BandPlan> levels;  // by level, of those that are fitted
-  int bin_rows = 1;                // of the map, a band while coarse texels are binned
-  std::int64_t spill_bytes = 0;    // of what one level leaves for the next, larger ones go to scratch files
+  std::uint64_t memory_bytes = 0;  // limit for the windows and buffers of a level
+  std::map<int, BandPlan> levels;  // [level], for fitted levels
+  int bin_rows = 1;                // rows of the map per band for binning coarse texels
+  std::int64_t spill_bytes = 0;    // larger outputs of a level, for the next level, go to scratch files
 
-  /// For people: a line each for the whole and for every level.
+  /// Describes the plan: one line for the whole and one per level.
   std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const;
 };
 
-/// Memory that windows use when they may: larger bands are no faster.
+/// Memory that windows use if available: larger bands are no faster.
 constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
-constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // of a map that is wider
+constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // the same for wider maps
 
-/// `shape`: a device with memory of its own has the windows there, and the map's memory_bytes are not asked. Throws
-/// Error(kUsage) that names --memory, or Error(kEnvironment) that names the device, when not even a row of some level
-/// fits.
+/// `shape`: on a device with its own memory, windows are there, and the map's memory_bytes are ignored. If not even
+/// one row of a level fits, throws Error(kUsage) naming --memory, or Error(kEnvironment) naming the device.
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, const MapInputs& map,
                         const LaunchShape& shape);
 

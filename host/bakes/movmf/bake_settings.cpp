@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Members that are numbers, and their rows of bake_parameters().
+// Numeric members, and their rows of bake_parameters().
 struct Field {
   const char* name;
   std::variant<int MovmfSettings::*, float MovmfSettings::*> member;
@@ -32,7 +32,7 @@ constexpr Field kFields[] = {{"lobes", &MovmfSettings::lobe_count},
                              {"start_kappa_factor", &MovmfSettings::start_kappa_factor},
                              {"start_amplitude_min", &MovmfSettings::start_amplitude_min}};
 
-// Those that are yes or no, and what being given sets.
+// Boolean members, and the value that giving the option sets.
 struct Flag {
   const char* name;
   bool MovmfSettings::*member;
@@ -42,10 +42,10 @@ constexpr Flag kFlags[] = {{"refine", &MovmfSettings::refine, true},
                            {"no_start_search", &MovmfSettings::search_start, false},
                            {"farthest_start", &MovmfSettings::farthest_start, true}};
 
-// The key of multum:settings.
+// Returns the key in multum:settings.
 const std::string& hashed_as(const char* name) { return bake_parameters().at(name).hashed_as; }
 
-// A float is held against the bounds as floats: 0.1f is a little above 0.1.
+// Compares a float with the bounds as floats: 0.1f is slightly above 0.1.
 bool is_legal(const Parameter& row, int value) { return multum::is_legal(row, std::int64_t{value}); }
 bool is_legal(const Parameter& row, float value) {
   return value >= static_cast<float>(row.low) && value <= static_cast<float>(row.high);
@@ -59,7 +59,7 @@ void take(const ParameterValues& values, const char* name, float& value) {
 }  // namespace
 
 void apply(const ParameterValues& values, MovmfSettings& settings) {
-  // Presets first: what is given beside them changes them.
+  // Applies presets first, so that other given values override them.
   if (values.flag("reference")) make_reference(settings);
   if (values.flag("unaligned")) make_unaligned(settings);
   for (const Field& field : kFields)
@@ -103,15 +103,16 @@ void validate(const MovmfSettings& settings) {
         field.member);
   const RepresentationInfo& lobes = representation_info(settings.representation);
   if (settings.refine && !lobes.has_kappa)
-    throw Error(ErrorCode::kUsage, fmt::format("--refine is given with --ndf {}, expected --ndf vmf: it knows no {}",
-                                               lobes.option, lobes.contents));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--refine is given with --ndf {}, expected --ndf vmf: it does not support {}", lobes.option,
+                            lobes.contents));
   if (settings.refine && settings.coarse_normals == CoarseNormals::kAll)
     throw Error(ErrorCode::kUsage,
                 "--refine is given with --coarse-normals all (which --reference sets), expected binned normals");
 }
 
 std::string settings_json(const MovmfSettings& s) {
-  nlohmann::json json;  // an object: keys are sorted
+  nlohmann::json json;  // an object with sorted keys
   json[hashed_as("ndf")] = representation_info(s.representation).name;
   for (const Field& field : kFields)
     std::visit([&](auto member) { json[hashed_as(field.name)] = s.*member; }, field.member);
@@ -120,7 +121,7 @@ std::string settings_json(const MovmfSettings& s) {
   json[hashed_as("no_start_search")] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json[hashed_as("unaligned")] = s.aligned_start;
-  // Absent otherwise: files from before them keep their hash.
+  // Omitted otherwise: files of programs without these settings keep their hash.
   if (s.refine) json[hashed_as("refine")] = true;
   if (s.farthest_start) json[hashed_as("farthest_start")] = true;
   return json.dump();

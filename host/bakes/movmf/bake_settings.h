@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the settings of a fit of lobes. Ranges, and the names that people and the settings hash know them by, are rows
-// of bake_parameters(). Validated once, by the bake.
+// Holds the settings for fitting lobes. Rows of bake_parameters() define their ranges, and their names for people and
+// for the settings hash. The bake validates them once.
 #pragma once
 
 #include <string>
@@ -17,61 +17,60 @@ struct LobeCounts {
 LobeCounts lobe_counts();
 
 struct MovmfSettings {
-  Representation representation = Representation::kMovmf;  // of lobes: what a lobe is
+  Representation representation = Representation::kMovmf;  // type of lobe
   int lobe_count = 4;                                      // 1..8
-  int iteration_count = 12;                                // EM iterations a texel, at most; 1..1000
-  // Of texels that cover more than kSamplesUnchunkedMax normals: what they miss every finer level misses.
+  int iteration_count = 12;                                // maximum of EM iterations per texel, 1..1000
+  // For texels that cover more than kSamplesUnchunkedMax normals: every finer level inherits their errors.
   int iteration_count_coarse = 30;  // 1..1000
-  int iteration_count_top = 60;     // of the coarsest level, 1..1000
-  // After a level is fitted, it is fitted again this many times less one, each texel from its own lobes with all its
-  // neighbours done: what was fitted first has by then seen only its parent.
+  int iteration_count_top = 60;     // for the coarsest level, 1..1000
+  // Number of passes over a level. In each further pass, every texel starts from its own lobes and all its neighbours
+  // are fitted; in the first pass, the texels that are fitted first know only their parent.
   int pass_count = 2;  // 1..8
-  // EM iterations per texel in each further pass, at most; 1..1000. Coarse texels run a third of theirs if that is
-  // more.
+  // Maximum of EM iterations per texel in each further pass, 1..1000. Coarse texels run a third of their iterations if
+  // that is more.
   int refit_iterations = 6;
-  // A texel is done before when no lobe's kappa or weight changes by more than this share, and none turns by more than
-  // this share of its width; 0: never. Coarse texels run all their iterations.
+  // A texel stops early when no lobe's kappa or weight changes by more than this ratio, and no lobe turns by more than
+  // this ratio of its width; 0: never. Coarse texels run all iterations.
   float convergence_tolerance = 0.01f;  // 0..0.1
   CoarseNormals coarse_normals = CoarseNormals::kBinned;
-  // After EM each texel's lobes are refined towards the highlights that they give (movmf_refine.cl). Of lobes with a
-  // kappa and binned normals alone.
+  // After EM, refines each texel's lobes to reduce the error of their highlights (movmf_refine.cl). Only for lobes
+  // with a kappa and for binned normals.
   bool refine = false;
   FitOrder order = FitOrder::kColour;
   float alignment = 0.1f;    // C of the alignment prior, 0..10; 0: none
-  bool search_start = true;  // try the coarsest level's candidates on a small proxy map of the map
-  // The coarsest level starts from normals that lie farthest apart, and from nothing else: for comparison.
+  bool search_start = true;  // try the coarsest level's candidates on a small proxy of the map
+  // For comparison: the coarsest level starts only from the normals that are farthest apart.
   bool farthest_start = false;
-  // The map repeats: texels are held to those beyond the border as well. bake_file() sets them by its wrap modes.
+  // The map repeats: texels are also aligned to texels across the border. bake_file() derives this from the wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;
-  // The finest level that is fitted, 0..levels - 1; no level depends on a finer one. The result has those finer than
-  // this without texels.
+  // The finest fitted level, 0..levels - 1; no level depends on a finer one. Finer levels of the result have no texels.
   int first_level = 0;
-  bool aligned_start = true;  // false: every texel starts by itself (for comparison: filtering then mixes lobes up)
-  // Cap of kappa (1/sigma^2 of Gaussians) inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals
-  // (what a lobe stores is its normals' own spread, whatever the cap).
+  bool aligned_start = true;  // false, for comparison: texels start independently; filtering mixes unrelated lobes
+  // Cap of kappa (1/sigma^2 of Gaussians) inside EM: kappa_cap + kappa_cap_slope * kappa of all the texel's normals. A
+  // lobe stores the spread of its normals, whatever the cap.
   float kappa_cap = 500.0f;           // 1..1e5
   float kappa_cap_slope = 10.0f;      // 0..1000
-  float start_kappa_factor = 0.5f;    // kappa of a start is the parent's times this, 0.01..1
-  float start_amplitude_min = 0.02f;  // and its amplitude at least this, 0..0.125
+  float start_kappa_factor = 0.5f;    // start kappa / kappa of the parent, 0.01..1
+  float start_amplitude_min = 0.02f;  // minimum amplitude of a start, 0..0.125
 
   bool operator==(const MovmfSettings&) const = default;
 };
 
-/// What was given replaces what `settings` hold, `reference` and `unaligned` first. `values` are of bake_parameters().
+/// Replaces settings by the given values, `reference` and `unaligned` first. `values` are of bake_parameters().
 void apply(const ParameterValues& values, MovmfSettings& settings);
 
-/// Sets what the defaults are measured against: every normal at every level, 30 iterations and 10 in further passes,
-/// none cut short (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
+/// Sets the reference for the default settings: every normal at every level, 30 iterations, 10 in further passes, no
+/// early stop (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
-/// Fits every texel by itself, without alignment: for comparison alone (Tan et al. 2005, figures 5 and 6).
+/// Fits every texel independently, without alignment. For comparison only (Tan et al. 2005, figures 5 and 6).
 void make_unaligned(MovmfSettings& settings);
 
 /// Throws Error(kUsage) naming the setting, its value and its range.
 void validate(const MovmfSettings& settings);
 
-/// Every setting that changes pixels, as JSON with sorted keys: the text behind the file's settings hash.
+/// Every setting that changes pixels, as JSON with sorted keys. The file's settings hash is the hash of this text.
 std::string settings_json(const MovmfSettings& settings);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts and times of a fit of lobes: its part of a bake's report (host/bakes/bake/bake_report.h).
+// Holds counts and times of a fit of lobes: its part of a bake's report (host/bakes/bake/bake_report.h).
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ struct LevelReport {
 };
 
 struct FitReport {
-  std::string plan;            // BakePlan::to_text(), or that of plain averages where they suffice
-  double start_seconds = 0.0;  // choosing where the coarsest level starts
+  std::string plan;            // BakePlan::to_text(), or the plan of plain averages
+  double start_seconds = 0.0;  // time to choose the start of the coarsest level
   std::uint64_t start_launches = 0;
-  int starts_tried = 0;          // candidates whose pyramid was tried on a small proxy map of the map
-  RunTime start_remembered;      // what another bake's search took whose start was taken (StartMemory)
-  double binning_seconds = 0.0;  // binning the normals of coarse texels
+  int starts_tried = 0;          // candidates whose pyramid was tried on a small proxy of the map
+  RunTime start_remembered;      // search time of the earlier bake whose start was used (StartMemory)
+  double binning_seconds = 0.0;  // time to bin the normals of coarse texels
   std::uint64_t binning_launches = 0;
   std::vector<LevelReport> levels;  // finest first
-  // Rare numerical events, over all texels and lobes of all levels.
+  // Rare numerical events over all texels and lobes of all levels.
   std::uint64_t lobe_count_total = 0;
-  std::uint64_t nonfinite = 0;      // must be 0
-  std::uint64_t kappa_clamped = 0;  // sharper than MovmfSettings::kappa_cap: EM may have fitted them as if less sharp
-  std::uint64_t dead_lobes = 0;     // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
+  std::uint64_t nonfinite = 0;         // must be 0
+  std::uint64_t kappa_clamped = 0;     // above MovmfSettings::kappa_cap: EM may have treated them as less sharp
+  std::uint64_t dead_lobes = 0;        // amplitude below 1e-6; below 1e-7 (DEAD_SHARE) EM keeps its last direction
   std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
 };
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names some rows of a level, or some of its texels.
+// Describes ranges of rows of a level, or of its texels.
 #pragma once
 
 #include <algorithm>
 
 namespace multum {
 
-/// Rows [begin, end). Of a map that repeats they may lie beyond its borders.
+/// Rows [begin, end). On a map that repeats, they may be outside its borders.
 struct LevelRows {
   int begin = 0, end = 0;
 };
 
-/// None where begin is not below end.
+/// Intersection of two ranges; empty if begin >= end.
 inline LevelRows common_rows(const LevelRows& a, const LevelRows& b) {
   return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
 }

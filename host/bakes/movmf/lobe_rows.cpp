@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Rare numerical events among some lobes.
+// Counts of rare numerical events among some lobes.
 struct LobeEvents {
   std::uint64_t nonfinite = 0, dead = 0, undirected = 0, clamped = 0;
 
@@ -30,8 +30,8 @@ struct LobeEvents {
   }
 };
 
-// A share is a sum of many single-precision responsibilities: those of a texel sum to 1 within 7e-6 on a 2048 map.
-// The other channels carry the same factor, and are divided by it too.
+// A share is a sum of many single-precision responsibilities. The shares of a texel sum to 1 within 7e-6 on a 2048
+// map. The other channels contain the same factor, so all are divided by the sum.
 void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
   double sum = 0.0;
   for (const auto& lobe : level.lobes) sum += static_cast<double>(lobe[texel].w);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts lobes as the kernels keep them to lobes as the file has them.
+// Converts lobes between the format of the kernels and the format of the file.
 #pragma once
 
 #include <vector>
@@ -19,14 +19,14 @@ struct LobeRowsSize {
   int weight_count = 0;
 };
 
-/// `lobes`: r and a by rows [lobe][column], of Gaussians mean, sigma^2 and a; `features` by rows
-/// [triple][lobe][column]. Returns planes of (a r, a), of Gaussians as host/formats/asset/lobes/gmm_quantize.h has
-/// them, whose shares sum to 1 in every texel, and counts rare numerical events in `report`. `kappa_cap`:
-/// MovmfSettings::kappa_cap.
+/// `lobes`: r and a, by rows [lobe][column]; for Gaussians mean, sigma^2 and a. `features`: by rows
+/// [triple][lobe][column].
+/// Returns planes of (a r, a), or of Gaussians as in host/formats/asset/lobes/gmm_quantize.h. The shares of every
+/// texel sum to 1. Counts rare numerical events in `report`. `kappa_cap`: MovmfSettings::kappa_cap.
 MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, const std::vector<glm::vec3>& features,
                        float kappa_cap, int threads, FitReport& report);
 
-/// Converts one lobe back.
+/// Converts one stored lobe to the kernels' format.
 MultumVmfLobe fitted_lobe(const glm::vec4& stored, Representation representation);
 
 }  // namespace multum

@@ -17,13 +17,13 @@ namespace {
 
 constexpr int kCountMax = 4096;
 
-// Rows of a level that the parents of rows [begin, end) of the finer one are among, with one more on either side.
+// Rows that contain the parents of rows [begin, end) of the finer level, plus one row on either side.
 LevelRows parents_of(const LevelRows& rows) {
   const auto half = [](int row) { return row >= 0 ? row / 2 : (row - 1) / 2; };
   return {half(rows.begin) - 1, half(rows.end - 1) + 2};
 }
 
-// What LevelFit fits and reads to hand over some rows.
+// Rows that LevelFit fits and reads to finish some rows.
 LevelRows reach(const LevelRows& rows, int steps) { return {rows.begin - steps, rows.end + steps}; }
 
 LevelRows band(int height, const MapShard& shard) {
@@ -31,9 +31,9 @@ LevelRows band(int height, const MapShard& shard) {
   return {edge(shard.index - 1), edge(shard.index)};
 }
 
-// Rows around a band are about as many on every level, so that each coarser level has twice the share of rows that are
-// fitted again: the coarsest that is divided at most half as many as are kept, the next finer one a quarter, and so on.
-// The finest level, without which nothing is divided, may have as many again as are kept.
+// A band needs about as many extra rows on every level, so each coarser level fits twice the share of rows again. The
+// coarsest divided level may fit at most half as many extra rows as it keeps, the next finer level a quarter, and so
+// on. The finest level may fit as many extra rows as it keeps, because without it nothing can be divided.
 bool is_worth_dividing(const LevelSchedule& level, const LevelRows& fitted, int steps, int count, bool is_finest) {
   const int height = level.fit.height, rows = fitted.end - fitted.begin + 2 * (steps - 1);
   return rows + 2 < height && 2 * rows * count <= (is_finest ? 4 : 3) * height + 2 * count;
@@ -62,9 +62,11 @@ MapShard parse_map_shard(const std::string& option, const std::string& text) {
 
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard) {
   if (!settings.aligned_start)
-    throw Error(ErrorCode::kUsage, "--shard is given with unaligned lobes, whose levels do not follow one another");
+    throw Error(ErrorCode::kUsage,
+                "--shard is given with unaligned lobes, expected aligned ones: levels of unaligned lobes do not depend "
+                "on each other");
   ShardPlan plan;
-  // Which levels are divided must not depend on which share asks: the rows of one in the middle decide.
+  // All shares must divide the same levels, so the rows of a band in the middle decide.
   LevelRows middle_before{}, own_before{};
   int steps_before = 0;
   bool is_first = true;
@@ -93,11 +95,10 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
     is_first = false;
   }
   if (is_first)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("--shard has {} bands, expected fewer: the finest level that is fitted has {} rows, too few "
-                    "for so many bands, or settings that know of no bands",
-                    shard.count, schedule.levels.empty() ? 0 : schedule.levels.back().fit.height));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--shard has {} bands, expected fewer: the finest fitted level has {} rows, too few for so "
+                            "many bands, or the settings do not allow bands",
+                            shard.count, schedule.levels.empty() ? 0 : schedule.levels.back().fit.height));
   return plan;
 }
 
@@ -134,7 +135,7 @@ void ShareWriter::commit() {
 
 ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std::string* key, RowRecords& rows)
     : path_(shard_path(output, shard)), remedy_(fmt::format("; --shard {}/{} makes it", shard.index, shard.count)) {
-  if (!std::filesystem::is_regular_file(path_)) refuse("is not there");
+  if (!std::filesystem::is_regular_file(path_)) refuse("does not exist");
   records_.emplace(path_);
   std::uint64_t end = 0;
   try {
@@ -142,11 +143,11 @@ ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std
   } catch (const Error& error) {
     throw Error(ErrorCode::kEnvironment, error.what() + remedy_);
   }
-  if (end == 0) refuse("is of another map, other settings, or another version of multum");
-  if (!is_whole_) refuse("is cut, or damaged");
+  if (end == 0) refuse("belongs to another map, other settings, or another version of multum");
+  if (!is_whole_) refuse("is cut off, or damaged");
 }
 
-// Rows are looked at where they are read.
+// Rows are checked when they are read.
 bool ShareFile::take(const RecordFile::Place& place, RowRecords& rows) {
   const bool is_note = record_count_++ == 0;
   is_whole_ = false;

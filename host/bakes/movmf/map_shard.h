@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides the fit of one map's lobes among processes: a first share fits the coarse levels, which need the whole map,
-// each of the others a band of rows of every finer level. A texel needs what lies a few rows around it and its parents,
-// so that a band is fitted with some rows more on either side, more on coarser levels, which are done again and
-// dropped:
+// Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole map;
+// each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
+// parents. A band is therefore fitted with extra rows on either side, more on coarser levels. The extra rows are
+// dropped afterwards:
 //
 //   level 3     [  ######  ]        [ ]  fitted
 //   level 2      [ ###### ]         ###  kept
 //   level 1       [######]
 //
-// What is kept equals what one process fits, bit for bit (movmf_level_fit.h).
+// The kept rows equal those that one process fits, bit for bit (movmf_level_fit.h).
 #pragma once
 
 #include <array>
@@ -25,36 +25,36 @@
 
 namespace multum {
 
-/// Share 0 has the coarse levels; shares 1 to `count`, at least 2, have bands.
+/// Share 0 fits the coarse levels; shares 1 to `count`, at least 2, fit bands.
 struct MapShard {
   int index = 0, count = 2;
   bool operator==(const MapShard&) const = default;
 };
 
-/// "3/8" or "0/8". Throws Error(kUsage) that names `option`.
+/// Parses "3/8" or "0/8". Throws Error(kUsage) that names `option`.
 MapShard parse_map_shard(const std::string& option, const std::string& text);
 
 struct ShardPlan {
   int coarse_from = 0;  // the finest of the coarse levels
-  // Of a band, for each finer level that is fitted, down to the finest.
+  // Rows of a band on each finer level, down to the finest fitted level.
   std::map<int, LevelRows> kept, fitted;
 };
 
-/// Throws Error(kUsage) where the map is too small for so many bands, or its levels do not follow one another.
+/// Throws Error(kUsage) if the map is too small for so many bands, or if its levels do not depend on each other.
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard);
 
-/// Rows of the map that a band's levels cover, and those beside them that windows may hold. Of a map that repeats they
-/// may lie beyond its borders.
+/// Rows of the map that a band's levels cover, including those that windows may hold. On a map that repeats, they may
+/// be outside its borders.
 LevelRows map_rows(const ShardPlan& plan, const MipSchedule& schedule, const MovmfSettings& settings);
 
-/// The file of a share, beside the output: OUTPUT.shard-3-of-8.
+/// Path of a share's file, next to the output: OUTPUT.shard-3-of-8.
 std::string shard_path(const std::string& output, const MapShard& shard);
 
-/// The file of a share that is written: it appears when all is there. Its records are a note, what a reader shall know;
-/// rows (host/bakes/movmf/row_records.h); and one without bytes at the end.
+/// Writes the file of a share; the file appears when it is complete. The file's records are a note for readers, rows
+/// (host/bakes/movmf/row_records.h), and an empty record at the end.
 class ShareWriter {
  public:
-  /// `key`: what the rows depend on; a line. Throws Error(kEnvironment), as the rest does.
+  /// `key`: identifies the inputs of the rows, in one line. Throws Error(kEnvironment), as the other members do.
   ShareWriter(const std::string& path, const std::string& key, const std::string& note);
   /// `parts`: see RowRecords::add().
   void add_rows(const RowBlock& rows, const std::array<const void*, 3>& parts) { rows_.add(records_, rows, parts); }
@@ -66,12 +66,12 @@ class ShareWriter {
   RowRecords rows_;
 };
 
-/// The file of a share that is there.
+/// Reads the file of a finished share.
 class ShareFile {
  public:
-  /// Takes its rows to `rows`, which it must outlive. `key`: null: whatever it is of. `output`: as shard_path() has it.
-  /// Throws Error(kEnvironment) that names the file, why it is of no use (it is not there, cut, or of another bake),
-  /// and the share that makes it anew.
+  /// Adds its rows to `rows`, which it must outlive. `key`: null accepts any key. `output`: as for shard_path().
+  /// Throws Error(kEnvironment) that names the file, the problem (missing, cut off, or from another bake), and the
+  /// share that makes it again.
   ShareFile(const std::string& output, const MapShard& shard, const std::string* key, RowRecords& rows);
   const std::string& note() const { return note_; }
   const std::string& path() const { return path_; }
@@ -87,7 +87,7 @@ class ShareFile {
   bool is_whole_ = false;
 };
 
-/// Is the share there, whole but for its rows, and of this bake?
+/// True if the share exists, belongs to this bake and is complete; its rows are not checked.
 bool has_shard(const std::string& output, const MapShard& shard, const std::string& key);
 
 /// Removes the files of shares 0 to `count`.

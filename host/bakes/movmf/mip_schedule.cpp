@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// The largest number of finest texels that any texel of the level overlaps along an axis.
+// The largest number of finest texels that any texel of the level overlaps along one axis.
 int covered_max(int map_size, int level_size) {
   int most = 0;
   for (std::int64_t x = 0; x < level_size; ++x) {
@@ -27,8 +27,8 @@ bool covers_whole_texels(int map_size) {
   return true;
 }
 
-// Texels of four whole normals that follow a parent. Unaligned lobes have nothing to be chosen by, and --reference has
-// EM everywhere.
+// True for texels of four whole normals with a parent. Unaligned lobes give no criterion for the choice, and
+// --reference uses EM everywhere.
 bool chooses(const MovmfSettings& settings, const MultumMovmfFit& fit) {
   return fit.map_width == 2 * fit.width && fit.map_height == 2 * fit.height && fit.parent_width > 0 &&
          settings.aligned_start && settings.alignment > 0.0f && settings.convergence_tolerance > 0.0f;
@@ -77,7 +77,7 @@ void choose_iterations(const MovmfSettings& settings, bool top, LevelSchedule& l
   }
 }
 
-// Four colours (x & 1, y & 1): (0,0), (1,1), (1,0), (0,1), as movmf_start.cl ranks them.
+// Four colours (x & 1, y & 1): (0,0), (1,1), (1,0), (0,1), in the order of movmf_start.cl.
 constexpr int kColours[4][2] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
 
 int floor_divide(std::int64_t a, std::int64_t b) { return static_cast<int>(a >= 0 ? a / b : -((b - 1 - a) / b)); }
@@ -107,7 +107,7 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.sample_columns = covered_max(map_width, fit.width);
     fit.sample_rows = covered_max(map_height, fit.height);
     fit.order = settings.order == FitOrder::kScanline ? MULTUM_ORDER_SCANLINE : MULTUM_ORDER_COLOUR;
-    // A scan line is done from its start to its end: what lies beyond its start is not done yet.
+    // Scan-line order does not wrap: texels across the border are fitted later.
     const bool wraps = settings.order == FitOrder::kColour;
     fit.periodic_x = wraps && settings.periodic_x ? 1 : 0;
     fit.periodic_y = wraps && settings.periodic_y ? 1 : 0;
@@ -124,8 +124,8 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.parent_window_rows = fit.parent_height;
     fit.map_window_rows = map_height;
     level.order = settings.order;
-    // Scan-line order as a wavefront: a texel needs its left and its three upper neighbours, the last of them
-    // (x + 1, y - 1), so texel (x, y) belongs to step x + 2 y.
+    // Scan-line order as a wavefront: a texel needs its left and its three upper neighbours. The last of them is (x +
+    // 1, y - 1), so texel (x, y) belongs to step x + 2 y.
     level.step_count = level.order == FitOrder::kColour ? 4 : fit.width + 2 * (fit.height - 1);
     schedule.levels.push_back(level);
   }

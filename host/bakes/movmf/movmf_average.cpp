@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// Rows of three planes from `plane` on.
+// Reads rows of three planes, starting with `plane`.
 std::vector<glm::vec3> vectors_of(const BoxRows& from, int plane, int threads) {
   const std::size_t width = size_of(from.width);
   std::vector<glm::vec3> vectors(width * size_of(from.height));
@@ -39,7 +39,7 @@ class NormalPlanes : public AveragedPlanes {
         report_(report),
         take_normals_(device.kernel("mip_box", "mip_features", {1, 1, false})) {}
 
-  std::string name() const override { return "one lobe a texel, averaged,"; }
+  std::string name() const override { return "one lobe per texel, averaged,"; }
   int plane_count() const override { return kNormalPlanes; }
   void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) override {
     take_normals_.launch({size_of(band.row_count) * size_of(band.map_width), kBoxLocalSize}, normals[0], normals[1],

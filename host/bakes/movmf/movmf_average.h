@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes maps to one lobe per texel: the mean of the normals is all that the lobe stores, so that EM has nothing to
-// share out, and plain averages (host/bakes/pyramid/average_pass.h) give the same lobe in one pass over the map.
+// Bakes maps to one lobe per texel. The lobe stores only the mean of the normals, so plain averages
+// (host/bakes/pyramid/average_pass.h) give the same lobe as EM in one pass over the map.
 #pragma once
 
 #include "host/bakes/movmf/bake_settings.h"
@@ -12,10 +12,11 @@
 
 namespace multum {
 
-/// Do plain averages give what these settings ask for? Not of a part of a map, which lies beside lobes that are there.
+/// True if plain averages give the result of these settings. False for a part of a map, which is next to existing
+/// lobes.
 bool averages_suffice(const RowOrigin& rows, const MovmfSettings& settings);
 
-/// As bake_movmf(), of settings that averages_suffice() takes. Progress advances by movmf_bake_units().
+/// Bakes as bake_movmf() does, for settings that averages_suffice() accepts. Progress advances by movmf_bake_units().
 void average_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, MovmfSink& sink,
                    FitReport& report, Progress* progress);
 

@@ -20,7 +20,7 @@
 namespace multum {
 namespace {
 
-// Gathers what a bake hands over into a whole mipmap.
+// Collects the rows of a bake in a whole mipmap.
 class MovmfMipmapSink : public MovmfSink {
  public:
   MovmfMipmapSink(const PlaneStore& normals, const MovmfSettings& settings, const FeaturePlanes& features) {
@@ -57,10 +57,10 @@ class MovmfMipmapSink : public MovmfSink {
   MovmfMipmap mipmap_;
 };
 
-// Of the proxy map's levels that are compared: finer ones hold too few normals.
+// Largest side of the proxy map's levels that are compared: finer levels hold too few normals per texel.
 constexpr int kComparedSideMax = 16;
 
-// One bake of a small proxy map after another, each from another start: what they share is made once.
+// Bakes a small proxy map from one start after another; shared data is made once.
 class StartTrial {
  public:
   StartTrial(Device& device, const NormalMap& proxy, const MovmfSettings& settings, const MipSchedule& of_map)
@@ -72,9 +72,9 @@ class StartTrial {
         schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
         plan_(make_bake_plan(schedule_, settings, map_, device.shape())) {}
 
-  // The pyramid from one candidate, and its error at texel centres and between: a start is as good as the levels that
-  // grow from it, and neither its likelihood nor its own error tells (on the four-quarter map with 6 lobes the best of
-  // them came 14th by error). 4096 normals take some 50 ms a candidate.
+  // Builds the pyramid from one candidate and returns its error at texel centres and between. A start is as good as
+  // the levels that grow from it. Neither its likelihood nor its own error predicts this: on the four-quarter map with
+  // 6 lobes, the best start ranked 14th by error. With 4096 normals, a candidate takes about 50 ms.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     FitReport ignored;
     MovmfMipmapSink sink(planes_, settings_, {});
@@ -86,14 +86,14 @@ class StartTrial {
     AccuracySettings accuracy;
     accuracy.samples_per_level = 0;
     accuracy.footprints_per_octave = 0;
-    accuracy.threads = 1;  // too small to share
+    accuracy.threads = 1;  // too little work for several
     accuracy.directions = {{{0.0, 0.0, 1.0}}, spread_half_vectors(64), {}};
     const auto too_fine = [&](int level) {
       const MovmfLevel& size = mipmap.levels[static_cast<std::size_t>(level)];
       return size.width > kComparedSideMax || size.height > kComparedSideMax;
     };
     while (too_fine(accuracy.first_level)) ++accuracy.first_level;
-    double error = 0.0;  // the product of the errors, so that no BRDF or level outweighs the others
+    double error = 0.0;  // log of the product of the errors, so that no BRDF or level dominates
     for (const AccuracyRow& row : measure_accuracy(device_, mipmap, proxy_, accuracy, nullptr))
       if (row.brdf != AccuracyBrdf::lambert()) error += std::log(row.error + 0.005);
     return error;
@@ -109,7 +109,7 @@ class StartTrial {
   const BakePlan plan_;
 };
 
-// Those of the map; a memory has them for all settings of as many lobes.
+// Candidates of the map; a memory keeps them for all settings with as many lobes.
 StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& search, StartMemory* memory) {
   if (memory != nullptr)
     if (const StartCandidates* known = memory->candidates(search.lobe_count, search.kappa_max)) return *known;
@@ -119,12 +119,12 @@ StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& se
   return memory == nullptr ? found : memory->remember(search.lobe_count, search.kappa_max, std::move(found));
 }
 
-// The candidate with the best pyramid on a proxy map. `is_timed`: on kernels that are loaded.
+// Returns the candidate with the best pyramid on a proxy map. `is_timed`: load the kernels before timing starts.
 ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSettings& whole,
                            const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
                            bool is_timed) {
   device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
-  const StartTrial start_trial(device, proxy, whole, schedule);  // the map's own kernels: no second set of programs
+  const StartTrial start_trial(device, proxy, whole, schedule);  // with the map's kernels: no second set of programs
   if (is_timed) start_trial.error_from(candidates.front());
   const RunClock clock([&device] { return device.timed_seconds(); });
   ChosenStart chosen;
@@ -140,12 +140,12 @@ ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSe
   return chosen;
 }
 
-// Settings of the bakes of the proxy map.
+// Settings for baking the proxy map.
 MovmfSettings trial_settings(const MovmfSettings& settings, const NormalMap& proxy) {
   MovmfSettings whole = settings;
-  whole.refine = false;   // the pyramid of EM is what a start decides
-  whole.first_level = 0;  // of the proxy map, which has fewer levels than the map
-  // Where the finest levels are not asked for, their kernels are not either.
+  whole.refine = false;   // the start decides the pyramid of EM
+  whole.first_level = 0;  // level of the proxy map, which has fewer levels than the map
+  // If the finest levels are not requested, their kernels are not needed either.
   while (settings.first_level > 0 && std::max(mip_level_size(proxy.width, whole.first_level),
                                               mip_level_size(proxy.height, whole.first_level)) > kComparedSideMax)
     ++whole.first_level;
@@ -167,7 +167,7 @@ ChosenStart search_start(Device& device, const PlaneStore& normals, const MovmfS
   for (std::vector<MultumVmfLobe>& lobes : candidates.starts)
     lobes = start_lobes(std::move(lobes), settings.representation, normals.is_shortened());
   ChosenStart chosen{candidates.starts.front(), 0, {}};
-  // Levels that do not grow from the coarsest cannot tell starts apart.
+  // Only levels that grow from the coarsest level can distinguish starts.
   if (settings.search_start && settings.aligned_start && candidates.starts.size() > 1)
     chosen = try_candidates(device, proxy, whole, schedule, candidates.starts, memory != nullptr);
   chosen.time = chosen.time + candidates.time;
@@ -198,7 +198,7 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
   validate(settings);
   if (map_width > 32768 || map_height > 32768)
     throw Error(ErrorCode::kInput,
-                fmt::format("found a map of {} x {}, expected at most 32768 texels a side", map_width, map_height));
+                fmt::format("found a map of {} x {}, expected at most 32768 texels per side", map_width, map_height));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (settings.first_level > level_max)
     throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
@@ -210,13 +210,13 @@ void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& setti
   const PlaneStore& normals = *map.normals;
   validate(settings, normals.width(), normals.height());
   if (settings.refine && normals.is_shortened())
-    throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it knows unit normals alone");
+    throw Error(ErrorCode::kUsage, "--refine is given with a roughness, expected none: it supports only unit normals");
   const FeaturePlanes& features = map.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   if (averages_suffice(rows, settings)) {
     if (rows.sink() == nullptr)
       throw Error(ErrorCode::kUsage,
-                  "--shard is given with one lobe a texel, which is a plain average: it is not divided");
+                  "--shard is given with one lobe per texel, which is a plain average and cannot be divided");
     average_movmf(device, map, settings, *rows.sink(), report, progress);
     return;
   }

@@ -11,14 +11,14 @@
 namespace multum {
 namespace {
 
-constexpr int kChunkColumns = 256;  // about, of a work-item that fills cells of its own
-constexpr int kStripRows = 32;      // of a work-item that adds to cells of all
+constexpr int kChunkColumns = 256;  // approximate columns per work-item that fills its own cells
+constexpr int kStripRows = 32;      // rows per work-item that adds to shared cells
 
 constexpr std::size_t kAxisBytes = std::size_t{2} * MULTUM_AXIS_FLOATS * sizeof(float);
 constexpr std::size_t kSampleBytes = std::size_t{MULTUM_CONDENSED_SAMPLE} * sizeof(float);
 constexpr std::size_t kProbeBytes = std::size_t{2} * MULTUM_PROBE_COUNT * sizeof(float);
 
-// Rows of texels that a band of so many rows of the map can meet.
+// Maximum of rows of texels that a band of `band_rows` rows of the map overlaps.
 int rows_met(const MultumMovmfFit& fit, int band_rows) {
   return std::min(fit.height, (band_rows + fit.sample_rows - 1) / std::max(1, fit.sample_rows - 1) + 1);
 }
@@ -31,7 +31,8 @@ int chunk_count_of(const MultumMovmfFit& fit, const LaunchShape& shape) {
   return shape.atomic_cells ? 1 : (fit.sample_columns + kChunkColumns - 1) / kChunkColumns;
 }
 
-// One level while the map passes: buffers for the rows of texels that the band meets, row y in slot y % slots.
+// Bins one level during a pass over the map: buffers for the rows of texels that the band overlaps, row y in slot y %
+// slots.
 class LevelBinner {
  public:
   LevelBinner(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
@@ -63,7 +64,7 @@ class LevelBinner {
     }
   }
 
-  // The first pass: normals that axes are made from, of the rows that `normals` holds.
+  // First pass: collects normals for the axes, from the rows in `normals`.
   void probe(const MapWindow& normals) {
     for_each_row(normals, [&](int y, Slot& slot, bool, bool ends) {
       probe_kernel_.launch({width_ * MULTUM_PROBE_SIDE}, normals[0], normals[1], normals[2], slot.probes, fit_, y);
@@ -74,7 +75,7 @@ class LevelBinner {
     });
   }
 
-  // Between the passes: probes are done with.
+  // Between the passes: frees the probes.
   void begin_cells() {
     for (Slot& slot : slots_) {
       slot.probes = DeviceBuffer();
@@ -83,7 +84,7 @@ class LevelBinner {
     }
   }
 
-  // The second pass: cells; `features` hold the same rows.
+  // Second pass: fills cells; `features` hold the same rows.
   void add(const MapWindow& normals, const std::vector<MapWindow>& features) {
     for_each_row(normals, [&](int y, Slot& slot, bool begins, bool ends) {
       if (begins) {
@@ -115,7 +116,8 @@ class LevelBinner {
     return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * cell_bytes(fit_), "cells of normals");
   }
 
-  // Calls body(y, slot, begins, ends) for each row of texels that rows of the window belong to: do its first, its last?
+  // Calls body(y, slot, begins, ends) for each row of texels that overlaps the window; `begins`, `ends`: the window
+  // contains its first, its last row.
   template <typename Body>
   void for_each_row(const MapWindow& normals, const Body& body) {
     const int first = normals.first_row(), end = first + normals.row_count();
@@ -123,7 +125,7 @@ class LevelBinner {
     fit_.map_window_rows = normals.row_count();
     int y = static_cast<int>(std::int64_t{first} * fit_.height / fit_.map_height);
     for (; y < fit_.height && first_covered_row(fit_, y) < end; ++y) {
-      // Before rounding was a fraction of a row: a texel whose last row lies above the band is done.
+      // The first y was rounded down: a row of texels that ends above the band is finished.
       if (last_covered_row(fit_, y) <= first) continue;
       body(y, slots_[static_cast<std::size_t>(y) % slots_.size()], first_covered_row(fit_, y) >= first,
            last_covered_row(fit_, y) <= end);
@@ -235,12 +237,12 @@ std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
   if (on_device == nullptr || band_rows < normals.height()) bands.emplace(device, normals, features, band_rows);
   MapWindows& map = bands ? *bands : *on_device;
   const auto for_each_band = [&](const auto& body) {
-    if (bands) map.normals.move_to(0, 0);  // windows slide down alone
+    if (bands) map.normals.move_to(0, 0);  // windows can only slide down
     for (int row = 0; row < normals.height(); row += band_rows) {
       map.normals.move_to(row, std::min(band_rows, normals.height() - row));
       body();
       device.finish();
-      progress_advance(progress, 0);  // a chance to cancel
+      progress_advance(progress, 0);  // lets the caller cancel
     }
   };
   for_each_band([&] {

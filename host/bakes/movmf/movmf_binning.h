@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins the normals (and features) of coarse texels while the map streams by, all levels in two passes: one for the axes
-// of their grids, one for their cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md, "Binned normals").
+// Bins the normals and features of coarse texels for all levels in two passes over the map: one for the axes of the
+// grids, one for their cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md, "Binned normals").
 #pragma once
 
 #include <map>
@@ -15,34 +15,33 @@
 
 namespace multum {
 
-/// Bytes of the samples of a binned texel, all its cells.
+/// Bytes of the samples of a binned texel, with all its cells.
 std::size_t binned_bytes(const MultumMovmfFit& fit);
 
-/// The samples of one level's texels by rows: those of the row's texels one after another, and how many each has.
-/// Features go with the same samples, by rgb_planes.
+/// The samples of one level's texels by rows, one texel after another, and the number of samples per texel. Features
+/// belong to the same samples, by rgb_planes.
 struct BinnedLevel {
   RowStore samples;
-  RowStore counts;  // an int a texel
+  RowStore counts;  // one int per texel
   std::vector<RowStore> rgb_planes;
 };
 
-/// Puts a level's samples, or a triple of its features, into a window that has room for all cells of each texel.
+/// Copies a level's samples, or a triple of its features, into a window that has room for all cells of each texel.
 RowWindow::Fill fill_binned(const BinnedLevel& level, const RowStore& samples, std::size_t texel_bytes);
 
 /// Bins the levels of `schedule` whose method is kBinned, for lobes of `representation`; returns them by level.
-/// `features` are rgb_planes. The map passes in bands of at most `band_rows` rows, which change nothing in the result;
-/// where that is all of them, and the map is `on_device` already (null: it is not), it is taken from there. Throws
-/// Cancelled.
+/// `features` are rgb_planes. The map is read in bands of at most `band_rows` rows, which do not change the result. If
+/// one band holds all rows and the map is `on_device` (null: it is not), it is read from there. Throws Cancelled.
 std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
                                       const std::vector<const PlaneStore*>& features, const MipSchedule& schedule,
                                       Representation representation, int band_rows, MapWindows* on_device,
                                       const SpillPolicy& spill, Progress* progress);
 
-/// The programs that bin_levels() needs; none where no level is binned.
+/// The programs that bin_levels() needs; empty if no level is binned.
 std::vector<ProgramChoice> binning_programs(const MipSchedule& schedule, Representation representation,
                                             const LaunchShape& shape);
 
-/// Bytes of the buffers of bin_levels(), about.
+/// Approximate bytes of the buffers of bin_levels().
 std::uint64_t binning_bytes(const MipSchedule& schedule, int band_rows, int rgb_plane_count, const LaunchShape& shape);
 
 }  // namespace multum

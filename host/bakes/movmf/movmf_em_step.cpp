@@ -12,17 +12,17 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kPartialSums = 5;  // of movmf_em_chunks.cl
+constexpr std::size_t kPartialSums = 5;  // sums per lobe in movmf_em_chunks.cl
 constexpr std::size_t kWeightedPlanes = 4;
-// Of a window in four colours all: the device goes from one to the next by itself.
+// For all four colours of a window: the device starts one after the other without waiting for the host.
 constexpr std::size_t kStepsQueuedMax = 4;
 
 std::size_t group_count(std::size_t texels) { return (texels + MULTUM_GROUP - 1) / MULTUM_GROUP; }
 
-// Buffers grow to what the largest step needs.
+// Buffers grow to the size of the largest step.
 void ensure(Device& device, DeviceBuffer& buffer, std::size_t byte_count, const char* what) {
   if (buffer.byte_count() >= byte_count) return;
-  buffer = DeviceBuffer();  // gone before the next is there
+  buffer = DeviceBuffer();  // frees it before the next allocation
   buffer = device.make_buffer(byte_count, what);
 }
 
@@ -35,12 +35,12 @@ std::size_t partial_bytes(const MultumMovmfFit& fit, std::size_t texels, std::si
 }
 
 void restart_at(MapWindow& window, int first_row, int row_count) {
-  if (first_row < window.first_row()) window.move_to(first_row, 0);  // windows slide down alone
+  if (first_row < window.first_row()) window.move_to(first_row, 0);  // windows can only slide down
   window.move_to(first_row, row_count);
 }
 
-// Calls body() for each band of the map that chunks begin in, with its rows, and those that the chunks go on in, in the
-// windows.
+// Calls body() for each band of the map in which chunks begin. The windows hold the band's rows and the following rows
+// in which its chunks continue.
 template <typename Body>
 void for_each_chunk_band(MultumMovmfFit& fit, MapWindow& normals, MapWindow* features, const Body& body) {
   const bool whole = normals.capacity_rows() >= fit.map_height;
@@ -66,17 +66,17 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
       starting_(scalar_),
       packing_(scalar_) {
   fast_.vector_width = binned_.vector_width = starting_.vector_width = device.shape().vector_width;
-  binned_.weighted = true;  // by the number of normals in a cell
+  binned_.weighted = true;  // weights are the numbers of normals in cells
   starting_.weighted = false;
   packing_.lobes = 1;
 }
 
 MovmfEmStep::~MovmfEmStep() {
-  if (lists_.empty()) return;  // or a fit was cancelled, or failed
+  if (lists_.empty()) return;  // the list is not empty if a fit was cancelled or failed
   try {
     device_.finish();
   } catch (const Error&) {
-    // What failed is thrown already.
+    // The failure has already been thrown.
   }
 }
 
@@ -88,7 +88,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   if (schedule.uses(FitMethod::kChoice)) programs.push_back({"movmf_choose", starting_});
   if (uses_em) programs.push_back({"movmf_start", starting_});
   if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
-  // Of a map whose sides are no powers of two it is the first one again, which is prepared once.
+  // If the map's sides are not powers of two, this equals the first program, which is prepared once.
   if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
   if (settings_.refine) {
     if (uses_texels) programs.push_back({"movmf_refine", fast_});
@@ -102,7 +102,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   return programs;
 }
 
-// A kernel is made when a step first needs it: levels differ in their methods.
+// Makes a kernel when a step first needs it, because levels use different methods.
 Kernel& MovmfEmStep::lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant) {
   if (!kernel.is_built()) kernel = device_.kernel(file, name, variant);
   return kernel;
@@ -228,7 +228,8 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, StepWi
           .launch({texel_count}, partial_, start_, list_, fit);
     mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes.buffer(),
                          windows.alignment_vectors.buffer(), fit, i);
-    // An iteration reads every normal of its texels, seconds on the largest maps: a chance to cancel after each.
+    // An iteration reads every normal of its texels, which takes seconds on the largest maps; the caller can cancel
+    // after each.
     device_.finish();
     progress_advance(progress, 0);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits the levels of a pyramid of lobes on the device, from the coarsest to the finest (Han et al. 2007, section 7), as
-// far as their rows are not there already, and hands rows over as they are done. movmf_bake.h is what bakes call.
+// Fits the levels of a pyramid of lobes on the device, from the coarsest to the finest (Han et al. 2007, section 7).
+// Skips rows that already exist, and hands rows over when they are finished. Bakes call movmf_bake.h.
 #pragma once
 
 #include <functional>
@@ -23,22 +23,22 @@
 
 namespace multum {
 
-/// Begins to build the programs that MovmfFit launches for such a schedule, those that it launches first first.
+/// Begins to build the programs of MovmfFit for a schedule, in the order of their launches.
 void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSettings& settings, bool has_features);
 
 class MovmfFit {
  public:
-  /// The coarsest level's texel, one a lobe.
+  /// Returns the lobes of the coarsest level's texel.
   using ChooseStart = std::function<std::vector<MultumVmfLobe>()>;
 
-  /// Settings are valid, features are of the map's size; all outlive it. `choose_start` is called where the coarsest
-  /// level is fitted. Progress advances by movmf_bake_units().
+  /// Settings are valid, and features have the map's size; all arguments outlive it. Calls `choose_start` before it
+  /// fits the coarsest level. Progress advances by movmf_bake_units().
   MovmfFit(Device& device, const MapInputs& map, const MovmfSettings& settings, const MipSchedule& schedule,
            const BakePlan& plan, RowOrigin& rows, ChooseStart choose_start, FitReport& report, Progress* progress);
 
-  /// The levels of the schedule one after another.
+  /// Fits a level; call it for the levels of the schedule in order.
   void fit(const LevelSchedule& level);
-  /// A map of one texel has no level 1.
+  /// Handles a map of one texel, which has no level 1.
   void fit_single_texel();
 
  private:
@@ -49,7 +49,7 @@ class MovmfFit {
 
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   bool has_features() const { return !map_.features.empty(); }
-  // Planes of features, [triple][lobe].
+  // Number of feature planes, [triple][lobe].
   std::size_t feature_planes() const { return lobe_count() * map_.features.rgb_planes.size(); }
   LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
   bool makes_level_zero(int level) const { return level == 1 && settings_.first_level == 0 && rows_.sink() != nullptr; }
@@ -76,10 +76,10 @@ class MovmfFit {
   Kernel level_zero_kernel_;
   const int map_width_, map_height_;
   CoarseTexels coarse_;
-  LevelRows kept_;  // of the level that is fitted
+  LevelRows kept_;  // rows of the current level to keep
   double zero_seconds_ = 0.0;
   std::uint64_t zero_launches_ = 0;
-  BackgroundTask handing_over_;  // the last rows, to the sink
+  BackgroundTask handing_over_;  // gives the last rows to the sink
 };
 
 }  // namespace multum

@@ -11,24 +11,24 @@
 namespace multum {
 namespace {
 
-// Sizes of the windows of a level for a plan.
+// Row counts of a level's windows for a plan.
 struct WindowRows {
   int level, parent, map;
 };
 
-// Of EM.
+// Number of steps of EM.
 int em_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   const bool has_parent = level.fit.parent_width > 0 && settings.aligned_start;
   return level.step_count * (has_parent ? settings.pass_count : 1);
 }
 
-// Refining is a last step of all texels, which reads what EM left beside them.
+// Adds the refinement: a last step for all texels, which reads the EM lobes of neighbours.
 int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
 }
 
-// Scan-line order reaches as far as the level, and chunks are summed band by band of the map, for all texels at once. A
-// window that holds nearly all rows anyway may as well hold each of them once.
+// True if windows hold the whole level. Scan-line order needs this, and so do chunks, which are summed band by band of
+// the map for all texels at once. If a window would hold nearly all rows, it holds the whole level instead.
 bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
   return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
          level.method == FitMethod::kChunks;
@@ -55,7 +55,7 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   return rows;
 }
 
-// Rows that are handed over at a time: a band, or of a device with memory of its own, whose bands are large, as many as
+// Rows per handover: a band. On a device with its own memory, bands are large, so a handover has only as many rows as
 // the host should hold.
 int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings, const MapInputs& map,
                 int band_rows) {
@@ -155,9 +155,9 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
   }
 }
 
-// The rows that step `step` must fit so that the last step's rows are right: those, and as many more as steps follow.
+// Rows that step `step` must fit so that the last step's rows are correct: one more on each side per following step.
 LevelFit::RowRange LevelFit::rows_of_step(int step) const {
-  if (range_) return wanted_;  // what lies outside stays as it is
+  if (range_) return wanted_;  // texels outside keep their lobes
   if (whole_) return {0, fit_.height};
   const int more = steps_ - 1 - step;
   return {std::max(wanted_.begin - more, lower_bound()), std::min(wanted_.end + more, upper_bound())};
@@ -166,7 +166,7 @@ LevelFit::RowRange LevelFit::rows_of_step(int step) const {
 void LevelFit::move_windows(RowRange rows) {
   const int count = rows.end - rows.begin;
   windows_.lobes.move_to(rows.begin, count, before_);
-  // Texels beside those that are fitted say what they are.
+  // Texels next to fitted ones provide their existing lobes.
   if (refines()) windows_.refined.move_to(rows.begin, count, range_ ? before_ : nullptr);
   windows_.alignment_vectors.move_to(rows.begin, count, range_ ? fill_alignment_vectors(before_) : nullptr);
   if (has_features()) windows_.features.move_to(rows.begin, count, nullptr);
@@ -206,7 +206,7 @@ int LevelFit::last_map_row(int row) const {
   return repeats() ? end : std::min(end, fit_.map_height);
 }
 
-// Lobes that are there before the fit: what they tell their neighbours, as movmf_em_texels.cl writes it.
+// Fills the alignment vectors of lobes that existed before the fit, as movmf_em_texels.cl would write them.
 RowWindow::Fill LevelFit::fill_alignment_vectors(const RowWindow::Fill& fill_lobes) {
   return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
     fill_lobes(row, count, planes);
@@ -245,7 +245,7 @@ std::vector<int> LevelFit::texels_of_step(int step, RowRange rows) const {
   return texels;
 }
 
-// By the steps of the fit, so that no launch holds more texels than one of EM.
+// Uses the steps of the fit, so that no launch holds more texels than a launch of EM.
 void LevelFit::refine(RowRange rows) {
   for (int step = 0; step < level_.step_count; ++step)
     em_step_.refine(level_.method, fit_, texels_of_step(step, rows), windows_, progress_);
@@ -280,13 +280,13 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
   if (level.method != FitMethod::kBinned)
     bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + rgb_planes);
-  // A quarter of a band's texels is the largest step, of a scan line's wavefront one texel each two rows.
+  // The largest step has a quarter of a band's texels, or one texel per two rows in a scan line's wavefront.
   const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
   const std::uint64_t step_texels = level.order == FitOrder::kScanline
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)
                                         : product((fit.width + 1) / 2, (step_rows + 1) / 2);
   bytes += em_step_bytes(level, settings, rgb_plane_count > 0, step_texels);
-  // Rows that are handed over: as they are fitted, and as they are stored.
+  // Adds rows that are handed over, both as fitted and as stored.
   return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
 }
 

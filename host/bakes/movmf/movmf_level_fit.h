@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one level in bands of rows that slide down the level, so that neither the level nor the map need fit in memory.
+// Fits one level in bands of rows that slide down the level, so that neither the level nor the map must fit into
+// memory.
 //
-// A texel depends on its eight neighbours as the steps before left them, so that step s of a row needs step s - 1 of
-// the rows beside it and no more. The steps follow one another down the level, each a row behind the one before:
+// A texel depends on its eight neighbours as earlier steps left them. Step s of a row therefore needs step s - 1 of
+// the adjacent rows only. The steps follow each other down the level, each one row behind the step before it:
 //
 //   step 0          rows  [f, f + B)
 //   step 1          rows  [f - 1, f + B - 1)
 //   ...
 //   last step S-1   rows  [f - S + 1, f + B - S + 1)      done: handed over
 //
-// Refining (movmf_refine.cl) is a step of its own behind those of EM: it reads what EM left, and writes elsewhere.
+// Refining (movmf_refine.cl) is a separate step after those of EM: it reads the lobes of EM and writes to another
+// window.
 //
-// What a texel becomes depends on neither B nor f, and equals what the steps give over the whole level at once, bit for
-// bit. In a map that repeats the first and last rows depend on one another: S - 1 rows beyond either border are fitted
-// as well, and not handed over.
+// The result for a texel depends on neither B nor f, and equals the result of running each step over the whole level,
+// bit for bit. In a map that repeats, the first and last rows depend on each other: S - 1 rows beyond either border
+// are also fitted, but not handed over.
 #pragma once
 
 #include <algorithm>
@@ -32,36 +34,37 @@
 
 namespace multum {
 
-/// What is read of the map once for all coarse levels.
+/// Data that is read from the map once for all coarse levels.
 struct CoarseTexels {
   bool is_read = false;
-  std::optional<MapWindows> on_device;  // normals and features, whole, where the device has room for them
+  std::optional<MapWindows> on_device;  // all normals and features, if the device has room for them
   std::map<int, BinnedLevel> binned;    // levels of kBinned
 };
 
 /// Some finished rows, while the windows still hold them.
 struct FittedRows {
   int first_row, row_count;
-  const RowWindow* lobes;     // of these rows among others, refined where they are
+  const RowWindow* lobes;     // a window with these rows; refined if the level is refined
   const RowWindow* features;  // [triple][lobe]; null: none
-  const MapWindow* normals;   // what they cover, of levels that are fitted to all normals; null otherwise
-  MultumMovmfFit fit;         // as the windows are now
-  const RowWindow* em_lobes;  // what EM left, which finer levels grow from: `lobes` where they are not refined
+  const MapWindow* normals;   // normals that they cover, on levels that are fitted to all normals; else null
+  MultumMovmfFit fit;         // with the current windows
+  const RowWindow* em_lobes;  // lobes of EM, from which finer levels grow; `lobes` if the level is not refined
 };
 
-/// Whether --refine changes lobes of the level (kRefinedNormalsMin).
+/// True if --refine changes lobes of the level (kRefinedNormalsMin).
 bool is_refined(const LevelSchedule& level, const MovmfSettings& settings);
 
 struct BandPlan {
-  int band_rows;      // B, at least 1; the level's height: all of it at once
-  int map_band_rows;  // of the map, where a method passes over it band by band: kChunks
+  int band_rows;      // B, at least 1; the level's height: all rows at once
+  int map_band_rows;  // rows of the map, for a method that reads it band by band: kChunks
 };
 
 /// The fit of one level, or of a part of its rows.
 class LevelFit {
  public:
-  /// `fitted`: rows that are handed over: the others are done already, or somebody else's. Of a map that repeats they
-  /// may lie beyond its borders. `origin` has parents, what the level starts from, and which of its texels are fitted.
+  /// `fitted`: rows to hand over; the others are done already, or belong to another process. On a map that repeats,
+  /// they may be outside its borders. `origin` provides parents, the lobes that the level starts from, and the texels
+  /// to fit.
   LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
            const MapInputs& map, CoarseTexels& coarse, RowOrigin& origin, const LevelRows& fitted, const BandPlan& plan,
            Progress* progress);
@@ -74,9 +77,9 @@ class LevelFit {
   void make_windows(Device& device, const MovmfSettings& settings, CoarseTexels& coarse, const BandPlan& plan);
   bool refines() const { return steps_ > em_steps_; }
   bool has_features() const { return !map_.features.empty(); }
-  // The map's rows that the window's rows cover, and no more.
+  // True if the method reads the map's rows under the window's rows directly.
   bool reads_map_rows() const { return level_.method == FitMethod::kTexels || level_.method == FitMethod::kChoice; }
-  // Rows beyond a border are there when the map repeats, as many as the steps reach.
+  // True if the map repeats: then rows beyond a border exist, as many as the steps reach.
   bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
   int lower_bound() const { return repeats() ? std::min(wanted_.begin, 0) - steps_ : 0; }
   int upper_bound() const { return repeats() ? std::max(wanted_.end, fit_.height) + steps_ : fit_.height; }
@@ -94,30 +97,30 @@ class LevelFit {
   const MapInputs& map_;
   const CoarseTexels& coarse_;
   const bool has_parent_;
-  const std::optional<TexelRange> range_;  // else all texels
+  const std::optional<TexelRange> range_;  // nullopt: all texels
   const RowWindow::Fill before_, parent_;
   const int lobe_count_;
   const bool gaussians_;
   const bool whole_;
   const int band_rows_;
   const int em_steps_;
-  const int steps_;        // with the one that refines
+  const int steps_;        // including refinement
   const int handed_rows_;  // at a time
-  const RowRange wanted_;  // rows that are handed over
+  const RowRange wanted_;  // rows to hand over
   Progress* progress_;
   StepWindows windows_;
-  std::optional<MapWindows> windows_of_map_;  // where the map is not on the device
+  std::optional<MapWindows> windows_of_map_;  // if the map is not on the device
 };
 
-/// The rows that LevelFit hands over at a time, of all rows of a level that grows from another: files have their tiles
-/// in that order.
+/// The ranges of rows that LevelFit hands over, for all rows of a level that grows from another. Files store their
+/// tiles in that order.
 std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
                                      const MapInputs& map, const BandPlan& plan);
 
-/// Steps of a level: what a row's fit depends on reaches as many rows to either side.
+/// Number of steps of a level. The fit of a row depends on this many rows on either side.
 int fit_steps(const LevelSchedule& level, const MovmfSettings& settings);
 
-/// Bytes of the windows and buffers of LevelFit, about.
+/// Approximate bytes of the windows and buffers of LevelFit.
 std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,
                               const BandPlan& plan);
 

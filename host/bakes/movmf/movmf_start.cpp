@@ -23,13 +23,13 @@ namespace {
 using Lobe = MixtureLobe;
 using Fit = MixtureFit;
 
-// A position in cell `cell` of `cells` that divide `size` texels, at random.
+// Returns a random position in cell `cell` of `cells` that divide `size` texels.
 int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
   const std::int64_t first = std::int64_t{cell} * size / cells, end = std::int64_t{cell + 1} * size / cells;
   return static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(end - first)));
 }
 
-// One normal at random of each cell of a grid over a rectangle, at most about `sample_max`.
+// Returns one random normal per cell of a grid over a rectangle, about `sample_max` at most.
 Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, double sample_max) {
   const int width = where.x1 - where.x0, height = where.y1 - where.y0;
   const double stride = std::max(1.0, std::sqrt(static_cast<double>(width) * height / sample_max));
@@ -48,8 +48,8 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
   return normals;
 }
 
-// What candidates are ranked by: the highlights that it gives against those of the normals themselves, for a broad, a
-// middling and a sharp BRDF. Likelihood ranks sharp lobes around few normals above what a picture shows.
+// Ranks candidates by the error of their highlights compared with those of the normals, for a broad, a medium and a
+// sharp BRDF. Likelihood would rank sharp lobes around few normals higher than their effect in a picture.
 class HighlightError {
  public:
   explicit HighlightError(const Normals& normals) : directions_(spread_half_vectors(kDirections)) {
@@ -81,7 +81,7 @@ class HighlightError {
   }
 
  private:
-  // Of a normal, with the width of a lobe of its own where it is shortened.
+  // Highlight of a normal; a shortened normal has the width of its own lobe.
   static double highlight(const glm::dvec3& n, double sharpness, const glm::dvec3& direction) {
     const double length = glm::length(n);
     if (length > 1.0 - 1e-6) return density(sharpness, glm::dot(n, direction));
@@ -105,10 +105,10 @@ void rate(std::vector<Fit>& fits, const HighlightError& error, int threads) {
 
 bool likelier(const Fit& a, const Fit& b) { return a.log_likelihood > b.log_likelihood; }
 bool less_error(const Fit& a, const Fit& b) { return a.error < b.error; }
-// Of neighbours in a list sorted by error or likelihood.
+// Compares neighbours in a list that is sorted by error or likelihood.
 bool same_optimum(const Fit& a, const Fit& b) { return std::abs(a.error - b.error) < 2e-3; }
 
-// The likeliest few and those of least error.
+// Returns the fits with the highest likelihoods and those with the lowest errors.
 std::vector<Fit> finalists(std::vector<Fit> fits, const HighlightError& error, int threads) {
   constexpr std::size_t kLikeliest = 8, kLeastError = 16;
   rate(fits, error, threads);
@@ -150,7 +150,7 @@ std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Represe
 
 namespace {
 
-// EM fits to a sample of a map's normals from many starts, the best of them.
+// Runs EM from many starts on a sample of a map's normals and returns the best fits.
 class StartTrials {
  public:
   StartTrials(const Normals& normals, const StartSearch& search, bool is_shortened)
@@ -163,15 +163,15 @@ class StartTrials {
   }
 
  private:
-  // Many short trials, the best of them longer: 0.2 s on one core, whatever the map's size. About one random trial in
-  // 30 finds the basin of the best optimum of the four-quarter map with 4 lobes. The more lobes, the fewer do.
+  // Many short trials, then longer ones from the best: 0.2 s on one core for any map size. About one random trial in
+  // 30 finds the basin of the best optimum on the four-quarter map with 4 lobes, and fewer do with more lobes.
   static constexpr int kTrials = 128, kShortIterations = 12, kLongIterations = 30;
-  // With more lobes, some trials start from the best fits of two fewer, which are found more surely, and add two: so
-  // that more lobes are no further off. From 5 lobes on; with fewer, random trials suffice.
+  // With 5 lobes or more, some trials start from the best fits of two lobes fewer, which are found more reliably, and
+  // add two. More lobes then do not have a higher error. With fewer lobes, random trials suffice.
   static constexpr int kGrownTrials = 48, kGrownLobesMin = 5, kLobesAdded = 2;
   static constexpr std::size_t kGrownFrom = 6;
 
-  // Of trials at random, and of some that grow from `smaller`; least error first.
+  // Fits from random trials and from trials that grow from `smaller`; the lowest error first.
   std::vector<Fit> best_fits(int lobe_count, const std::vector<Fit>& smaller) const {
     std::vector<Fit> fits(static_cast<std::size_t>(kTrials + (smaller.empty() ? 0 : kGrownTrials)));
     for_each_item(static_cast<int>(fits.size()), search_.threads, [&](int trial) {
@@ -256,8 +256,8 @@ NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t se
 }
 
 std::vector<glm::dvec3> spread_half_vectors(int count) {
-  // Squared height and azimuth of light and view: a Kronecker sequence in four dimensions, whose steps are the powers
-  // of the inverse root of x^5 = x + 1, the golden ratio's relative there (Roberts 2018).
+  // Squared height and azimuth of light and view: a Kronecker sequence in four dimensions. The steps of the sequence
+  // are the powers of the inverse root of x^5 = x + 1, which generalises the golden ratio (Roberts 2018).
   constexpr double kRoot = 1.16730397826141868;
   const auto direction = [](double height, double turn) {
     const double side = std::sqrt(1.0 - height * height), azimuth = 2.0 * std::numbers::pi * turn;

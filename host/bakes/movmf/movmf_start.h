@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses where EM starts on the coarsest level, which has no parent to start from.
+// Chooses the start of EM on the coarsest level, which has no parent to start from.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,14 @@ struct TexelRectangle {
   int x0, y0, x1, y1;
 };
 
-/// `lobe_count` lobes of equal amplitude and kappa 20, far apart: the normal farthest from the mean first, then each
-/// time the one farthest from those chosen (Hochbaum and Shmoys; Han et al. 2007, section 7.2, choose among lobes so).
-/// At most about 2^14 normals on a regular grid are looked at.
+/// Returns `lobe_count` lobes of equal amplitude and kappa 20, far apart: first the normal farthest from the mean,
+/// then repeatedly the normal farthest from those chosen (Hochbaum and Shmoys; Han et al. 2007, section 7.2, choose
+/// among lobes in this way). Reads at most about 2^14 normals on a regular grid.
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
-/// The same lobes as `representation` has them: of Gaussians the mean's x and y, and sigma^2 = 1 - |r|, which is
-/// 1/kappa of a narrow lobe. `is_shortened`: their normals are (PlaneStore::is_shortened()), and points of the plane
-/// are not: the direction's x and y.
+/// Converts the lobes to `representation`. For Gaussians: the mean's x and y, and sigma^2 = 1 - |r|, which is 1/kappa
+/// of a narrow lobe. `is_shortened`: the normals are shortened (PlaneStore::is_shortened()), but points of the plane
+/// are not, so x and y are those of the direction.
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
                                        bool is_shortened);
 
@@ -35,23 +35,23 @@ struct StartSearch {
   float kappa_max = 1000.0f;  // cap inside EM
   std::uint64_t seed = 1;
   int threads = 1;
-  bool grows_starts = true;  // some trials of 5 lobes and more grow from the best of two fewer
+  bool grows_starts = true;  // with 5 lobes or more, some trials grow from the best with two fewer
 };
 
-/// Starts for the coarsest level, least error first, 1 to 24: the best of many EM fits, in double,
-/// to a sample of the whole map. EM from the farthest-first choice alone ends in poor local optima (one flat and two
-/// facets of a groove shared by three wide lobes: 64 % error at the coarsest level of the four-quarter map, 6 % from
-/// here), and every finer level inherits them.
+/// Returns 1 to 24 starts for the coarsest level, the lowest error first: the best of many EM fits, in double, to a
+/// sample of the whole map. EM from only the farthest-first choice ends in poor local optima, which every finer level
+/// inherits. Example: three wide lobes share one flat and two facets of a groove, with 64 % error at the coarsest
+/// level of the four-quarter map; these starts give 6 %.
 std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search);
 
-/// A map of at most `side_max` a side, each of whose texels is a normal picked at random from the part of the map that
-/// it stands for: the same distributions at coarse levels. At random, because patterns repeat: a knurled plate sampled
-/// on a grid lost three of its four directions.
+/// Makes a map of at most `side_max` texels per side. Each texel is a random normal from the part of the map that it
+/// represents, so that coarse levels have the same distributions. The choice is random because patterns repeat: a
+/// knurled plate sampled on a grid lost three of its four directions.
 NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t seed);
 
-/// `count`, a multiple of 4, half vectors of lights and views that are spread over the upper hemisphere, weighted by
-/// their cosines: what a surface is lit by and seen from. The same after a quarter turn about z; none of those that
-/// docs/evidence/ACCURACY.md judges by.
+/// Returns `count` half vectors, a multiple of 4, of lights and views spread over the upper hemisphere and weighted by
+/// their cosines: directions from which a surface is lit and seen. A quarter turn about z maps the set to itself. None
+/// of them is used for the errors in docs/evidence/ACCURACY.md.
 std::vector<glm::dvec3> spread_half_vectors(int count);
 
 }  // namespace multum

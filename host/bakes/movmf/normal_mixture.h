@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host and in double: the bake's EM starts from
-// them (host/bakes/movmf/movmf_start.h), and plans estimate lobes by them (host/bakes/scene).
+// Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host and in double. The bake's EM starts from
+// them (host/bakes/movmf/movmf_start.h), and plans use them to estimate lobes (host/bakes/scene).
 #pragma once
 
 #include <cmath>
@@ -26,15 +26,15 @@ struct MixtureFit {
   double error = HUGE_VAL;
 };
 
-/// Lobes of equal amplitude around the normals of these numbers.
+/// Lobes of equal amplitude around the normals with the numbers in `chosen`.
 MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>& chosen, bool is_shortened);
 
-/// EM in double, Han et al. 2007, section 7, Algorithm 1, without alignment; of shortened normals, `copies` of each
-/// (kernels/device/movmf_em.clh).
+/// EM in double (Han et al. 2007, section 7, Algorithm 1) without alignment; each shortened normal counts as `copies`
+/// normals (kernels/device/movmf_em.clh).
 void iterate_mixture(MixtureFit& fit, const Normals& normals, int iterations, double kappa_max, double copies);
 
-/// The numbers of `count` normals far apart: the one farthest from the mean first, then each time the one farthest from
-/// those chosen.
+/// The numbers of `count` normals that are far apart: first the normal farthest from the mean, then repeatedly the
+/// normal farthest from those chosen.
 std::vector<std::size_t> farthest_first_normals(const Normals& normals, int count);
 
 }  // namespace multum

@@ -76,7 +76,7 @@ LevelTask GatheredRows::begin(const LevelShape& level) {
   level_ = level;
   if (there_.row_count(level.level, level.row_bytes()) != level.height)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: its shares have not all rows of level {}; --force makes them", output_, level.level));
+                fmt::format("{}: its shares lack rows of level {}; --force makes them again", output_, level.level));
   return {level.height, {}, {}};
 }
 
@@ -97,14 +97,15 @@ LevelTask ShareRows::begin(const LevelShape& level) {
   if (!is_coarse) {
     task.fitted = plan_.fitted.at(level.level);
     task.kept = plan_.kept.at(level.level);
-    // Windows reach beyond what is fitted, and read there what nobody wrote.
+    // Windows extend beyond the fitted rows and read rows there that were never written: gives the file its full
+    // length.
     if (own_) own_->write(level.height - 1, 1, std::vector<unsigned char>(level.lobe_row_bytes).data());
   }
   kept_ = task.kept;
   return task;
 }
 
-// All of them to the store that the next level grows from, those that count to the share.
+// Writes all rows to the store that the next level grows from, and the kept rows to the share.
 void ShareRows::keep(const DoneRows& rows) {
   const auto row_of = [](const void* values, std::size_t row_bytes, int row) {
     return static_cast<const unsigned char*>(values) + row_bytes * static_cast<std::size_t>(row);
@@ -121,11 +122,11 @@ void ShareRows::keep(const DoneRows& rows) {
       {row_of(rows.lobes, level_.lobe_row_bytes, at), row_of(rows.features, level_.feature_row_bytes, at), nullptr});
 }
 
-// The level as the coarse share has it.
+// The level's rows from the coarse share.
 RowStore ShareRows::rows_of_coarse_share() {
   if (there_.row_count(level_.level, level_.row_bytes()) != level_.height)
     throw Error(ErrorCode::kEnvironment,
-                "the share of coarse levels has other rows than it should, or not all of them; --force makes it");
+                "the share of coarse levels lacks rows, or its rows have another size; --force makes it again");
   RowStore store(level_.height, level_.lobe_row_bytes, spill_);
   std::vector<unsigned char> row(level_.lobe_row_bytes);
   for (int y = 0; y < level_.height; ++y) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Origins of the rows of a bake's levels: fitted now (RowOrigin itself), taken from an earlier run (ResumedRows),
-// gathered from shares (GatheredRows), or from the file that a part is fitted onto (host/bakes/bake/region_bake.h). A
-// share of a map (ShareRows) is fitted now as well, and its rows are kept for whoever gathers them.
+// Provides the rows of a bake's levels. They are fitted in this run (RowOrigin itself), taken from an earlier run
+// (ResumedRows), gathered from shares (GatheredRows), or taken from an older file (host/bakes/bake/region_bake.h). A
+// share of a map (ShareRows) is also fitted in this run, and its rows are kept for the merge.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@
 
 namespace multum {
 
-/// Takes what a bake makes, exact to float: rows of a level in order from its first, coarse levels first, but rows of
-/// level 0 between those of level 1.
+/// Takes the results of a bake, exact to float: rows of a level in order from its first, coarse levels first. Rows of
+/// level 0 come between those of level 1.
 class MovmfSink {
  public:
   virtual ~MovmfSink() = default;
@@ -35,19 +35,19 @@ struct LevelShape {
   int level, height;
   std::size_t lobe_row_bytes;     // [lobe][column]
   std::size_t feature_row_bytes;  // [triple][lobe][column]; 0: none
-  bool is_refined;                // what the file stores differs from what finer levels grow from
-  bool is_parent;                 // of a level that is fitted
+  bool is_refined;                // the file stores other lobes than those from which finer levels grow
+  bool is_parent;                 // true if the next level is fitted
 
   RowBytes row_bytes() const { return {lobe_row_bytes, feature_row_bytes, is_refined ? lobe_row_bytes : 0}; }
 };
 
-/// What is to be done of a level.
+/// The work to do for a level.
 struct LevelTask {
-  int rows_there = 0;      // rows [0, rows_there) are there to be read
-  LevelRows fitted, kept;  // rows to fit; those among them that count, the others are what finer rows grow from
+  int rows_there = 0;      // rows [0, rows_there) already exist and can be read
+  LevelRows fitted, kept;  // rows to fit; the rows among them to keep, as only finer rows need the others
 };
 
-/// Rows of a level that are fitted, as LevelShape says.
+/// Fitted rows of a level, in the layout of LevelShape.
 struct DoneRows {
   int first_row, row_count;
   const void *lobes, *features, *stored;
@@ -55,57 +55,55 @@ struct DoneRows {
 
 class RowOrigin {
  public:
-  /// `sink`: takes finished rows, and outlives this; null: whoever gathers the rows finishes them. `spill`: of rows
-  /// that finer levels grow from.
+  /// `sink`: takes finished rows, and outlives this; null: the process that gathers the rows finishes them. `spill`:
+  /// for rows that finer levels grow from.
   RowOrigin(MovmfSink* sink, SpillPolicy spill) : sink_(sink), spill_(std::move(spill)) {}
   virtual ~RowOrigin() = default;
   RowOrigin(const RowOrigin&) = delete;
   RowOrigin& operator=(const RowOrigin&) = delete;
 
   MovmfSink* sink() const { return sink_; }
-  /// The texels of a level that are fitted, where others stay as they are. Nothing: all.
+  /// The texels of a level to fit; others keep their lobes. nullopt: all.
   virtual std::optional<TexelRange> range(int) const { return std::nullopt; }
 
-  // Levels begin and end one after another, the coarsest first.
+  // Call begin() and end() for one level after another, the coarsest first.
 
   virtual LevelTask begin(const LevelShape& level);
-  /// Rows of the level that are there.
+  /// Reads rows of the level that already exist.
   void read(RowPart part, int first_row, int row_count, void* rows) {
     there_.read(level_.level, part, first_row, row_count, rows);
   }
-  /// Lobes that the level has before it is fitted: texels without a parent start from them, those in range() as well.
+  /// Sets the lobes of the level before it is fitted. Texels without a parent and those in range() start from them.
   void start_from(RowStore lobes) { before_ = std::move(lobes); }
   RowWindow::Fill before() const { return before_ ? fill_planes(*before_) : nullptr; }
-  /// Lobes of the level before.
+  /// Lobes of the previous level.
   virtual RowWindow::Fill parent() { return fill_planes(*coarser_); }
-  /// Takes rows that were fitted, in order. In another thread than the other calls, but none comes at the same time as
-  /// end().
+  /// Takes fitted rows in order. Called in another thread than the other members, but never during end().
   virtual void keep(const DoneRows& rows);
   virtual void end();
 
-  /// All levels are done.
+  /// Called after all levels.
   virtual void finish() {}
-  /// The bake is stopped and may go on: what is kept for it stays.
+  /// Called if the bake is stopped and may be resumed: the files for it remain.
   virtual void leave() {}
-  /// Rows of texels that were there from an earlier run.
+  /// Number of rows that were taken from an earlier run.
   virtual std::uint64_t rows_resumed() const { return 0; }
 
  protected:
   LevelShape level_{};
-  std::optional<RowStore> own_, coarser_, before_;  // lobes: of this level where finer ones need them, and of the last
-  RowRecords there_;                                // of an earlier run, or of shares
+  std::optional<RowStore> own_, coarser_, before_;  // lobes: of this level, if needed; of the previous level
+  RowRecords there_;                                // rows of an earlier run, or of shares
 
   MovmfSink* const sink_;
   const SpillPolicy spill_;
 };
 
-/// Rows that a killed run left are not fitted again, and others are left for the next, in the hidden folder beside the
-/// output.
+/// Reuses rows of a killed run, and stores new rows for a later run, in the hidden folder next to the output.
 class ResumedRows : public RowOrigin {
  public:
-  /// `key` stands for the sources and settings: everything that rows depend on. What is there of the same bake is kept
-  /// when `resume`, anything else is removed. `has_finest`: rows of the finest level that is fitted are kept as well.
-  /// Null while another process bakes the same output. Throws Error(kEnvironment).
+  /// `key` identifies the sources and settings: everything that rows depend on. With `resume`, keeps existing rows of
+  /// the same bake and removes all others. `has_finest`: also store rows of the finest fitted level. Returns null
+  /// while another process bakes the same output. Throws Error(kEnvironment).
   static std::unique_ptr<ResumedRows> open(MovmfSink* sink, const SpillPolicy& spill, const std::string& output,
                                            const std::string& key, bool resume, bool has_finest);
 
@@ -126,14 +124,14 @@ class ResumedRows : public RowOrigin {
   std::uint64_t rows_resumed_ = 0;
 };
 
-/// All rows are in shares.
+/// Takes all rows from shares.
 class GatheredRows : public RowOrigin {
  public:
-  /// Shares 0 to `count` of `output`, whose rows depend on `key`. Throws Error(kEnvironment) that lists every share
-  /// that is missing or of something else.
+  /// Reads shares 0 to `count` of `output`, whose rows depend on `key`. Throws Error(kEnvironment) that lists every
+  /// share that is missing or belongs to another bake.
   GatheredRows(MovmfSink* sink, const std::string& output, int count, const std::string& key);
 
-  /// Throws Error(kEnvironment) where they have not all of its rows.
+  /// Throws Error(kEnvironment) if the shares lack rows of the level.
   LevelTask begin(const LevelShape& level) override;
   void end() override {}
 
@@ -142,10 +140,10 @@ class GatheredRows : public RowOrigin {
   std::vector<std::unique_ptr<ShareFile>> shares_;
 };
 
-/// One process's share of a map.
+/// Fits one process's share of a map.
 class ShareRows : public RowOrigin {
  public:
-  /// `writer` takes the rows. A band needs share 0 of `output`, whose rows depend on `key`: throws as ShareFile does.
+  /// `writer` takes the rows. A band needs share 0 of `output`, whose rows depend on `key`; throws as ShareFile does.
   ShareRows(const SpillPolicy& spill, const MapShard& shard, ShardPlan plan, const std::string& output,
             const std::string& key, ShareWriter& writer);
 

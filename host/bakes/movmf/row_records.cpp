@@ -13,7 +13,7 @@ namespace multum {
 namespace {
 
 constexpr std::uint64_t kBlockBytes = std::uint64_t{4} << 20;
-constexpr std::int32_t kRowsMax = 3 * 32768;  // of a map: its planes have rows of their own
+constexpr std::int32_t kRowsMax = 3 * 32768;  // largest count: a map's three planes have separate rows
 
 std::uint64_t sum(const RowBytes& bytes) { return std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0}); }
 
@@ -80,7 +80,7 @@ const RowRecords::Found& RowRecords::load(int level, int row) {
     if (!one.file->read(one.place, bytes_))
       throw Error(
           ErrorCode::kEnvironment,
-          fmt::format("{}: has damaged rows, {} to {} of level {}{}", one.file->shown_path(), one.rows.first_row,
+          fmt::format("{}: has damaged rows: {} to {} of level {}{}", one.file->shown_path(), one.rows.first_row,
                       one.rows.first_row + one.rows.row_count - 1, level, one.remedy != nullptr ? *one.remedy : ""));
     file_ = one.file;
     place_ = one.place.offset;

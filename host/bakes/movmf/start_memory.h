@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Remembers where bakes of one map start. Searching takes 0.2 to 1 s of processor time whatever the map's size, which
-// is nearly all that a bake of a small map takes; bakes whose settings differ in what the search does not see, such as
-// how lobes are stored, start alike.
+// Remembers the starts of bakes of one map. A search takes 0.2 to 1 s of processor time for any map size, which is
+// most of the time of a small map's bake. Bakes whose settings differ only in what the search ignores, such as the
+// storage of lobes, have the same start.
 #pragma once
 
 #include <optional>
@@ -16,23 +16,23 @@ namespace multum {
 /// The candidates of start_candidates().
 struct StartCandidates {
   std::vector<std::vector<MultumVmfLobe>> starts;
-  RunTime time;  // that finding them took
+  RunTime time;  // time to find them
 };
 
-/// The best of them for some settings.
+/// The best candidate for some settings.
 struct ChosenStart {
   std::vector<MultumVmfLobe> start;
   int tried = 0;  // candidates
-  RunTime time;   // that finding and trying them took, on kernels that were loaded
+  RunTime time;   // time to find and try them, with kernels loaded
 };
 
-/// Of one map, and one device; bakes use it one after the other.
+/// For one map and one device; bakes use it one after another.
 class StartMemory {
  public:
-  /// Null: they were not found yet.
+  /// Returns null if the candidates have not been searched.
   const StartCandidates* candidates(int lobe_count, float kappa_max) const;
   const StartCandidates& remember(int lobe_count, float kappa_max, StartCandidates found);
-  /// `settings`: of the bakes that candidates were tried with.
+  /// `settings`: of the bakes that tried the candidates.
   const ChosenStart* chosen(const MovmfSettings& settings) const;
   void remember(const MovmfSettings& settings, ChosenStart chosen);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes what mixes linearly into a mip pyramid: every texel of every level is the plain average of what it covers of
-// the finest. The map is read once, by bands of rows, whatever its size (host/bakes/pyramid/box_pyramid.h). What is
-// averaged, and where it goes, is the representation's matter.
+// Bakes linear quantities into a mip pyramid: every texel of every level is the plain average of the finest texels
+// that it covers. Reads the map once, by bands of rows, at any size (host/bakes/pyramid/box_pyramid.h). The
+// representation defines the averaged values and their destination.
 #pragma once
 
 #include <array>
@@ -23,13 +23,13 @@
 namespace multum {
 
 struct AverageInputs : MapInputs {
-  int first_level = 0;  // the finest to make
+  int first_level = 0;  // the finest level to make
 };
 
-/// Maps in memory as inputs, and the header of what is made of them: sizes and contents alone.
+/// Wraps maps in memory as inputs, with the header of the result: sizes and contents only.
 class AveragedMap {
  public:
-  /// `albedo` may be null. Weights are the features of `inputs`, and must outlive it.
+  /// `albedo` may be null. Weights are the features of `inputs`, and must outlive the object.
   AveragedMap(const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs);
   AveragedMap(const AveragedMap&) = delete;
   AveragedMap& operator=(const AveragedMap&) = delete;
@@ -43,10 +43,10 @@ class AveragedMap {
   AverageInputs inputs_;
 };
 
-/// Counts and plan of a pass of averages: its part of a bake's report (host/bakes/bake/bake_report.h).
+/// Counts and plan of an averaging pass: its part of a bake's report (host/bakes/bake/bake_report.h).
 struct AverageReport {
-  std::string plan;                  // bands and levels, a line
-  std::uint64_t slopes_limited = 0;  // normals nearer to the horizon than slopes of moments go (kSlopeZMin)
+  std::string plan;                  // bands and levels, in one line
+  std::uint64_t slopes_limited = 0;  // normals too close to the horizon for slopes of moments (kSlopeZMin)
 };
 
 /// Makes the planes that a representation averages, and takes their averages.
@@ -55,22 +55,22 @@ class AveragedPlanes {
   using MapPlanes = std::array<DeviceBuffer, 3>;  // x, y, z, or a triple of features
 
   virtual ~AveragedPlanes() = default;
-  /// "moments", for the plan's text.
+  /// Name for the plan's text: "moments".
   virtual std::string name() const = 0;
-  /// Number of planes without those of features (host/bakes/pyramid/feature_planes.h), which come last, three a triple.
+  /// Number of planes without feature planes (host/bakes/pyramid/feature_planes.h), which come last, three per triple.
   virtual int plane_count() const = 0;
-  /// Launches what writes all planes but those of a band into `nodes` [plane][row][row_length].
+  /// Launches kernels that write a band of all planes except features into `nodes` [plane][row][row_length].
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
-  /// Sees the normals as they are read.
+  /// Receives the normals as they are read.
   virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
-  /// Takes rows as they are done: of each level in order from the top, levels in any order.
+  /// Takes finished rows: the rows of a level in order from the top, the levels in any order.
   virtual void add_level(const BoxRows& rows) = 0;
-  /// Hears that all rows of a band were handed over; kernels may be launched again.
+  /// Called after all rows of a band were handed over; kernels may be launched again.
   virtual void end_band() {}
 };
 
 /// Averages the map into all levels, and fills AverageReport::plan. Throws Error(kUsage) for too little memory,
-/// Error(kEnvironment) when disk or device refuse, Cancelled. Progress: a unit a texel of the map.
+/// Error(kEnvironment) for errors of disk or device, Cancelled. Progress: one unit per texel of the map.
 void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, AverageReport& report,
                  Progress* progress);
 

@@ -12,8 +12,9 @@
 namespace multum {
 namespace {
 
-// More makes nothing faster. Averaging a map of 4096 x 4096 on 2 cores of an AMD EPYC takes 3.6 s in bands of 16
-// MiB, 3.9 s in bands of 64 MiB and 4.5 s in bands of 2 MiB (PoCL 3.1, medians of three, beside other work).
+// More memory gives no speed. Averaging a map of 4096 x 4096 takes 3.6 s in bands of 16 MiB, 3.9 s in bands of 64 MiB
+// and 4.5 s in bands of 2 MiB. Measured on 2 cores of an AMD EPYC with PoCL 3.1; medians of three, with other work
+// running.
 constexpr std::uint64_t kUsefulBandBytes = std::uint64_t{16} << 20;
 constexpr int kBoxMapSideMax = 32768;  // products of two sides fit an int
 
@@ -21,7 +22,7 @@ constexpr int kBoxMapSideMax = 32768;  // products of two sides fit an int
 
 void validate_box_map(int first_level, int map_width, int map_height) {
   if (map_width > kBoxMapSideMax || map_height > kBoxMapSideMax)
-    throw Error(ErrorCode::kInput, fmt::format("found a map of {} x {}, expected at most {} texels a side", map_width,
+    throw Error(ErrorCode::kInput, fmt::format("found a map of {} x {}, expected at most {} texels per side", map_width,
                                                map_height, kBoxMapSideMax));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (first_level < 0 || first_level > level_max)
@@ -60,17 +61,17 @@ void BoxPyramid::make_columns() {
   tap_begin_values_.push_back(static_cast<int>(tap_values_.size()));
 }
 
-// Nodes of a row apart: rounded up, and not at a distance of a power of two, which would share cache lines' places.
+// Distance between rows of nodes: rounded up, and never a power of two, whose rows would share sets of the cache.
 int BoxPyramid::row_length() const { return static_cast<int>((blocks_.node_count() + 15) / 16 * 16 + 16); }
 
-// What a row more in the bands takes.
+// Memory for one more row per band.
 std::uint64_t BoxPyramid::row_bytes() const {
   return (memory_.caller_row_values + size_of(map_.plane_count) * size_of(row_length())) * sizeof(float);
 }
 
 std::uint64_t BoxPyramid::fixed_bytes() const {
   const std::size_t columns = size_of(column_count()), planes = size_of(map_.plane_count);
-  // A row of every level whatever the band's height, twice: as averages and as rows that are handed over.
+  // Two rows of every level, for any height of the band: the averages, and the rows that are handed over.
   return columns * planes * 4 * sizeof(float) + columns * sizeof(int) + tap_values_.size() * sizeof(MultumBoxTap);
 }
 
@@ -90,7 +91,7 @@ void BoxPyramid::make_buffers() {
   nodes_ = device_.make_buffer(planes * size_of(band_rows_) * size_of(row_length()) * sizeof(float), "nodes of rows");
   std::size_t values = 1;
   for (const MultumBoxLevel& level : level_values_) {
-    // The rows of the level that a band finishes, at most.
+    // Maximum of rows of the level that a band finishes.
     const int rows = static_cast<int>(std::int64_t{band_rows_} * level.height / map_.height) + 1;
     values += planes * size_of(rows) * size_of(level.width);
   }

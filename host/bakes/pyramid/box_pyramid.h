@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Box-filtered mip pyramids of any planes of numbers, by bands of rows (kernels/mip_box.cl): every texel of every level
-// is the plain average of what it covers of the finest. Nothing but a sum a column stays from band to band.
+// Builds box-filtered mip pyramids of any numeric planes, by bands of rows (kernels/mip_box.cl). Every texel of every
+// level is the plain average of the finest texels that it covers. Only one sum per column is kept between bands.
 //
 //   for each band:  the caller fills nodes() with its planes' texels, then average(), then hand_over()
 #pragma once
@@ -20,10 +20,10 @@ struct BoxMap {
   int width = 1;
   int height = 1;
   int plane_count = 1;
-  int first_level = 0;  // the finest to make
+  int first_level = 0;  // the finest level to make
 };
 
-/// Rows of a level that a band has finished. Valid while it is handed over.
+/// Rows of a level that a band has finished. Valid only during the handover.
 struct BoxRows {
   int level, first_row;
   int width, height;
@@ -35,29 +35,29 @@ struct BoxRows {
   }
 };
 
-/// Work-items are small: PoCL takes as long to begin a group of them as to run one.
+/// Small, because work-items are small: PoCL takes as long to begin a group of them as to run one.
 constexpr std::size_t kBoxLocalSize = 64;
 
-/// Throws Error(kInput) for a map that is too large, Error(kUsage) for a first level that it has not.
+/// Throws Error(kInput) for a map that is too large, and Error(kUsage) for a first level that the map does not have.
 void validate_box_map(int first_level, int map_width, int map_height);
 
 class BoxPyramid {
  public:
   struct Memory {
     std::uint64_t bytes;            // for buffers; changes no byte of the result
-    std::size_t caller_row_values;  // floats that the caller needs for each row of a band
+    std::size_t caller_row_values;  // floats that the caller needs per row of a band
   };
 
-  /// Throws Error(kUsage) where there is too little memory for a row.
+  /// Throws Error(kUsage) if there is too little memory for a row.
   BoxPyramid(Device& device, const BoxMap& map, const Memory& memory);
 
   int band_rows() const { return band_rows_; }
   std::uint64_t buffer_bytes() const;
   MultumBoxBand band(int first_row, int row_count) const;
   const DeviceBuffer& nodes() const { return nodes_; }
-  /// Bands come in order from the top, each of band_rows() but the last.
+  /// Averages a band. Bands come in order from the top; each has band_rows() rows, except the last.
   void average(const MultumBoxBand& band);
-  /// Calls `consume` for every level that has rows finished, the finest first.
+  /// Calls `consume` for every level with finished rows, the finest level first.
   void hand_over(const MultumBoxBand& band, const std::function<void(const BoxRows&)>& consume);
 
  private:
@@ -73,7 +73,7 @@ class BoxPyramid {
   const BoxMap map_;
   const Memory memory_;
   const RowBlocks blocks_;
-  // The columns of all levels that are averaged, and what each takes of a row.
+  // Columns of all averaged levels, and the taps of each on a row.
   std::vector<MultumBoxLevel> level_values_;
   std::vector<int> level_numbers_;
   std::vector<int> tap_begin_values_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map's normals, and linear features of a material that go along with its normals, averaged or shared out among
-// lobes: colours, then weights of basis BRDFs (Han et al. 2007, section 7.3). Every bake takes them as planes by
-// threes, whatever they mean.
+// Describes a map's normals and the linear features of its material, which are averaged, or divided among lobes, with
+// the normals: colours, then weights of basis BRDFs (Han et al. 2007, section 7.3). Every bake treats them as triples
+// of planes, whatever their meaning.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ namespace multum {
 struct FeaturePlanes {
   std::vector<const PlaneStore*> rgb_planes;
   bool has_colours = false;  // the first triple
-  int weight_count = 0;      // in those after it
+  int weight_count = 0;      // number of weights in the triples after the colours
 
-  /// `albedo` and `weights` may be null, and must outlive it.
+  /// `albedo` and `weights` may be null, and must outlive the result.
   static FeaturePlanes of(const PlaneStore* albedo, const WeightMap* weights);
-  /// These, behind colours. `albedo` must outlive them; there were no colours yet.
+  /// Returns these features with colours in front. `albedo` must outlive the result; there must be no colours yet.
   FeaturePlanes with_colours(const PlaneStore& albedo) const;
 
   bool empty() const { return rgb_planes.empty(); }
@@ -30,17 +30,17 @@ struct FeaturePlanes {
   bool all_of_size(int width, int height) const;
 };
 
-/// What a bake reads, and what it may use. Roughness is told by the normals (PlaneStore::is_shortened()).
+/// Inputs and limits of a bake. The normals tell whether roughness is included (PlaneStore::is_shortened()).
 struct MapInputs {
   const PlaneStore* normals = nullptr;
-  FeaturePlanes features = {};                          // of the same size
+  FeaturePlanes features = {};                          // features of the map's size
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
-  int threads = 1;                                      // of the host's own loops
-  std::uint64_t writer_bytes = 0;              // of memory_bytes, what the writer holds while levels are fitted
-  SpillPolicy spill{.memory_bytes = 4 << 20};  // of what one level leaves for the next
+  int threads = 1;                                      // number of threads for loops on the host
+  std::uint64_t writer_bytes = 0;              // part of memory_bytes that the writer holds during the fit of levels
+  SpillPolicy spill{.memory_bytes = 4 << 20};  // for rows that the next level needs
 };
 
-/// Features of some texels, [triple][texel], as files have them: colours, and weights texel by texel.
+/// Splits features of some texels, [triple][texel], into the file's form: colours, and weights texel by texel.
 void split_features(std::vector<std::vector<glm::vec3>> rgb_planes, const FeaturePlanes& features,
                     std::vector<glm::vec3>& colours, std::vector<float>& weights);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes rows of level 0 from a bake's source, before they are rounded and given to lobes.
+// Makes rows of level 0 from a bake's source, before rounding and assignment to lobes.
 #pragma once
 
 #include "host/bakes/pyramid/feature_planes.h"
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Rows [first_row, first_row + row_count) of the map; all texels in lobe 0.
+/// Makes rows [first_row, first_row + row_count) of the map; all texels belong to lobe 0.
 MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features, Representation representation,
                         int first_row, int row_count, int threads);
 

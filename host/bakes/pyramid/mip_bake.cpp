@@ -63,7 +63,7 @@ SpillPolicy spill_policy(const MipJob& job) {
           static_cast<std::int64_t>(job.memory_bytes / 2)};
 }
 
-// Planes of a band as kernels/mip_box.cl takes them.
+// Planes of a band in the layout of kernels/mip_box.cl.
 class BandPlanes {
  public:
   BandPlanes(Device& device, const BoxMap& map, BoxPyramid& pyramid)
@@ -92,7 +92,7 @@ class BandPlanes {
   Kernel texels_;
 };
 
-// Planes of a row, and rows that wait to be written.
+// Reserves the planes of a row, and rows that wait to be written.
 BoxPyramid::Memory memory_of(const BoxMap& map, std::uint64_t bytes) {
   return {bytes, 4 * size_of(map.plane_count) * size_of(map.width)};
 }
@@ -145,7 +145,7 @@ bool is_pyramid_in_place(const std::string& path, const BakedProvenance& provena
     const BakedProvenance found = read_pyramid_header(path).map.provenance;
     return found.software == provenance.software && found.source_hash == provenance.source_hash &&
            found.settings_hash == provenance.settings_hash;
-  } catch (const Error&) {  // something else: it is written anew
+  } catch (const Error&) {  // not such a file: it is written again
     return false;
   }
 }
@@ -200,7 +200,7 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   progress_stage(progress, "read");
   const ColourRows source = read_colour_rows(job.input, reading_of(job), spill_policy(job), job.threads, progress);
   if (job.kind == PyramidKind::kPosition && source.channel_count != 3)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found {} colour channel, expected the 3 of positions x, y, z",
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {} colour channel, expected 3 with positions x, y, z",
                                                job.input, source.channel_count));
   report.read_seconds = seconds.lap();
   report.format = source.format;

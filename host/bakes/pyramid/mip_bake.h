@@ -21,25 +21,25 @@ struct MipJob {
   std::string input;
   std::string output;
   std::string report;                              // JSON; empty: none
-  ColourEncoding colours = ColourEncoding::kAuto;  // of kColour; others are data
+  ColourEncoding colours = ColourEncoding::kAuto;  // for kColour; other kinds are data
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   StorageEncoding encoding = StorageEncoding::kHalf;
-  float scale = 1.0f;  // what numbers of the file are multiplied by
+  float scale = 1.0f;  // factor for the file's numbers
   BakedWriteOptions writing;
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and for the image; changes no byte
-  std::string scratch_folder;                             // empty: the output's
+  std::string scratch_folder;                             // empty: the output's folder
   int threads = 1;
   bool force = false;
 };
 
 struct MipReport {
-  bool unchanged = false;  // the output was there already: nothing else here says anything
+  bool unchanged = false;  // the output existed already; all other fields are meaningless
   int width = 0, height = 0, level_count = 0;
   std::string format, device, content_hash;
-  std::int64_t clamped_count = 0;                 // texels without a colour, read as 0
+  std::int64_t clamped_count = 0;                 // texels with an invalid colour, read as 0
   std::map<std::string, std::uint64_t> launches;  // by kernel
-  std::uint64_t limited_count = 0;                // values beyond what half floats hold
+  std::uint64_t limited_count = 0;                // values out of range for half floats
   double read_seconds = 0.0, average_seconds = 0.0, write_seconds = 0.0;
 
   std::string to_json() const;
@@ -48,23 +48,23 @@ struct MipReport {
 /// Throws Error, Cancelled; leaves no partial file. Progress: reading, averaging, writing.
 MipReport bake_mip(const MipJob& job, Device& device, Progress* progress);
 
-/// Runs a pyramid over numbers from anywhere: `fill_band` puts rows of `map`'s planes into the pyramid's nodes, bands
-/// from the top; `take` gets the rows of levels. Progress: a unit a texel of the map.
+/// Runs a pyramid over numbers from any source: `fill_band` writes rows of `map`'s planes into the pyramid's nodes,
+/// bands from the top; `take` receives the rows of levels. Progress: one unit per texel of the map.
 void run_box_bands(BoxPyramid& pyramid, const BoxMap& map, const std::function<void(const MultumBoxBand&)>& fill_band,
                    const std::function<void(const BoxRows&)>& take, Progress* progress);
 
-/// Interleaves the planes' rows as a file has them.
+/// Interleaves the planes' rows, as files store them.
 PyramidLevel interleaved(const BoxRows& rows, int channels);
 
-/// Runs run_box_bands() and writes rounded rows to `writer`. Returns how many values were beyond what is stored.
+/// Runs run_box_bands() and writes rounded rows to `writer`. Returns the number of values out of range for storage.
 std::uint64_t write_box_pyramid(BoxPyramid& pyramid, const BoxMap& map, PyramidWriter& writer, StorageEncoding encoding,
                                 const std::function<void(const MultumBoxBand&)>& fill_band, Progress* progress);
 
-/// Makes all levels of an image in memory: `planes` has map.plane_count of width * height floats, one after another.
-/// For tests, and for maps that are made and not read.
+/// Makes all levels of an image in memory: `planes` holds map.plane_count planes of width * height floats. For tests,
+/// and for maps that are computed instead of read.
 Pyramid box_pyramid(Device& device, const BoxMap& map, const float* planes, std::uint64_t memory_bytes);
 
-/// True when `path` is such a file already: the same settings, the same source.
+/// True if `path` already is such a file with the same settings and the same source.
 bool is_pyramid_in_place(const std::string& path, const BakedProvenance& provenance);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact box averages over the finest texels that a texel of a coarser level covers (docs/contributing/ALGORITHMS.md,
-// "Notation"): texel x of a level w wide covers [x W/w, (x + 1) W/w), fractions included. For powers of two these are
-// whole blocks.
+// Computes exact box averages over the finest texels that a texel of a coarser level covers
+// (docs/contributing/ALGORITHMS.md, "Notation"): texel x of a level of width w covers [x W/w, (x + 1) W/w), including
+// fractions. For powers of two these are whole blocks.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,8 @@ struct PlaneSize {
   int height;
 };
 
-/// Averages of `plane` (row-major, `from`) over the texels of a level of size `to`, to <= from on each axis, in double.
+/// Averages of `plane` (row-major, size `from`) over the texels of a level of size `to`, to <= from on each axis, in
+/// double.
 std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneSize from, PlaneSize to, int threads);
 
 }  // namespace multum

@@ -25,8 +25,7 @@ namespace {
 
 constexpr std::size_t kLightsMax = std::size_t{1} << 22;
 
-// Texels whose lights one launch may evaluate: a launch of more keeps a GPU's screen from being drawn, and Ctrl-C from
-// being heard.
+// Evaluations of lights per launch: longer launches would block the screen of a GPU, and Ctrl-C.
 constexpr double kEvaluationsALaunch = 2e8;
 
 nlohmann::json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
@@ -43,7 +42,7 @@ MultumReflectanceLight device_light(const ReflectanceLight& light, const Reflect
   const glm::dvec3 world = glm::normalize(light.direction);
   const glm::dvec3 l(glm::dot(world, frame.right), glm::dot(world, frame.up), glm::dot(world, frame.viewer));
   const glm::dvec3 sum = l + glm::dvec3(0.0, 0.0, 1.0);
-  // Straight from behind there is no half vector; the surface that such a light reaches shows nothing of it.
+  // For light from straight behind there is no half vector; the surface that it reaches reflects none of it.
   const glm::dvec3 h = glm::length(sum) > 1e-9 ? glm::normalize(sum) : glm::dvec3(0.0, 0.0, 1.0);
   const auto f = [](double v) { return static_cast<float>(v); };
   return {f(l.x),
@@ -101,11 +100,11 @@ class ReflectanceTexels {
 
 BoxMap box_map(const ReflectanceJob& job) { return {job.size, job.size, 3, 0}; }
 
-// So much memory that a band takes about kEvaluationsALaunch; at least a row.
+// Enough memory for a band of about kEvaluationsALaunch evaluations, and for at least one row.
 BoxPyramid::Memory memory_of(const ReflectanceJob& job, double evaluations_a_row) {
   const auto size = static_cast<std::size_t>(job.size);
   const double rows = std::max(1.0, kEvaluationsALaunch / std::max(1.0, evaluations_a_row));
-  const double row_bytes = 3.0 * 4.0 * 7.0 * static_cast<double>(job.size);  // nodes (twice a row) and what waits
+  const double row_bytes = 3.0 * 4.0 * 7.0 * static_cast<double>(job.size);  // nodes (two rows) and waiting rows
   const auto wanted = static_cast<std::uint64_t>(std::min(rows * row_bytes, 1e12)) +
                       static_cast<std::uint64_t>(size) * 600 + (std::uint64_t{1} << 16);
   return {std::min(job.memory_bytes, wanted), 4 * 3 * size};
@@ -153,7 +152,7 @@ void validate(const ReflectanceJob& job) {
   if (!is_colour(job.diffuse) || !is_colour(job.specular)) refuse("--diffuse, --specular: expected numbers >= 0");
   if (job.size < 4 || job.size > 8192) refuse(fmt::format("--size is {}, expected 4 to 8192", job.size));
   if (job.sample_side < 1 || job.sample_side > 16)
-    refuse(fmt::format("--texel-samples is {}, expected 1 to 16 a side", job.sample_side));
+    refuse(fmt::format("--texel-samples is {}, expected 1 to 16 per side", job.sample_side));
   validate(job.writing);
 }
 

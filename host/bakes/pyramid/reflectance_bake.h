@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes distant lights, as a surface of one Blinn-Phong BRDF shows them to a distant viewer, into a mip-mapped map over
-// the surface's normals (Williams 1983, section 4). kernels/reflectance_pyramid.cl, kernels/mip_box.cl.
+// Bakes distant lights, as reflected by a surface with one Blinn-Phong BRDF to a distant viewer, into a mip-mapped map
+// over the surface's normals (Williams 1983, section 4). kernels/reflectance_pyramid.cl, kernels/mip_box.cl.
 #pragma once
 
 #include <string>
@@ -15,21 +15,21 @@
 namespace multum {
 
 struct ReflectanceLight {
-  glm::dvec3 direction{0.0, 0.0, 1.0};  // towards the light, world, any length > 0
+  glm::dvec3 direction{0.0, 0.0, 1.0};  // towards the light, in world space, any length > 0
   glm::dvec3 irradiance{3.141592653589793};
 };
 
 struct ReflectanceJob {
   std::vector<ReflectanceLight> lights;
   std::string environment;         // latitude-longitude image; empty: none
-  float environment_scale = 1.0f;  // its radiance times this
+  float environment_scale = 1.0f;  // factor for its radiance
   glm::dvec3 viewer{0.0, 0.0, 1.0};
   glm::dvec3 up{0.0, 1.0, 0.0};
   float exponent = 100.0f;  // s, 1..1e5
   glm::dvec3 diffuse{0.5};
   glm::dvec3 specular{0.1};
   int size = 512;       // texels a side, 4..8192
-  int sample_side = 2;  // normals a side of a texel, 1..16
+  int sample_side = 2;  // normals per side of a texel, 1..16
   std::string output;
   std::string report;
   StorageEncoding encoding = StorageEncoding::kHalf;
@@ -39,17 +39,17 @@ struct ReflectanceJob {
   bool force = false;
 };
 
-/// Throws Error(kUsage) for values out of range, or no light at all.
+/// Throws Error(kUsage) for values out of range, or if there is no light.
 void validate(const ReflectanceJob& job);
 
-/// Lights for the cells of a latitude-longitude environment: as many cells as the BRDF's lobe needs, so that a cell is
-/// about half as wide as it (radians: 1 / (2 sqrt(s))). Directions are EnvironmentMap's: +Y up, -Z in the middle.
+/// Lights for the cells of a latitude-longitude environment. The number of cells depends on the BRDF's lobe: a cell is
+/// about half as wide as the lobe (radians: 1 / (2 sqrt(s))). Directions are EnvironmentMap's: +Y up, -Z in the middle.
 std::vector<ReflectanceLight> environment_lights(const EnvironmentMap& environment, float exponent, float scale);
 
 /// Throws Error, Cancelled; leaves no partial file.
 MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* progress);
 
-/// The same in memory, not rounded, of these lights alone.
+/// Makes the pyramid in memory, not rounded, from the job's lights only.
 Pyramid reflectance_pyramid(const ReflectanceJob& job, Device& device);
 
 }  // namespace multum

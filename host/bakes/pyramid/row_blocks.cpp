@@ -12,7 +12,7 @@ RowBlocks::RowBlocks(int row_width) : row_width_(row_width) {
   }
 }
 
-// Positions in units of 1/level_width of a finest texel: all are whole.
+// Positions are integers in units of 1/level_width of a finest texel.
 void RowBlocks::append_taps(int level_width, int column, std::vector<Tap>& taps) const {
   const std::int64_t unit = level_width;
   std::int64_t position = std::int64_t{column} * row_width_;
@@ -23,7 +23,7 @@ void RowBlocks::append_taps(int level_width, int column, std::vector<Tap>& taps)
       position += left;
       continue;
     }
-    std::size_t k = 0;  // the largest block that begins here and does not reach over the end
+    std::size_t k = 0;  // the largest block that begins here and ends before `end`
     while (texel % (std::int64_t{2} << k) == 0 && (texel + (std::int64_t{2} << k)) * unit <= end) ++k;
     taps.push_back({static_cast<std::uint32_t>(block_begin_[k] + static_cast<std::size_t>(texel >> k)), 1.0});
     position += unit << k;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splits the columns of coarser levels into sums over blocks of a row's texels. Nodes of a row are its texels and,
-// behind them, the sums of its whole blocks of 2, of 4, ... texels; a column of any level, of any size, is a few of
-// them:
+// Splits the columns of coarser levels into sums over blocks of a row's texels. The nodes of a row are its texels,
+// followed by the sums of its whole blocks of 2, 4, ... texels. A column of any level, of any size, is the sum of a
+// few nodes:
 //
 //     finest texels   | 0 | 1 | 2 | 3 | 4 | 5 | 6 | ...
 //     blocks of 2     |   0   |   1   |   2   | ...
@@ -24,11 +24,11 @@ class RowBlocks {
   explicit RowBlocks(int row_width);
 
   std::size_t node_count() const { return node_count_; }
-  /// Number of sizes of blocks: for blocks of 2^k texels, k from 0 to depth() - 1, their first node and their number.
+  /// Number of block sizes: blocks of 2^k texels, k from 0 to depth() - 1, have a first node and a count.
   int depth() const { return static_cast<int>(block_begin_.size()); }
   std::size_t block_begin(int k) const { return block_begin_[static_cast<std::size_t>(k)]; }
   int block_count(int k) const { return row_width_ >> k; }
-  /// Appends the taps of column `column` of a level `level_width` wide, from the left.
+  /// Appends the taps of column `column` of a level of width `level_width`, from the left.
   void append_taps(int level_width, int column, std::vector<Tap>& taps) const;
 
  private:

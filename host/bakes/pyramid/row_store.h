@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of equal size, in memory or in a scratch file: what one level of a pyramid leaves for the next.
+// Stores rows of equal size, in memory or in a scratch file: the output of one level of a pyramid for the next.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,15 @@ namespace multum {
 class RowStore {
  public:
   RowStore(int row_count, std::size_t row_bytes, const SpillPolicy& spill);
-  /// In a file of that name in `folder`, where an earlier process may have left rows.
+  /// Uses the file `name` in `folder`, where an earlier process may have left rows.
   RowStore(int row_count, std::size_t row_bytes, const WorkFolder& folder, const std::string& name);
 
   int row_count() const { return row_count_; }
   std::size_t row_bytes() const { return row_bytes_; }
-  /// Rows [first_row, first_row + row_count). Throws Error(kEnvironment) when the disk refuses.
+  /// Writes rows [first_row, first_row + row_count). Throws Error(kEnvironment) for errors of the disk.
   void write(int first_row, int row_count, const void* rows);
   void read(int first_row, int row_count, void* rows) const;
-  /// The first `byte_count` bytes of a row: what lies behind takes no room on disk.
+  /// Writes the first `byte_count` bytes of a row; the rest takes no room on disk.
   void write_beginning(int row, const void* bytes, std::size_t byte_count);
   void read_beginning(int row, void* bytes, std::size_t byte_count) const;
 

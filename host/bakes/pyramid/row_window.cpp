@@ -37,7 +37,7 @@ void RowWindow::move_to(int first_row, int row_count, const Fill& fill) {
   // Rows [kept_begin, kept_end) are in both windows.
   const int kept_begin = std::max(first_row, first_row_),
             kept_end = std::max(kept_begin, std::min(first_row + row_count, first_row_ + row_count_));
-  MULTUM_CHECK(row_count_ == 0 || first_row >= first_row_ || kept_end == kept_begin);  // windows slide down
+  MULTUM_CHECK(row_count_ == 0 || first_row >= first_row_ || kept_end == kept_begin);  // windows can only slide down
   if (first_row == first_row_ && kept_end == first_row + row_count) {
     row_count_ = row_count;
     return;
@@ -66,7 +66,7 @@ BufferRange RowWindow::rows_of_plane(int plane, int first, int count) const {
           static_cast<std::size_t>(count) * row_bytes_};
 }
 
-// Rows [begin, end) of the window's level in pieces that the device copies at once, as ranges of every plane.
+// Splits rows [begin, end) of the window's level into pieces for single copies, as ranges of every plane.
 template <typename Body>
 void RowWindow::for_each_copy(int begin, int end, const Body& body) const {
   const std::size_t most = device_->shape().staging_bytes, row = static_cast<std::size_t>(plane_count_) * row_bytes_;
@@ -148,7 +148,7 @@ std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normal
   const std::uint64_t texels =
       static_cast<std::uint64_t>(normals.width()) * static_cast<std::uint64_t>(normals.height());
   const std::uint64_t bytes = texels * 3 * sizeof(float) * (1 + rgb_planes.size());
-  if (bytes > device.shape().window_bytes_useful / 2) return std::nullopt;  // of a CPU 0: its maps are where they are
+  if (bytes > device.shape().window_bytes_useful / 2) return std::nullopt;  // 0 on a CPU: maps stay in host memory
   MapWindows map(device, normals, rgb_planes, normals.height());
   map.move_to(0, normals.height());
   return map;

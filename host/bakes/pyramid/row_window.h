@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Windows that slide down over rows kept elsewhere: device buffers with planes of some rows each. Rows wrap: of a map
-// that repeats, a window may begin above its first row or end below its last.
+// Manages windows that slide down over rows stored elsewhere: device buffers with planes of some rows each. Rows wrap:
+// on a map that repeats, a window may begin above its first row or end below its last.
 //
-//   rows kept   0 1 2 3 4 5 6 7 8 9 ...
+//   stored rows 0 1 2 3 4 5 6 7 8 9 ...
 //   window          [2 3 4 5 6]           plane 0: 2 3 4 5 6, plane 1: 2 3 4 5 6, ...
 //   moved to            [4 5 6 7 8]       4 5 6 move up in each plane, 7 8 are read
 #pragma once
@@ -18,15 +18,15 @@
 
 namespace multum {
 
-/// `row` of a level or map of `size` rows, for any row that is at most a few sizes outside.
+/// Wraps `row` to a level or map of `size` rows; `row` may be outside by a few sizes.
 inline int wrapped_row(int row, int size) { return ((row % size) + size) % size; }
 
-/// Calls body(first, count, at) for the one or more pieces of rows [first_row, first_row + row_count) that do not wrap:
-/// rows [first, first + count) of `size` lie `at` rows behind first_row.
+/// Splits rows [first_row, first_row + row_count) into pieces that do not wrap, and calls body(first, count, at) for
+/// each. A piece is rows [first, first + count) of `size`, `at` rows after first_row.
 void for_each_piece(int first_row, int row_count, int size,
                     const std::function<void(int first, int count, int at)>& body);
 
-/// `plane_count` planes of rows of `row_bytes` bytes each in one device buffer, a fixed number of rows a plane.
+/// `plane_count` planes in one device buffer, each with a fixed number of rows of `row_bytes` bytes.
 class RowWindow {
  public:
   RowWindow() = default;
@@ -38,11 +38,11 @@ class RowWindow {
   DeviceBuffer& buffer() { return buffer_; }
   const DeviceBuffer& buffer() const { return buffer_; }
 
-  /// Rows that were in the window stay in it; `fill(row, count, planes)`, called for some at a time, writes others:
-  /// `planes[p]` is where row `row` of plane p goes. Without `fill` they hold anything.
+  /// Writes the rows that were not yet in the window: `fill(row, count, planes)` is called for some rows at a time,
+  /// and `planes[p]` is the destination of row `row` of plane p. Without `fill`, their contents are undefined.
   using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
   void move_to(int first_row, int row_count, const Fill& fill);
-  /// As kept elsewhere: rows [first_row, + count), each row with its planes one after another.
+  /// Copies rows [first_row, + count) in the order of the store: each row with its planes one after another.
   void copy_rows(int first_row, int count, void* rows) const;
 
  private:
@@ -58,13 +58,13 @@ class RowWindow {
   DeviceBuffer buffer_;
 };
 
-/// Fills windows with rows that `read` gives, of `store_rows` rows of `row_bytes`, which wrap, [plane][column] each.
+/// Fills windows through `read`, from `store_rows` rows of `row_bytes`, which wrap; each row is [plane][column].
 using ReadRows = std::function<void(int first_row, int row_count, void* rows)>;
 RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read);
-/// Fills windows from rows of `store`, which wrap, [plane][column] each. The store must outlive it.
+/// Fills windows from rows of `store`, which wrap; each row is [plane][column]. The store must outlive the result.
 RowWindow::Fill fill_planes(const RowStore& store);
 
-/// Rows of three planes of a map, each in a buffer of its own, with MULTUM_GROUP finite values behind the last.
+/// Rows of three planes of a map, each in its own buffer, with MULTUM_GROUP finite values after the last.
 class MapWindow {
  public:
   MapWindow(Device& device, const PlaneStore& store, int capacity_rows, const std::string& what);
@@ -91,8 +91,8 @@ struct MapWindows {
   void move_to(int first_row, int row_count);
 };
 
-/// All rows, copied once for all levels, on a device with memory of its own that has room for them beside the windows
-/// of levels; else none, and windows of some rows do.
+/// Copies all rows once for all levels to a device with its own memory, if it has room for them and for the levels'
+/// windows. Otherwise returns nullopt, and windows of some rows are used.
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
                                         const std::vector<const PlaneStore*>& rgb_planes);
 

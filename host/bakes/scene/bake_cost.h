@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates what a bake will take, by a model of few constants (docs/evidence/SCENE.md has them and the machine that
-// they are of): for comparing ways to bake a map, not for promises.
+// Estimates the time of a bake by a model with few constants (docs/evidence/SCENE.md lists them and their machine).
+// The model compares ways to bake a map; it does not predict exact times.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 
 namespace multum {
 
-/// One map's bake, as far as it costs anything.
+/// Properties of one map's bake that determine its cost.
 struct BakeShape {
   int width = 1, height = 1;
   Representation representation = Representation::kMovmf;
-  int lobe_count = 4;  // of representations of lobes
-  int sh_order = 4;    // of those with an order
+  int lobe_count = 4;  // for representations with lobes
+  int sh_order = 4;    // for representations with an order
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   int first_level = 0;
-  bool has_colours = false;   // in the baked file: of each lobe, or one a texel
-  bool mean_colours = false;  // in a file of their own, all levels
+  bool has_colours = false;   // colours in the baked file: per lobe, or one per texel
+  bool mean_colours = false;  // mean colours in a separate file, for all levels
   int weight_count = 0;
-  int exponent_count = 3;  // of highlights whose error is measured
+  int exponent_count = 3;  // number of highlights whose error is measured
 };
 
 struct BakeCost {
@@ -37,7 +37,7 @@ struct BakeCost {
 
 BakeCost bake_cost(const BakeShape& shape);
 
-/// Textures of four channels that a texel takes.
+/// Number of four-channel textures per texel.
 int texture_count(const BakeShape& shape);
 
 }  // namespace multum

@@ -41,16 +41,18 @@ class EffectRows {
   void add_row(const std::string& effect, bool needed, const std::string& why, const BakeCost& cost) {
     plan_.effects.push_back({effect, needed, why, true, cost});
   }
-  // "1.2 %", "1.2/14 %" of diffuse light and highlights.
+  // "1.2 %", or "1.2/14 %" for diffuse light and highlights.
   std::string parts_text(const PartErrors& e) const {
     return !needs_.specular  ? percent_text(e.diffuse)
            : !needs_.diffuse ? percent_text(e.specular)
                              : fmt::format("{}/{} %", percent_number(e.diffuse), percent_number(e.specular));
   }
   const char* parts_name() const {
-    return !needs_.specular ? "diffuse light is" : !needs_.diffuse ? "highlights are" : "diffuse light/highlights are";
+    return !needs_.specular  ? "error of diffuse light"
+           : !needs_.diffuse ? "error of highlights"
+                             : "error of diffuse light/highlights";
   }
-  // Of the default bake with a change.
+  // Cost of the default bake with a change.
   template <typename Change>
   BakeCost default_with(const Change& change) const {
     BakeShape s = plan_.default_bake.shape;
@@ -73,7 +75,7 @@ class EffectRows {
   void add_filtering() {
     if (plan_.is_constant) {
       add_row("normals under texels", false,
-              fmt::format("no two normals are more than {:.2g} apart (unit vectors): one texel stands for all",
+              fmt::format("no two normals are more than {:.2g} apart (unit vectors): one texel is enough",
                           planner_.survey().normal_range),
               plan_.default_bake.cost - plan_.chosen.cost);
       return;
@@ -88,7 +90,7 @@ class EffectRows {
     const double without = error_of(0);
     const bool needed = without > scene_.budget.estimate_margin;
     add_row("normals under texels", needed,
-            fmt::format("spread of normals up to {:.2g}; one mean direction a texel is {} off", spread,
+            fmt::format("spread of normals up to {:.2g}; one mean direction per texel has an error of {}", spread,
                         percent_text(without)));
   }
 
@@ -103,25 +105,25 @@ class EffectRows {
     const bool needed = holds_lobes(chosen_.representation) && chosen_.lobe_count > 1;
     const auto one = [](BakeShape& s) { s.lobe_count = 1; };
     if (!is_estimated()) {
-      add_row("several lobes, EM", false, "nothing to share out", saved_by(one));
+      add_row("several lobes, EM", false, "there is no spread to divide", saved_by(one));
       return;
     }
     add_row("several lobes, EM", needed,
-            fmt::format("{} off {}: {}", parts_name(), seen_texels(),
+            fmt::format("{} {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
                             ? fmt::format("margin {}", percent_text(scene_.budget.estimate_margin))
-                            : fmt::format("the default's 4 lobes {}, limit {}", parts_text(plan_.default_bake.error),
-                                          parts_text(plan_.limit))) +
+                            : fmt::format("the 4 lobes of the default bake {}, limit {}",
+                                          parts_text(plan_.default_bake.error), parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax
                      ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)
                      : ""),
             needed ? chosen_without(one) : saved_by(one));
     plan_.effects.back().list = lobes_tried();
-    if (needed) add_row("aligned lobes", true, "several lobes are filtered by hardware, each with its like");
+    if (needed) add_row("aligned lobes", true, "hardware filters several lobes, each with matching ones");
   }
 
-  // "2 lobes", "0.21/45 %, one colour 0.4/45 %"; candidates are in the order of their textures, which takes one colour
-  // of more lobes for cheaper than a colour a lobe of fewer.
+  // Lists "2 lobes": "0.21/45 %, one colour 0.4/45 %", in the order of lobes. Candidates are in the order of their
+  // textures, where more lobes with one colour come before fewer lobes with a colour each.
   std::vector<PlannedItem> lobes_tried() const {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
@@ -140,17 +142,17 @@ class EffectRows {
     return items;
   }
 
-  // Why there is no candidate of it.
+  // Says why the representation has no candidates.
   std::string why_not_tried(const RepresentationInfo& other) const {
-    if (plan_.is_constant) return "one lobe stands for all";
-    if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights take vMF lobes";
-    if (needs_.takes_vmf) return "the BRDF is a sum of vMFs, which takes vMF lobes";
-    if (needs_.environment_highlight || other.lobes != nullptr)  // or one lobe, and there are no fewer
-      return !scene_.environment.empty() ? "an environment takes vMF lobes" : "one vMF lobe does";
-    return "one or several lobes do";
+    if (plan_.is_constant) return "one lobe represents all normals";
+    if (needs_.width_in_map || needs_.weighted) return "widths in the map and weights need vMF lobes";
+    if (needs_.takes_vmf) return "the BRDF is a sum of vMFs, which needs vMF lobes";
+    if (needs_.environment_highlight || other.lobes != nullptr)  // or one vMF lobe is enough
+      return !scene_.environment.empty() ? "an environment needs vMF lobes" : "one vMF lobe is enough";
+    return "lobes are enough";
   }
 
-  // The candidate's name in the row of its representation.
+  // The candidate's name within the row of its representation.
   static std::string name_within(const BakeCandidate& c) {
     const RepresentationInfo& info = representation_info(c.shape.representation);
     if (info.lobes != nullptr) return count_text(c.shape.lobe_count, "lobe");
@@ -166,7 +168,7 @@ class EffectRows {
         if (c.shape.representation == other.representation)
           tried.push_back({name_within(c),
                            fmt::format("{}, {}", parts_text(c.error), count_text(texture_count(c.shape), "texture"))});
-      add_row(other.contents, needed, tried.empty() ? why_not_tried(other) : "off by the estimates:");
+      add_row(other.contents, needed, tried.empty() ? why_not_tried(other) : "estimated errors:");
       plan_.effects.back().list = std::move(tried);
     }
   }
@@ -179,20 +181,20 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed = representation_info(chosen_.representation).has_slopes ||  // which vary by direction
+    const bool needed = representation_info(chosen_.representation).has_slopes ||  // their spread varies by direction
                         (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
             plan_.is_constant
                 ? "there is no spread"
-                : fmt::format("{:.2f} of 1, most at level {}{}", anisotropy, at,
-                              needed && chosen_.lobe_count > 1 ? ": round lobes side by side stand for it" : ""));
+                : fmt::format("at most {:.2f} of 1, at level {}{}", anisotropy, at,
+                              needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
   }
 
   void add_levels() {
     const bool fine = chosen_.first_level == 0;
-    const std::string why = plan_.is_constant ? "all texels of all levels are alike"
-                                              : fmt::format("seen are levels {} to {} of 0 to {}", plan_.first_seen,
-                                                            plan_.last_seen, plan_.level_count - 1);
+    const std::string why = plan_.is_constant ? "all texels of all levels are equal"
+                                              : fmt::format("the scene shows levels {} to {} of 0 to {}",
+                                                            plan_.first_seen, plan_.last_seen, plan_.level_count - 1);
     if (fine) {
       add_row("finest levels", true, why, chosen_without([](BakeShape& s) { s.first_level = 1; }));
     } else {
@@ -203,10 +205,10 @@ class EffectRows {
     if (plan_.is_constant) return;
     const double last = static_cast<double>(mip_level_size(plan_.width, plan_.last_seen)) *
                         mip_level_size(plan_.height, plan_.last_seen);
-    add_row(
-        "coarsest levels", plan_.last_seen >= plan_.level_count - 1,
-        fmt::format("{}: kept, since the fit starts at the coarsest; all beyond the last seen are {:.2g} of the map",
-                    why, last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
+    add_row("coarsest levels", plan_.last_seen >= plan_.level_count - 1,
+            fmt::format("{}: kept, since the fit starts at the coarsest; all levels coarser than the last one shown "
+                        "are {:.2g} of the map",
+                        why, last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
   }
 
   void add_colours() {
@@ -226,8 +228,8 @@ class EffectRows {
     const double correlation = planner_.errors().colour_correlation(lobes);
     const auto error = [&](ColourModel model) { return planner_.errors().error(lobes, needs_.diffuse_by, model); };
     add_row("colours of each lobe", plan_.chosen.lobe_colours,
-            fmt::format("{} of the colours' variance lies between {} lobes; diffuse light is {} off with one colour a "
-                        "texel, {} with one a lobe",
+            fmt::format("{} of the colours' variance is between {} lobes; the error of diffuse light is {} with one "
+                        "colour per texel, {} with one per lobe",
                         percent_text(correlation), lobes, percent_text(error(ColourModel::kMean)),
                         percent_text(error(ColourModel::kLobes))),
             plan_.chosen.lobe_colours ? chosen_without(none) : saved_by([&](BakeShape& s) {
@@ -243,14 +245,14 @@ class EffectRows {
         is_estimated() ? planner_.share_unrepresentable(chosen_.lobe_count) : std::nullopt;
     if (!share) {
       add_row("32-bit storage", false,
-              needs_.width_in_map ? "highlights are as broad as the roughness says"
-              : needs_.specular   ? fmt::format("highlights up to s = {:.0f}, 16 bits keep lobes up to kappa {:.0f}",
+              needs_.width_in_map ? "the roughness map sets the width of highlights"
+              : needs_.specular   ? fmt::format("highlights up to s = {:.0f}; 16 bits store lobes up to kappa {:.0f}",
                                                 needs_.exponent_max, kept)
                                   : "no highlights");
       return;
     }
     const std::string why =
-        fmt::format("{} of the lobes are sharper than 16 bits keep (kappa {:.0f}), highlights up to s = {:.0f}",
+        fmt::format("{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights up to s = {:.0f}",
                     percent_text(*share), kept, needs_.exponent_max);
     if (chosen_.encoding == StorageEncoding::kFloat)
       add_row("32-bit storage", true, why,
@@ -272,7 +274,7 @@ class EffectRows {
     const auto none = [](BakeShape& s) { s.exponent_count = 0; };
     const bool needed = count > 0 || needs_.width_in_map;
     add_row("measuring highlights", needed,
-            needs_.width_in_map ? "as wide as the roughness says"
+            needs_.width_in_map ? "the roughness map sets the width"
             : needed            ? fmt::format("at s = {:.4g}{}", needs_.exponent_max,
                                    count > 1 ? fmt::format(" and {:.4g}", needs_.exponent_min) : "")
                                 : "there are none",

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the rows of a map's table in a plan: each effect, whether the map's bake needs it, and the number that says
-// why.
+// Makes the rows of a map's table in a plan: each effect, whether the map's bake needs it, and the number that
+// justifies the decision.
 #pragma once
 
 #include "host/bakes/scene/map_planner.h"
 
 namespace multum {
 
-/// Appends to plan.effects; plan.chosen is what is baked.
+/// Appends to plan.effects; plan.chosen is the bake.
 void add_effect_rows(const SceneDescription& scene, MapPlanner& planner, MapPlan& plan);
 
 }  // namespace multum

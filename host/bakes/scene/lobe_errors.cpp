@@ -24,12 +24,12 @@ constexpr int kDirections = 32;
 constexpr int kIterations = 15;
 constexpr double kKappaMax = 1e6;
 constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
-constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // MovmfSettings has them
-constexpr double kSingleDirection = 1e-7;  // 1 - |r| of normals that are alike, in single precision
+constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // values of MovmfSettings
+constexpr double kSingleDirection = 1e-7;                             // 1 - |r| of equal normals, in single precision
 
 double density(double kappa, double t) { return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0)); }
 
-// Of one normal, perhaps shortened by a BRDF's width.
+// Shades one normal, which may be shortened by a BRDF's width.
 double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w) {
   const double length = glm::length(n), t = glm::dot(n, w) / length;
   if (!by.exponent) return std::max(t, 0.0);
@@ -37,13 +37,14 @@ double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w
   return density(kappa_of_mean_cosine(length > 1.0 - 1e-6 ? width : length * width, kKappaMax), t);
 }
 
-// Of a lobe: mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe").
+// Shades a lobe: mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe").
 double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, double mean_cosine, const glm::dvec3& w) {
   if (!by.exponent) return lobe_lambert(std::min(lobe.mean_length / mean_cosine, 1.0) * lobe.mu, w);
   return density(kappa_of_mean_cosine(lobe.mean_length * (1.0 - 1.0 / *by.exponent), kKappaMax), glm::dot(lobe.mu, w));
 }
 
-// Tan's, of runtime_gl/shaders/common/gmm_shading.glsl: `planar` is E[x], E[y], E[x^2 + y^2]. In shade_normal()'s unit.
+// Shades a planar Gaussian (Tan et al. 2005) as runtime_gl/shaders/common/gmm_shading.glsl does, in the unit of
+// shade_normal(). `planar`: E[x], E[y], E[x^2 + y^2].
 double shade_gaussian(const glm::dvec3& planar, const ShadedBy& by, const glm::dvec3& w) {
   const double square = planar.x * planar.x + planar.y * planar.y;
   const glm::dvec3 lifted(planar.x, planar.y, std::sqrt(std::max(1.0 - square, 0.0)));
@@ -53,7 +54,7 @@ double shade_gaussian(const glm::dvec3& planar, const ShadedBy& by, const glm::d
   return std::exp(-0.5 * (x * x + y * y) / variance) / variance * std::max(w.z, 0.0);
 }
 
-// What a normal counts for.
+// Weight of a normal.
 double weight_of(const std::vector<glm::dvec4>& weights, std::size_t i, const ShadedBy& by) {
   return by.weight < 0 || weights.empty() ? 1.0 : weights[i][by.weight];
 }
@@ -65,8 +66,8 @@ glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
   return mean;
 }
 
-// The sharpest highlight that a texel's normals resolve: where they are a sample, so sharp that several of them are
-// within its width anywhere, by a spread of all directions within acos |mean|.
+// The sharpest highlight that a texel's normals resolve. The texel's normals may be a sample. If they were spread
+// evenly over the directions within acos |mean|, several must be within the highlight's width anywhere.
 double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
   constexpr double kWithin = 4.0;
   const auto count = static_cast<double>(texel.normals.size());
@@ -118,8 +119,8 @@ std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
       ->lobes;
 }
 
-// As the bake: from the coarser texel's lobes, made broader and none too small, or from normals far apart where these
-// fit better.
+// Fits a texel as the bake does: starts from the coarser texel's lobes, broadened and with a minimum amplitude, or
+// from normals that are far apart if these fit better.
 LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
                                      const std::vector<MixtureLobe>& top) const {
   const Normals& normals = texel.normals;
@@ -273,12 +274,12 @@ double LobeErrors::lobes_error(int lobe_count, bool planar, const std::vector<Sh
 }
 
 double LobeErrors::sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
-  // By the addition theorem a band of the coefficients, summed over m, is the mean of (2l + 1)/4 pi P_l(n . w).
+  // Addition theorem: a band of the coefficients, summed over m, is the mean of (2l + 1)/4 pi P_l(n . w).
   return error_of(
       [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
         const Normals& normals = survey_.texels[t].normals;
         const ZonalCoefficients zonal = by.exponent ? zonal_blinn_phong(order, *by.exponent) : zonal_lambert(order);
-        // A density in shade_normal()'s unit, 1/2 pi.
+        // A density in the unit of shade_normal(), 1/2 pi.
         const double unit = by.exponent ? 2.0 * std::numbers::pi : 1.0;
         double sum = 0.0;
         for (const glm::dvec3& n : normals) {
@@ -314,7 +315,7 @@ double LobeErrors::lean_error(const std::vector<ShadedBy>& shadings, ColourModel
         const double base = 1.0 / *by.exponent, a = ss - s * s + base, c = uu - u * u + base, b = su - s * u;
         const double x = -w.x / w.z - s, y = -w.y / w.z - u, determinant = a * c - b * b;
         const double distance = (c * x * x - 2.0 * b * x * y + a * y * y) / determinant;
-        // A density in shade_normal()'s unit, 1/2 pi.
+        // A density in the unit of shade_normal(), 1/2 pi.
         return std::exp(-0.5 * distance) / std::sqrt(determinant) / (w.z * w.z * w.z) * colour;
       },
       shadings, colours);
@@ -326,8 +327,9 @@ double LobeErrors::colour_correlation(int lobe_count) {
   for (std::size_t t = 0; t < fitted.size(); ++t) {
     const auto count = static_cast<double>(survey_.texels[t].normals.size());
     const auto lobes = static_cast<double>(fitted[t].lobes.size());
-    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // of few normals each, lobes explain everything
-    // Of colours that know nothing of the lobes, a share (lobes - 1) / (count - 1) lies between them.
+    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // with few normals each, lobes explain everything
+    // If colours are independent of the lobes, a share (lobes - 1) / (count - 1) of the variance lies between lobes by
+    // chance.
     within += fitted[t].colour_within;
     between += fitted[t].colour_between - fitted[t].colour_within * (lobes - 1.0) / (count - 1.0);
   }

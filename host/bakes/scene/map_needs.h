@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects a scene's demands on one of its maps, whatever is in the map.
+// Collects a scene's demands on one of its maps, whatever the map contains.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,12 @@
 
 namespace multum {
 
-/// What the materials of all objects that show a map ask of it.
+/// Demands of the materials of all objects that show a map.
 struct MapNeeds {
   bool diffuse = false, specular = false;
   bool width_in_map = false, weighted = false;
-  bool environment_highlight = false, takes_vmf = false;  // of BRDFs that are sums of vMFs
-  double exponent_min = 0.0, exponent_max = 0.0;          // of highlights that have one
+  bool environment_highlight = false, takes_vmf = false;  // takes_vmf: for BRDFs that are sums of vMFs
+  double exponent_min = 0.0, exponent_max = 0.0;          // range over highlights with an exponent
   int first_seen = 0, last_seen = 0;
   std::vector<ShadedBy> diffuse_by, highlights_by;
 
@@ -32,7 +32,7 @@ struct MapNeeds {
     exponent_min = is_first ? exponent : std::min(exponent_min, exponent);
     exponent_max = is_first ? exponent : std::max(exponent_max, exponent);
   }
-  // The sharpest and the broadest: what is measured of a bake. None where widths are the map's.
+  // The sharpest and the broadest exponent, which a bake measures. Empty if the map contains the widths.
   std::vector<double> exponents() const {
     std::vector<double> ends;
     if (exponent_max > 0.0) ends.push_back(exponent_max);
@@ -47,7 +47,7 @@ struct MapNeeds {
   }
 };
 
-/// `map`: of scene.maps, of `width` texels and `level_count` levels.
+/// `map`: index into scene.maps; the map has `width` texels and `level_count` levels.
 MapNeeds needs_of(const SceneDescription& scene, std::size_t map, int width, int level_count);
 
 }  // namespace multum

@@ -12,7 +12,8 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kTexelsASample = 65536;
-// Lobes as sharp as the storage loses, as a share: fewer are in every map (host/bakes/bake/movmf_file_bake.cpp).
+// Largest share of lobes that may be too sharp for the storage; every map has some
+// (host/bakes/bake/movmf_file_bake.cpp).
 constexpr double kUnrepresentableMax = 1.0 / 3.0;
 
 std::string lobes_name(Representation representation, int lobes) {
@@ -26,7 +27,7 @@ BakeCandidate finished(BakeCandidate candidate) {
 
 }  // namespace
 
-/// A representation that is planned beside the default's lobes, and its estimated error.
+/// A representation that is planned in addition to the default's lobes, and its estimated error.
 struct EstimatedRepresentation {
   Representation representation;
   double (*error)(LobeErrors& errors, const TexelCounts& counts, const std::vector<ShadedBy>& by, ColourModel colours);
@@ -60,7 +61,7 @@ MapPlanner::MapPlanner(const SceneDescription& scene, std::size_t map, std::shar
   plan_.last_seen = needs_.last_seen;
   SurveySettings survey;
   survey.threads = settings.threads;
-  // Bakes of small maps take no longer than many fits.
+  // Small maps are surveyed at fewer texels: their bakes take no longer than many fits.
   survey.texels_per_level =
       std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
   const bool has_weights = needs_.weighted && source_->weights;
@@ -134,7 +135,7 @@ PartErrors MapPlanner::lobes_error(int lobes, ColourModel colours) {
                      colours);
 }
 
-// What `multum bake` does of itself.
+// Adds the bake that `multum bake` makes by default.
 void MapPlanner::add_default() {
   const int lobes = default_lobe_count();
   BakeShape s = shape(default_representation(), lobes);
@@ -143,7 +144,7 @@ void MapPlanner::add_default() {
   s.exponent_count = 3;
   plan_.default_bake = finished({lobes_name(default_representation(), lobes), s, s.has_colours, {}, {}});
   if (plan_.is_constant) return;
-  // One lobe within the margin needs no comparison: the default bake is taken to be no worse.
+  // If one lobe is within the margin, no comparison is needed: the default bake is assumed to be no worse.
   if (!scene_.budget.target_error) {
     const PartErrors one = lobes_error(1, ColourModel::kLobes);
     plan_.default_error_is_bound = one.worst() <= scene_.budget.estimate_margin;
@@ -185,17 +186,17 @@ std::vector<SettingCandidate> MapPlanner::candidates_of(Representation represent
 void MapPlanner::add_candidates() {
   for (const SettingCandidate& one : candidates_of(default_representation())) {
     add_lobes(one.lobe_count());
-    if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are no cheaper
+    if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are not cheaper
   }
-  if (plan_.default_error_is_bound) return;  // no other takes fewer textures
-  // Of widths in the map and of weights, only lobes are estimated; sums of vMFs are shaded over lobes alone.
+  if (plan_.default_error_is_bound) return;  // no other representation takes fewer textures
+  // For widths in the map and for weights, only lobes can be estimated; sums of vMFs are shaded only over lobes.
   if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
   const BakeCandidate by_default = plan_.candidates.back();
   for (const EstimatedRepresentation& other : kOthers) add_other(other, by_default);
 }
 
-// Lobes of another family take as many textures as the default's, and as much time to fit: they are cheaper where fewer
-// will do. Of averages an environment's highlight is that of one lobe of the mean normal.
+// Lobes of another family take as many textures as the default's lobes and as much time to fit, so they are cheaper
+// only if fewer suffice. Averages would show an environment's highlight as one lobe of the mean normal.
 void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandidate& by_default) {
   const RepresentationInfo& info = representation_info(other.representation);
   const bool has_lobes = info.lobes != nullptr;
@@ -220,7 +221,7 @@ void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandi
   }
 }
 
-// The estimate is no bound: what is near to the target gets its trials (host/bakes/scene/scene_bake.cpp).
+// The estimate is not a bound: settings close to the target are tried (host/bakes/scene/scene_bake.cpp).
 void MapPlanner::choose_nearest() {
   constexpr double kEstimateMargin = 1.5;
   const double target = *scene_.budget.target_error;
@@ -230,9 +231,10 @@ void MapPlanner::choose_nearest() {
         (!best || c.error.worst() < best->error.worst()))
       best = &c;
   if (best->error.worst() > kEstimateMargin * target)
-    throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings are estimated to come near target_error {:g}, the best is {:.3g} ({})",
-                            map_.job.input, target, best->error.worst(), best->name));
+    throw Error(
+        ErrorCode::kVerification,
+        fmt::format("{}: no settings have an estimated error close to target_error {:g}, the best is {:.3g} ({})",
+                    map_.job.input, target, best->error.worst(), best->name));
   plan_.chosen = *best;
 }
 

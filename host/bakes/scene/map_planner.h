@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One map's candidates: the ways to bake it that a scene allows, what each is estimated to be off, and the choice.
+// Plans one map: lists the ways to bake it that a scene allows, estimates their errors, and chooses.
 #pragma once
 
 #include <memory>
@@ -18,20 +18,20 @@ struct EstimatedRepresentation;
 
 class MapPlanner {
  public:
-  /// Surveys the map; `map`: of scene.maps, read as `source`. `scene` must outlive it. Throws Error(kInput) where the
-  /// map has not a weight for each material.
+  /// Surveys the map; `map`: index into scene.maps, which was read as `source`. `scene` must outlive the object.
+  /// Throws Error(kInput) if the map does not have a weight for each material.
   MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
              const PlanSettings& settings);
 
-  /// The cheapest candidate within the limit; rows of the table are left out, and the job's settings. Once. With
-  /// a target error that no candidate is estimated to reach, the nearest; throws Error(kVerification) where that is far
-  /// from it.
+  /// Chooses the cheapest candidate within the limit, without the rows of the table and the job's settings. Call it
+  /// once. If no candidate is estimated to reach the target error, chooses the one with the lowest error; throws
+  /// Error(kVerification) if its error is far above the target.
   MapPlan plan();
 
   const MapNeeds& needs() const { return needs_; }
   const MapSurvey& survey() const { return survey_; }
   LobeErrors& errors() { return *errors_; }
-  /// What part of the lobes is sharper than 16 bits keep; unset where nothing that is seen asks.
+  /// Share of the lobes that is too sharp for 16 bits; nullopt if no visible material needs it.
   std::optional<double> share_unrepresentable(int lobe_count);
 
  private:

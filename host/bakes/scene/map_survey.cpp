@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows go by in bands, each the finest rows of one row of level kBandLevel, so that threads share bands and sums are
-// formed in the same order for any number of them:
+// Reads rows in bands: a band is the finest rows under one row of level kBandLevel. Threads share bands, and sums are
+// formed in the same order for any number of threads:
 //
 //     finest row -> sums of level 1 -> ... -> sums of level kBandLevel      in a band
-//                                             -> ... -> the coarsest level  when all bands are done
+//                                             -> ... -> the coarsest level  after all bands
 #include "host/bakes/scene/map_survey.h"
 
 #include <algorithm>
@@ -21,11 +21,11 @@ namespace multum {
 namespace {
 
 constexpr int kBandLevel = 5;
-// Of larger maps, sums are of every fourth band; ranges are of every texel.
+// On larger maps, sums are from every fourth band; ranges are always from every texel.
 constexpr std::int64_t kSummedTexels = std::int64_t{1} << 22;
 constexpr int kBandStride = 4;
 
-// Of the normals under a texel.
+// Sums over the normals under a texel.
 struct Sums {
   double count = 0.0, x = 0.0, y = 0.0, z = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
 
@@ -37,11 +37,11 @@ struct Sums {
 };
 using SumRow = std::vector<Sums>;
 struct NumberedRow {
-  int number;  // in its level
+  int number;  // position in its level
   SumRow sums;
 };
 
-// Of a level, while its texels come.
+// Sums over a level, while its texels arrive.
 struct LevelSums {
   double texels = 0.0, spread = 0.0, spread_max = 0.0, difference = 0.0, variance = 0.0;
 
@@ -53,7 +53,7 @@ struct LevelSums {
       texels += 1.0;
       spread += here;
       spread_max = std::max(spread_max, here);
-      const double along = xx - yy, across = 2.0 * (s.xy / s.count - x * y);  // |.| <= 2: hypot()'s care is not needed
+      const double along = xx - yy, across = 2.0 * (s.xy / s.count - x * y);  // |.| <= 2: hypot() is not needed
       difference += std::sqrt(along * along + across * across);
       variance += xx + yy;
     }
@@ -67,14 +67,14 @@ struct LevelSums {
   }
 };
 
-// Where a row or column of level 0 or coarser goes in the next level.
+// The row or column of the next level that contains row or column `index` of level 0 or coarser.
 int parent_of(int index, int size, int parent_size) {
   return static_cast<int>(std::int64_t{index} * parent_size / size);
 }
 
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-  // Side by side, so that it is one instruction for many.
+  // Independent lanes, so that one instruction handles several values.
   void add(const std::vector<float>& values) {
     constexpr std::size_t kLanes = 16;
     std::array<float, kLanes> lows{}, highs{};
@@ -99,13 +99,13 @@ struct Range {
   double size() const { return high - low; }
 };
 
-// A finest texel that is picked, and where it goes.
+// A finest texel that is picked, and its destination.
 struct Pick {
   int row, column;
   std::size_t texel, index;
 };
 
-// In cell `cell` of `cells` that divide [begin, end), at random.
+// A random position in cell `cell` of `cells` that divide [begin, end).
 int position(int cell, int cells, int begin, int end, std::uint64_t random) {
   const std::int64_t size = end - begin, first = cell * size / cells, last = (cell + 1) * size / cells;
   return begin + static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(last - first)));
@@ -115,7 +115,7 @@ struct Area {
   int x0, y0, x1, y1;
 };
 
-// Positions in a grid of cells over an area, about `count_max`, all where there are no more.
+// Takes about `count_max` positions in a grid of cells over an area, or all if there are no more.
 template <typename Take>
 void for_each_position(const Area& area, int count_max, std::uint64_t seed, const Take& take) {
   const int width = area.x1 - area.x0, height = area.y1 - area.y0;
@@ -171,7 +171,7 @@ class Survey {
 
  private:
   struct Band {
-    std::optional<NumberedRow> row;  // of band_level_, where it is summed
+    std::optional<NumberedRow> row;  // row of band_level_, if the band is summed
     std::vector<LevelSums> levels;
     std::array<Range, 6> ranges;  // x, y, z, red, green, blue
   };
@@ -199,7 +199,7 @@ class Survey {
     std::stable_sort(picks_.begin(), picks_.end(), [](const Pick& a, const Pick& b) { return a.row < b.row; });
   }
 
-  // The first finest row of a row of band_level_.
+  // The first finest row under a row of band_level_.
   int first_row(int band) const {
     const auto of = [&](int row) {
       for (int l = 1; l <= band_level_; ++l) row = parent_of(row, height_of(l - 1), height_of(l));
@@ -238,7 +238,7 @@ class Survey {
     band.row = std::move(rows.front());
   }
 
-  // Level 1 of a single row, or level 0 where there is no other.
+  // Sums a single row to level 1, or to level 0 if there is no other.
   SumRow finest_row(const std::array<std::vector<float>, 3>& n, std::size_t first) const {
     const int parents = level_count_ > 1 ? width_of(1) : 1;
     SumRow row(size_of(parents));
@@ -252,7 +252,8 @@ class Survey {
     return row;
   }
 
-  // Rows of level l from rows of the level before, from the top; those of level 0 have the columns of level 1 already.
+  // Makes rows of level l from rows of the finer level, from the top; rows of level 0 already have the columns of
+  // level 1.
   std::vector<NumberedRow> coarser(const std::vector<NumberedRow>& rows, int l) const {
     std::vector<NumberedRow> out;
     for (const NumberedRow& row : rows) {

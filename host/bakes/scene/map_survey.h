@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surveys a map for a plan in one pass over its rows: moments of the normals under every texel of every level, and the
-// normals themselves under a few texels of each. No device is asked.
+// Surveys a map for a plan in one pass over its rows. Collects moments of the normals under every texel of every level,
+// and the normals under a few texels of each level. Needs no device.
 #pragma once
 
 #include <cstdint>
@@ -15,33 +15,33 @@
 
 namespace multum {
 
-/// Of all texels of a level (of maps above 4 million texels, of every fourth row of level 5 and what is in it), which
-/// for this purpose share out the finest ones whole: where the map's sides are no
-/// powers of two, a texel on a border counts for one side alone.
+/// Statistics over all texels of a level; on maps above 4 million texels, over every fourth row of level 5 and the
+/// finer texels in it. Each finest texel belongs to one texel of the level: if the map's sides are not powers of two,
+/// a texel on a border counts for one side only.
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;
-  // 1 - |mean normal| of the normals under a texel: half the sum of the slopes' variances along both axes.
+  // 1 - |mean normal| of the normals under a texel: half the sum of the variances of the slopes along both axes.
   double spread_mean = 0.0, spread_max = 0.0;
-  // (a - b) / (a + b) of the variances along the two main axes of a texel's normals, weighted by a + b: 0 for as much
-  // each way, 1 for parallel grooves.
+  // (a - b) / (a + b) of the variances along the two main axes of a texel's normals, weighted by a + b: 0 for equal
+  // spread, 1 for parallel grooves.
   double anisotropy = 0.0;
 };
 
 struct SurveyedTexel {
   int level = 0;
-  Normals normals;                  // all that it covers, or a part of them at random
-  std::vector<glm::dvec3> colours;  // as many, linear RGB; empty: the map has none
-  std::vector<glm::dvec4> weights;  // as many, of basis BRDFs; empty: the map has none
+  Normals normals;                  // all normals under the texel, or a random part
+  std::vector<glm::dvec3> colours;  // [normal], linear RGB; empty: the map has none
+  std::vector<glm::dvec4> weights;  // [normal], of basis BRDFs; empty: the map has none
 };
 
 struct MapSurvey {
   int width = 0, height = 0;
   std::vector<LevelStatistics> levels;  // from level 1 on
   std::vector<SurveyedTexel> texels;    // level by level, from level 1 on
-  double normal_range = 0.0;            // the largest difference of x or of y between two normals of the map
-  double colour_range = 0.0;            // the same of red, green or blue
-  double z_min = 0.0;                   // of all normals
+  double normal_range = 0.0;            // the largest difference in x or y between two normals of the map
+  double colour_range = 0.0;            // the largest difference in red, green or blue
+  double z_min = 0.0;                   // over all normals
 };
 
 struct SurveySettings {
@@ -51,13 +51,13 @@ struct SurveySettings {
   int threads = 1;
 };
 
-/// What goes along with the normals: null, or of their size.
+/// Features of the normals' texels: null, or of the map's size.
 struct SurveyedFeatures {
   const PlaneStore* albedo = nullptr;
   const WeightMap* weights = nullptr;
 };
 
-/// Normals may be shortened by a roughness.
+/// Normals may be shortened by roughness.
 MapSurvey survey_map(const PlaneStore& normals, const SurveyedFeatures& features, const SurveySettings& settings);
 
 }  // namespace multum

@@ -15,16 +15,16 @@
 namespace multum {
 namespace {
 
-// Highlights broader than this are followed by harmonics of order 8, as multum-view evaluates them in an environment:
-// what Blinn-Phong of s = 12 has beyond is 8 % (docs/contributing/ALGORITHMS.md, "Environments").
+// Harmonics of order 8, which multum-view evaluates in an environment, suffice for highlights broader than this: they
+// miss 8 % of Blinn-Phong of s = 12 (docs/contributing/ALGORITHMS.md, "Environments").
 constexpr double kHarmonicsExponentMax = 12.0;
 
 void add_row(ObjectPlan& object, const std::string& effect, bool needed, const std::string& why) {
   object.effects.push_back({effect, needed, why, false, {}});
 }
 
-// How near to 0 v.h comes: half the angle between the line of sight, within `tilt` of the surface, and light that
-// reaches the steepest normal from its horizon.
+// The smallest v.h: the cosine of half the angle between the line of sight, within `tilt` of the surface's normal, and
+// light that reaches the steepest normal from its horizon.
 double least_half_cosine(double tilt_degrees, double z_min) {
   const double steepest = std::acos(std::clamp(z_min, 0.0, 1.0));
   const double between = tilt_degrees * std::numbers::pi / 180.0 + 0.5 * std::numbers::pi + steepest;
@@ -35,15 +35,15 @@ void add_fresnel(const SceneDescription& scene, const SceneObject& object, const
   const auto brdf_of = [&](std::size_t m) -> const Brdf& { return scene.materials[m].brdfs.front(); };
   const bool has_any = std::any_of(object.materials.begin(), object.materials.end(),
                                    [&](std::size_t m) { return has_fresnel(brdf_of(m)); });
-  if (!has_any) return add_row(plan, "Fresnel", false, "the BRDF has none");
+  if (!has_any) return add_row(plan, "Fresnel", false, "the BRDF has no Fresnel term");
   if (!scene.environment.empty()) return add_row(plan, "Fresnel", true, "an environment's light comes from everywhere");
-  if (object.materials.size() > 1) return add_row(plan, "Fresnel", true, "one of several BRDFs has one");
+  if (object.materials.size() > 1) return add_row(plan, "Fresnel", true, "one of several BRDFs has a Fresnel term");
   const double v_h = least_half_cosine(object.tilt_max, map.z_min), margin = scene.budget.estimate_margin;
   const FixedFresnel fixed = fixed_fresnel(brdf_of(object.materials.front()), v_h);
   const bool needed = fixed.change > margin;
   const std::string bound = fmt::format(
-      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a number in "
-      "its place is at most {} off, margin {}",
+      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): the error of a constant is at most {}, margin "
+      "{}",
       v_h, object.tilt_max, std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
       percent_text(fixed.change), percent_text(margin));
   add_row(plan, "Fresnel", needed, bound);
@@ -76,7 +76,7 @@ ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object,
   plan.environment_by_harmonics = environment && highlight && exponent <= kHarmonicsExponentMax;
   add_row(plan, "highlight", highlight,
           !highlight     ? "the material is diffuse"
-          : width_in_map ? "as wide as the roughness says"
+          : width_in_map ? "the roughness map sets its width"
                          : fmt::format("as sharp as Blinn-Phong of s = {:.4g}", exponent));
   plan.stated_difference = map.stated_difference;
   add_fresnel(scene, object, map, plan);
@@ -86,7 +86,7 @@ ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object,
   add_row(plan, "distant lights", distant > 0, fmt::format("the scene has {}", distant));
   add_row(plan, "point lights", points > 0, fmt::format("the scene has {}", points));
   add_row(plan, "environment, diffuse", environment,
-          environment ? "harmonics to order 2 hold all but 1 % of it" : "the scene has none");
+          environment ? "harmonics to order 2 represent all but 1 % of it" : "the scene has none");
   add_row(plan, "environment, highlight", environment && highlight,
           !environment ? "the scene has none"
           : !highlight ? "the material has no highlight"

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Words in lines of at most `width`; numbers keep their %.
+// Wraps words in lines of at most `width`; keeps numbers and their % together.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   std::vector<std::string> words, lines(1);
   std::istringstream stream(text);
@@ -35,7 +35,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   return lines;
 }
 
-// In columns as far as there is room for them, read line by line.
+// Arranges items in columns if there is room, to be read line by line.
 std::vector<std::string> list_lines(const std::vector<PlannedItem>& list, std::size_t width) {
   std::size_t name = 0, value = 0;
   for (const PlannedItem& item : list) {
@@ -55,7 +55,7 @@ std::vector<std::string> list_lines(const std::vector<PlannedItem>& list, std::s
 std::string effect_rows(const std::vector<PlannedEffect>& effects, int width) {
   constexpr int kEffect = 25, kNeeded = 4, kTime = 9, kBytes = 10;
   constexpr int kWhy = 2 + kEffect + 1 + kNeeded + 1 + kTime + 1 + kBytes + 2;
-  // Beside the numbers where there is room, else below them.
+  // The list is next to the numbers if there is room, else below them.
   const bool beside = width - kWhy >= 40;
   const int indent = beside ? kWhy : 8;
   std::string text;
@@ -82,7 +82,7 @@ std::string head(const std::string& last) {
   return fmt::format("  {:<25} {:<4} {:>9} {:>10}  {}\n", "effect", "need", "bake", "textures", last);
 }
 
-// "2.0 MiB"; "0.7 to 5.3 MiB" of what trials leave open.
+// "2.0 MiB"; "0.7 to 5.3 MiB" if trials decide.
 std::string range_text(double low, double high, std::string (*text_of)(double)) {
   if (low == high) return text_of(low);
   const std::string from = text_of(low), to = text_of(high);
@@ -157,14 +157,14 @@ std::string bakes_text(const MapPlan& map) {
                      map.trials->most.shape.lobe_count, chosen.shape.first_level);
 }
 
-// What the model of costs does not have. A trial on a mosaic of 256 x 256 texels takes 0.05 to 0.7 s on 2 cores of an
-// Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
+// Cost of trials, which the model of costs does not include. A trial on a mosaic of 256 x 256 texels takes 0.05 to 0.7
+// s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
-  return fmt::format(" and the trials (up to {} a map, seconds in all)",
+  return fmt::format(" and the trials (up to {} per map, some seconds in total)",
                      target_candidates(Representation::kMovmf).size());
 }
 
-// What the bake costs, and how near it is taken to be.
+// Describes the cost of the bake and its estimated error.
 std::string outcome_text(const MapPlan& map) {
   const BakeCost &by_default = map.default_bake.cost, &least = map.trials ? map.trials->fewest.cost : map.chosen.cost,
                  &most = map.trials ? map.trials->most.cost : map.chosen.cost;
@@ -173,40 +173,40 @@ std::string outcome_text(const MapPlan& map) {
     return low == high ? low : low + " to " + high;
   };
   return fmt::format(
-      "bake {} in place of {} ({}){}, textures {} in place of {} ({}); estimated error {}{} beside {}{}, "
-      "at most {} from the default bake's pictures{}",
+      "bake {} instead of {} ({}){}, textures {} instead of {} ({}); estimated error {}{}, that of the default bake "
+      "{}{}; pictures differ from the default bake's by at most {}{}",
       range_text(least.ms, most.ms, time_text), time_text(by_default.ms), share(&BakeCost::ms),
       map.trials ? trials_text() : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(by_default.bytes),
       share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),
       map.trials ? " with " + map.chosen.name : std::string(), map.default_error_is_bound ? "at most " : "",
       percent_text(map.default_bake.error.worst()), percent_text(map.stated_difference),
-      map.trials ? fmt::format("; the rows' costs are those of {}", map.chosen.name) : "");
+      map.trials ? fmt::format("; the costs in the rows are for {}", map.chosen.name) : "");
 }
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
 
-// A service publishes the folder of results from another place: paths against it would lead elsewhere.
+// Makes a path absolute: a service publishes the folder of results at another place, where relative paths would fail.
 std::string absolute(const std::string& path) {
   return path.empty() ? "" : fs::absolute(path).lexically_normal().generic_string();
 }
 
-// The object on multum-view's plane, at its nearest, seen as steeply as 45 degrees allow: 10 units away, a unit being
-// the right number of metres.
+// Describes how multum-view draws the object: on its plane, at the smallest distance, at a tilt of up to 45 degrees.
+// The distance is 10 units, and the size of a unit in metres follows from it.
 Json view_json(const SceneDescription& scene, const SceneObject& object, const ObjectPlan& plan, const MapPlan& map,
                const SceneFiles& files) {
   constexpr double kUnits = 10.0, kPlaneSize = 60.0;
   const double width = object.width > 0.0 ? object.width : map.width / object.texels_per_metre;
   const double tilt = std::min(object.tilt_max, 45.0) * 0.017453292519943295;
-  // The picture's lowest point is nearest.
+  // The lowest point of the picture is closest.
   const double below = std::max(tilt - 0.5 * scene.camera.fov_degrees * 0.017453292519943295, 0.0);
   const double nearest = kUnits * std::cos(tilt) / std::cos(below);
   Json view = {{"file", text_of_path(fs::path(files.baked(map)).filename().string())},
                {"size", fmt::format("{}x{}", scene.camera.width, scene.camera.height)},
                {"camera", fmt::format("0,{:.6g},{:.6g},0,30,0,{:.6g}", 30.0 - kUnits * std::sin(tilt),
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
-               // What multum-view takes: beyond, no texel is to be told from the next anyway.
+               // The range that multum-view accepts; beyond it, texels are indistinguishable anyway.
                {"repeat", std::clamp(kPlaneSize * object.distance_min / nearest / width, 1e-6, 1e6)}};
-  // What --compare reads the reference from.
+  // Inputs for the reference of --compare.
   view["source"] = text_of_path(absolute(map.job.input));
   const char* const roughness = map.job.roughness_is_gloss ? "gloss" : "roughness";
   for (const auto& [key, path] : {std::pair{"albedo", &map.job.albedo}, std::pair{roughness, &map.job.roughness},
@@ -256,8 +256,7 @@ std::string time_text(double ms) {
 std::string bytes_text(double bytes) {
   if (bytes < 1024.0) return fmt::format("{:.0f} B", bytes);
   if (bytes < 1048576.0) return fmt::format("{:.1f} KiB", bytes / 1024.0);
-  if (bytes < 1073741824.0) return fmt::format("{:.1f} MiB", bytes / 1048576.0);
-  return fmt::format("{:.1f} GiB", bytes / 1073741824.0);
+  return fmt::format("{:.1f} MiB", bytes / 1048576.0);
 }
 
 std::string percent_text(double share) { return percent_number(share) + " %"; }
@@ -273,8 +272,8 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     for (const std::string& line : wrapped(words, static_cast<std::size_t>(width))) text += line + "\n";
   };
   for (const MapPlan& map : plan.maps) {
-    add(fmt::format("map {}: {} x {}, levels {} to {} are seen; {} in place of {}", map.name, map.width, map.height,
-                    map.first_seen, map.last_seen, bakes_text(map), map.default_bake.name));
+    add(fmt::format("map {}: {} x {}, the scene shows levels {} to {}; {} instead of {}", map.name, map.width,
+                    map.height, map.first_seen, map.last_seen, bakes_text(map), map.default_bake.name));
     text += head("why");
     text += effect_rows(map.effects, width);
     add(outcome_text(map));
@@ -287,7 +286,7 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     text += "\n";
   }
   const bool has_trials = plan.cost_min.bytes < plan.cost_max.bytes;
-  add(fmt::format("in all: bake {}{} in place of {}, textures {} in place of {}; planned in {}{}",
+  add(fmt::format("in total: bake {}{} instead of {}, textures {} instead of {}; planned in {}{}",
                   range_text(plan.cost_min.ms, plan.cost_max.ms, time_text), has_trials ? trials_text() : "",
                   time_text(plan.default_cost.ms), range_text(plan.cost_min.bytes, plan.cost_max.bytes, bytes_text),
                   bytes_text(plan.default_cost.bytes), time_text(1e3 * plan.plan_seconds),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a plan for people, a table for each map and object, and for programs.
+// Writes a plan for people, as a table per map and object, and for programs.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace multum {
 
-/// Lines of at most `width` characters, 60 at least.
+/// Lines have at most `width` characters; `width` is at least 60.
 std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int width);
 
-/// Where a scene's files are: those of a map in `folder`, by its name.
+/// Paths of a scene's files; the files of a map are in `folder`, named after the map.
 struct SceneFiles {
   std::string folder;
   std::string baked(const MapPlan& map) const { return folder + "/" + map.name + ".ndf.exr"; }
@@ -22,14 +22,14 @@ struct SceneFiles {
   std::string report() const { return folder + "/report.json"; }
 };
 
-/// Decisions with their numbers, and how multum-view draws each object: `multum-view scene plan.json` reads it.
-/// Files are named against the folder of results.
+/// Decisions with their numbers, and how multum-view draws each object; `multum-view scene plan.json` reads it. Paths
+/// of files are relative to the folder of results.
 nlohmann::json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files);
 
-/// "1.2 s", "34 ms"; "5.3 MiB", "812 B"; "1.2 %", "14 %" of 0.14.
+/// Formats values: "1.2 s", "34 ms"; "5.3 MiB", "812 B"; "1.2 %", "14 %" for 0.14.
 std::string time_text(double ms);
 std::string bytes_text(double bytes);
 std::string percent_text(double share);
-std::string percent_number(double share);  // the same without its sign
+std::string percent_number(double share);  // without the % sign
 
 }  // namespace multum

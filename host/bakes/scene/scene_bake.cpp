@@ -38,7 +38,7 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
-// What a target is for: the narrowest highlight. Of a map with a roughness it becomes the roughness itself.
+// The BRDF of a target is the narrowest highlight; for a map with roughness, it becomes the roughness itself.
 TargetBrdf target_brdf(const BakeJob& job) {
   if (!job.roughness.empty()) return {};
   return parse_target_brdf(job.measured_exponents.empty()
@@ -46,7 +46,7 @@ TargetBrdf target_brdf(const BakeJob& job) {
                                : fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
 }
 
-// Several lobes and a target: how many, and how long they are fitted, is found by trials
+// With several lobes and a target, trials find the number of lobes and the effort of the fit
 // (host/bakes/settings_search/chosen_bake.h).
 BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const BakeSource* source, Device& device,
                                 Progress* progress, std::string& options) {
@@ -63,13 +63,13 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   return std::move(chosen.report);
 }
 
-// Other settings are estimates, that one bake holds to the target.
+// Other settings come from estimates; one bake shows whether they meet the target.
 bool misses_target(const SceneDescription& scene, const BakeJob& job, const std::vector<FootprintError>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
   return !reached_error(errors, target_brdf(job)).meets(*scene.budget.target_error);
 }
 
-// What was measured of a file that is left as it is.
+// Errors of an unchanged file, from its row in the report.
 std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   std::vector<FootprintError> errors;
   try {
@@ -83,7 +83,7 @@ std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   return errors;
 }
 
-// `earlier`: the map's row in the report of before, by which what was written then is known again; null: none.
+// `earlier`: the map's row in the earlier report, used to recognise unchanged files; null: none.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
   const Stopwatch stopwatch;
@@ -113,7 +113,7 @@ SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const
   return report;
 }
 
-// What trials chose, as if it had been planned.
+// Stores the settings that trials chose as if they had been planned.
 void settle(const SceneFiles& files, MapPlan& map) {
   const MovmfReader reader(files.baked(map));
   BakeCandidate& chosen = map.chosen;
@@ -169,7 +169,7 @@ SceneMapRows earlier_rows(const std::string& path) {
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress) {
   const Stopwatch stopwatch;
-  const DeviceCounts counts(device);  // of this share: a process may make several
+  const DeviceCounts counts(device);  // for this share: a process may bake several
   SceneReport report;
   report.plan = plan;
   for (const MapPlan& map : report.plan.maps) {
@@ -252,19 +252,19 @@ std::string SceneReport::to_text() const {
     all_unchanged &= map.bake.unchanged && (!map.has_colours || map.colours.unchanged);
     if (const auto& d = map.difference)
       text += fmt::format(
-          "{}: {} from what the default bake shows ({}, 95 % interval); no level more than {} (level {})\n", map.name,
-          error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
+          "{}: differs from the default bake by {} ({}, 95 % interval), by at most {} at any level (level {})\n",
+          map.name, error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
     else if (plan.maps[m].stated_difference == 0.0 && !map.is_by_trials)
-      text += fmt::format("{}: as the default bake has it\n", map.name);
+      text += fmt::format("{}: identical to the default bake\n", map.name);
   }
   const double bytes = plan.default_cost.bytes - plan.cost.bytes;
   const std::string textures = fmt::format("textures {}, {} {} than the default bake's\n", bytes_text(plan.cost.bytes),
                                            bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
-    return text + fmt::format("nothing to bake: all is there; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
+    return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
-         fmt::format("baked in {} and planned in {}, compared in {} (by the model of time {}, the default bake {}); ",
+         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, of the default bake {}); ",
                      time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
                      time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
          textures;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes what a plan asks for into a folder: a file a map, NAME.ndf.exr, its mean colours in NAME.colours.exr where the
-// plan has them, plan.json, and report.json. Each file appears whole or not at all; what is there already from the same
-// sources with the same settings stays, so that a killed run goes on where it was.
+// Bakes a plan into a folder: a file NAME.ndf.exr per map, its mean colours in NAME.colours.exr if planned, plan.json,
+// and report.json. Each file appears when it is complete, or not at all. Files that exist already from the same
+// sources and settings remain, so that a killed run can continue.
 #pragma once
 
 #include <functional>
@@ -20,55 +20,55 @@ namespace multum {
 struct SceneMapReport {
   std::string name;
   BakeReport bake;
-  bool is_by_trials = false;  // lobes for the scene's target error, and not as planned:
-  std::string options;        // what was chosen; empty where it was there already
-  std::string earlier;        // of a map that was left as it is, or that a share baked, its row in the report (JSON)
-  bool has_colours = false;   // in a file of their own:
+  bool is_by_trials = false;  // trials choose the lobes for the scene's target error:
+  std::string options;        // chosen options; empty if the file existed already
+  std::string earlier;        // JSON row of the report, for a map that was unchanged or baked by a share
+  bool has_colours = false;   // in a separate file:
   MipReport colours;
   double seconds = 0.0;
   std::uint64_t file_bytes = 0;
-  // Measured after the bakes, of maps that are baked otherwise than by default and are no single texel.
+  // Measured after the bakes, for maps that are not baked by default settings and are not a single texel.
   std::optional<SceneDifference> difference;
 };
 
 struct SceneReport {
-  ScenePlan plan;  // with what trials chose
+  ScenePlan plan;  // including the choices of trials
   std::vector<SceneMapReport> maps;
-  double seconds = 0.0;          // of the bakes; ScenePlan::plan_seconds comes before
-  double compare_seconds = 0.0;  // of measuring differences from the default bake
-  // Of all maps together, comparisons not among them.
+  double seconds = 0.0;          // time of the bakes; ScenePlan::plan_seconds is separate
+  double compare_seconds = 0.0;  // time to measure differences from the default bake
+  // Over all maps, without comparisons.
   std::map<std::string, std::uint64_t> launches;  // by kernel
-  std::map<std::string, int> builds;              // by kernels/FILE.cl
+  std::map<std::string, int> builds;              // number of builds by kernels/FILE.cl
 
   nlohmann::json to_json() const;
   nlohmann::json map_rows() const;  // its "maps"
-  /// Some lines for a terminal.
+  /// Formats a few lines for a terminal.
   std::string to_text() const;
 };
 
 using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;
 
-/// The folder must be there. Throws Error for the first map that fails, Cancelled; maps before it stay.
+/// The folder must exist. Throws Error for the first map that fails, Cancelled; finished maps remain.
 SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress);
 
-// What bake_scene() is made of, for shares of it (host/bakes/scene/scene_share.h).
+// The steps of bake_scene(), for shares of a scene (host/bakes/scene/scene_share.h).
 
 /// Rows of maps in a report, as JSON, by name.
 using SceneMapRows = std::map<std::string, std::string>;
 
-/// Of the report of an earlier bake; empty where there is none.
+/// Rows of the report of an earlier bake; empty if there is none.
 SceneMapRows earlier_rows(const std::string& path);
 
-/// Bakes the plan's maps; neither plan nor report is written.
+/// Bakes the plan's maps; writes neither plan nor report.
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress);
 
-/// Measures differences from the default bake, of maps that were baked otherwise. Throws Cancelled.
+/// Measures differences from the default bake, for maps with other settings. Throws Cancelled.
 void compare_scene_maps(const SceneDescription& scene, const ScenePlan& plan, SceneReport& report, Device& device,
                         Progress* progress);
 
-/// Puts what trials chose into the report's plan, by the baked files, and writes that where they chose anything.
+/// Copies the choices of trials from the baked files to the report's plan, and writes it if trials chose anything.
 void write_settled_plan(const SceneDescription& scene, const SceneFiles& files, SceneReport& report);
 
 }  // namespace multum

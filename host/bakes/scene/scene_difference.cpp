@@ -16,10 +16,10 @@ namespace multum {
 namespace {
 
 constexpr int kMosaicSide = 128, kMosaicBlock = 32, kMosaics = 3;
-constexpr double kStudent = 4.303;  // 95 %, of kMosaics - 1 degrees of freedom
+constexpr double kStudent = 4.303;  // Student's 95 % quantile for kMosaics - 1 degrees of freedom
 
-// Towards the scene's distant lights that are above the surface, the by_default ones where there are none; half vectors
-// with views from above and from two tilts.
+// Directions towards the scene's distant lights above the surface, or the default lights if there are none, with half
+// vectors for views from above and at two tilts.
 AccuracyDirections scene_directions(const SceneDescription& scene, std::size_t map) {
   AccuracyDirections directions = accuracy_directions();
   std::vector<glm::dvec3> lights;
@@ -40,7 +40,7 @@ AccuracyDirections scene_directions(const SceneDescription& scene, std::size_t m
   return directions;
 }
 
-// What `multum bake` of the same maps does of itself.
+// The bake that `multum bake` makes of the same maps by default.
 BakeJob default_job(const SceneDescription& scene, const MapPlan& map) {
   const BakeJob pattern;
   BakeJob job = map.job;
@@ -55,7 +55,7 @@ BakeJob default_job(const SceneDescription& scene, const MapPlan& map) {
   return job;
 }
 
-// Of a mosaic: the maps that a job does not name are taken out for so long.
+// Bakes a mosaic; maps that the job does not name are removed from it meanwhile.
 std::unique_ptr<AccuracyMeter> tried(Device& device, const BakeJob& job, BakeSource& mosaic,
                                      const AccuracySettings& accuracy, Progress* progress) {
   std::optional<PlaneStore> albedo;
@@ -73,7 +73,7 @@ struct Estimate {
   double value = 0.0, confidence = 0.0;
 };
 
-// sum of differences / sum of the by_default over mosaics: the delta method.
+// Sum of differences / sum of `by_default` over mosaics, with its interval by the delta method.
 Estimate ratio(const std::vector<LevelDifference>& of_mosaics) {
   double difference = 0.0, by_default = 0.0, squares = 0.0;
   for (const LevelDifference& one : of_mosaics) {
@@ -110,7 +110,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
   accuracy.footprints_per_octave = 0;
   accuracy.directions = scene_directions(scene, number);
   BakeJob by_default = default_job(scene, map);
-  by_default.fitting.search_start = false;  // a proxy map of a proxy map: a second a map, and no other start on most
+  by_default.fitting.search_start = false;  // a proxy of a proxy map: a second per map, and usually the same start
   std::vector<std::vector<LevelDifference>> found;  // [mosaic][level and BRDF]
   int first = 0;
   for (BakeSource& mosaic : *map.mosaics) {
@@ -122,7 +122,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
     own.fitting.search_start = false;
     const auto meter = tried(device, own, mosaic, accuracy, &quiet);
     const auto other = tried(device, by_default, mosaic, accuracy, &quiet);
-    // Where the scene shows no colours, those of the default bake are not seen either.
+    // If the scene shows no colours, those of the default bake are not visible either.
     const bool has_colours = !own.albedo.empty() || map.mean_colours;
     found.push_back(
         meter->difference_from(*other, device, mosaic.map.normals, has_colours ? mosaic.colours() : nullptr, &quiet));
@@ -152,7 +152,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
     }
     if (level_count == 0.0) continue;
     here.error /= level_count;
-    here.confidence = half_widths / level_count;  // levels of one mosaic go together: no less than that
+    here.confidence = half_widths / level_count;  // levels of a mosaic are correlated, so the interval is no smaller
     if (worst.part.empty() || here.at_most() > worst.at_most()) worst = here;
   }
   return worst;

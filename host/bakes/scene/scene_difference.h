@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the difference between a scene's bake and the default bake: both are made of small mosaics of the map
-// (host/bakes/settings_search/map_mosaic.h) and compared at all texels of the levels that are seen, at midpoints, and
-// half-way between levels, under the scene's lights, seen up to its tilt. The mosaics are independent samples of the
-// map: their spread is the confidence.
+// Measures the difference between a scene's bake and the default bake. Both settings bake small mosaics of the map
+// (host/bakes/settings_search/map_mosaic.h). The bakes are compared at all texels of the visible levels, at midpoints,
+// and half-way between levels, under the scene's lights and up to its tilt. The mosaics are independent samples of the
+// map, so their spread gives the confidence interval.
 #pragma once
 
 #include <string>
@@ -13,9 +13,9 @@
 
 namespace multum {
 
-/// Relative L1, sum |scene's - default's| / sum default's, of diffuse light or of highlights, whichever is worse.
+/// Relative L1 of diffuse light or of highlights, whichever is larger: sum |scene - default bake| / sum default bake.
 struct SceneDifference {
-  double error = 0.0;       // each level weighs the same
+  double error = 0.0;       // mean over levels
   double confidence = 0.0;  // half width of the 95 % interval; 0: the whole map was compared
   int worst_level = 0;
   double worst_error = 0.0, worst_confidence = 0.0;
@@ -24,10 +24,10 @@ struct SceneDifference {
   double at_most() const { return worst_error + worst_confidence; }
 };
 
-/// One of a map that is no larger than a mosaic.
+/// Returns one mosaic for a map that is no larger than a mosaic.
 std::vector<BakeSource> difference_mosaics(const BakeSource& source);
 
-/// `map.mosaics` must be there. Throws Cancelled.
+/// `map.mosaics` must be set. Throws Cancelled.
 SceneDifference measure_difference(const SceneDescription& scene, const MapPlan& map, Device& device,
                                    Progress* progress);
 

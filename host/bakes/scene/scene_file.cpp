@@ -28,23 +28,23 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"};
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
 const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 1"};
-constexpr std::size_t kLightCountMax = 8;     // of each kind, as multum-view draws
+constexpr std::size_t kLightCountMax = 8;     // per kind: the limit of multum-view
 constexpr std::size_t kMaterialCountMax = 4;  // basis BRDFs
 
-// Names of one kind of things, each nobody else's.
+// Unique names of one kind of things.
 class Names {
  public:
   explicit Names(std::string kind) : kind_(std::move(kind)) {}
 
   std::string add(const StrictTable& table) {
     const std::string name = table.text("name");
-    // Names are files' names in the folder of results.
+    // Names become file names in the folder of results.
     const bool is_plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
       return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
     });
     if (!is_plain || name.front() == '.')
       table.refuse("name", fmt::format("is \"{}\", expected letters, digits, _, - and .", name));
-    if (find(name) < names_.size()) table.refuse("name", fmt::format("is \"{}\", which another {} has", name, kind_));
+    if (find(name) < names_.size()) table.refuse("name", fmt::format("is \"{}\", the name of another {}", name, kind_));
     names_.push_back(name);
     return name;
   }
@@ -64,7 +64,7 @@ class Names {
   std::vector<std::string> names_;
 };
 
-// What it is about is known; what is there is looked at before any of it is read.
+// Checks that a file exists before any file is read.
 void check_file(const StrictTable& table, const std::string& key, const std::string& file) {
   std::error_code error;
   if (file.empty() || fs::is_regular_file(file, error)) return;
@@ -97,7 +97,7 @@ SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJo
   return map;
 }
 
-// What a material's brdf may be.
+// Names that a material's `brdf` accepts.
 struct NamedFamily {
   const BrdfFamily* family;
   bool width_in_map = false;
@@ -115,7 +115,7 @@ const NamedFamilies& named_families() {
   return all;
 }
 
-// Of all families' members, each once.
+// Members of all families, each once.
 std::vector<std::string> member_keys() {
   std::vector<std::string> keys;
   for (const BrdfFamily& family : brdf_families())
@@ -128,11 +128,11 @@ glm::vec3 read_colour(const StrictTable& table, const std::string& key, const Nu
                       const glm::vec3& fallback) {
   const std::vector<double> n = table.numbers(key, range, 3);
   if (n.empty()) return fallback;
-  if (n.size() == 2) table.refuse(key, "has 2 numbers, expected one, or three of red, green and blue");
+  if (n.size() == 2) table.refuse(key, "has 2 numbers, expected one, or three for red, green and blue");
   return n.size() == 1 ? glm::vec3(static_cast<float>(n[0])) : glm::vec3(n[0], n[1], n[2]);
 }
 
-// One width, or the ends of a range.
+// Reads one width, or the ends of a range.
 std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family, const Brdf& brdf) {
   const BrdfMember& width = family.members[0];
   const std::string key(width.key);
@@ -148,7 +148,7 @@ std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family
   return brdfs;
 }
 
-// "brdf = "cook-torrance" and "ggx"": of the families that have the member.
+// Lists the families that have the member: "brdf = "cook-torrance" and "ggx"".
 std::string families_with(const std::string& key) {
   std::vector<std::string> names;
   for (const BrdfFamily& family : brdf_families())
@@ -169,10 +169,10 @@ void check_keys_of_family(const StrictTable& table, const NamedFamily& named, co
   if (table.has("file") != named.family->is_file)
     table.refuse(table.has("file") ? "file" : "",
                  table.has("file") ? fmt::format("is for brdf = \"measured\", found brdf = \"{}\"", name)
-                                   : "has no file, which brdf = \"measured\" must have");
+                                   : "has no file, which brdf = \"measured\" requires");
 }
 
-// `reads_files`: of a measured BRDF not its name alone.
+// `reads_files`: read the file of a measured BRDF, not only its name.
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
   std::vector<std::string> keys = member_keys();
   keys.insert(keys.end(), {"name", "brdf", "diffuse", "specular", "file"});
@@ -208,7 +208,7 @@ std::vector<std::string> material_names(const StrictTable& table) {
   return table.has("material") ? std::vector<std::string>{table.text("material")} : table.texts("materials", true);
 }
 
-// Does a map hold what an object's materials need?
+// Checks that the map holds the data that an object's materials need.
 void check_materials(const StrictTable& table, const SceneObject& object, const SceneDescription& scene) {
   const SceneMap& map = scene.maps[object.map];
   const char* const key = table.has("material") ? "material" : "materials";
@@ -221,7 +221,7 @@ void check_materials(const StrictTable& table, const SceneObject& object, const 
   for (const std::size_t m : object.materials) {
     const SceneMaterial& material = scene.materials[m];
     if (material.width_in_map && map.job.roughness.empty())
-      table.refuse(key, fmt::format("is \"{}\", whose brdf is the roughness map's, but map \"{}\" has no roughness",
+      table.refuse(key, fmt::format("is \"{}\", whose brdf is \"roughness-map\", but map \"{}\" has no roughness",
                                     material.name, map.name));
     if (!material.width_in_map && !map.job.roughness.empty())
       table.refuse(key, fmt::format("is \"{}\", but map \"{}\" has a roughness: expected a material of brdf = "
@@ -253,8 +253,8 @@ SceneObject read_object(const std::string& path, const toml::table& toml, const 
   object.distance_min = distance.front();
   object.distance_max = distance.back();
   if (object.distance_max < object.distance_min)
-    table.refuse("distance",
-                 fmt::format("is [{:g}, {:g}], expected the nearest first", object.distance_min, object.distance_max));
+    table.refuse("distance", fmt::format("is [{:g}, {:g}], expected the smaller distance first", object.distance_min,
+                                         object.distance_max));
   object.tilt_max = table.number("tilt", {0.0, 89.9, false, false, "degrees from 0 to 89.9"}, object.tilt_max);
   return object;
 }
@@ -269,9 +269,9 @@ SceneLight read_light(const std::string& path, const toml::table& toml) {
   const char *const place = light.is_point ? "position" : "direction", *const power =
                                                                            light.is_point ? "intensity" : "irradiance";
   for (const auto& [key, other] : {std::pair{"irradiance", "position"}, std::pair{"intensity", "direction"}})
-    if (table.has(key) && table.has(other)) table.refuse(key, fmt::format("does not go with {}", other));
+    if (table.has(key) && table.has(other)) table.refuse(key, fmt::format("does not fit {}", other));
   const std::vector<double> p = table.numbers(place, kAny, 3);
-  if (p.size() != 3) table.refuse(place, "has not 3 numbers, expected x, y and z");
+  if (p.size() != 3) table.refuse(place, "does not have 3 numbers, expected x, y and z");
   light.place = {p[0], p[1], p[2]};
   if (!light.is_point && light.place == glm::dvec3(0.0)) table.refuse(place, "is 0, expected a direction");
   light.power = read_colour(table, power, kFromZero, glm::vec3(light.is_point ? 1.0f : 3.14159265f));
@@ -312,7 +312,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
   for (const toml::table* toml : root.tables("light", false)) {
     scene.lights.push_back(read_light(path, *toml));
     if (++counts[scene.lights.back().is_point ? 1 : 0] > kLightCountMax)
-      root.refuse("light", fmt::format("is there more than {} times of one kind", kLightCountMax));
+      root.refuse("light", fmt::format("occurs more than {} times for one kind", kLightCountMax));
   }
   const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWholeFile);
   if (root.has("environment")) scene.environment = path_beside(path, environment.path("file"));
@@ -320,7 +320,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
   for (const SceneMaterial& material : scene.materials) {
     const std::string refusal = environment_refusal(material.brdfs.front());
     if (!scene.environment.empty() && !refusal.empty())
-      root.refuse("environment", fmt::format("does not go with material \"{}\": {}", material.name, refusal));
+      root.refuse("environment", fmt::format("does not fit material \"{}\": {}", material.name, refusal));
   }
   if (scene.lights.empty() && scene.environment.empty())
     root.refuse("", "has no light, expected [[light]] or [environment]");
@@ -353,7 +353,7 @@ SceneDescription read_scene(const std::string& path, const BakeJob& pattern, boo
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
 
 std::vector<std::string> scene_files(const std::string& path) {
-  const BakeJob pattern;  // named: GCC 12 warns of an empty one in braces
+  const BakeJob pattern;  // named, because GCC 12 warns about an empty one in braces
   const SceneDescription scene = read_scene(path, pattern, false);
   std::vector<std::string> files;
   for (const SceneMap& map : scene.maps)

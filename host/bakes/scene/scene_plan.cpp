@@ -17,8 +17,8 @@
 namespace multum {
 namespace {
 
-// Of a target, several lobes are left to trials (host/bakes/scene/scene_bake.cpp): of vMF lobes, as many as there may
-// be.
+// With a target and several lobes, trials choose among vMF lobes, up to the largest number
+// (host/bakes/scene/scene_bake.cpp).
 std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandidate& chosen) {
   if (!budget.target_error || !holds_lobes(chosen.shape.representation) || chosen.shape.lobe_count < 2)
     return std::nullopt;
@@ -34,7 +34,7 @@ std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandida
   return TrialRange{with_lobes(lobe_counts().fewest), with_lobes(lobe_counts().most)};
 }
 
-// The bake that a plan asks for.
+// Fills in the job of a plan.
 void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   const BakeShape& s = plan.chosen.shape;
   BakeJob& job = plan.job;
@@ -54,17 +54,17 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   job.stored_only = s.first_level > 0;
   const bool as_default = !budget.target_error && plan.chosen.name == plan.default_bake.name &&
                           s.encoding == plan.default_bake.shape.encoding;
-  if (plan.is_constant) job.measure = false;  // how far normals are apart is known
+  if (plan.is_constant) job.measure = false;  // the spread of normals is known
   plan.stated_difference = as_default && !plan.is_constant
                                ? 0.0
                                : plan.chosen.error.worst() + plan.default_bake.error.worst() + budget.estimate_margin;
-  // What trials choose reaches the target, and need not be nearer.
+  // Settings from trials meet the target; their error may be higher than that of the default bake.
   if (plan.trials)
     plan.stated_difference = std::max(plan.chosen.error.worst(), *budget.target_error) +
                              plan.default_bake.error.worst() + budget.estimate_margin;
 }
 
-// Down to the scene's budgets, each time the step that adds the least error.
+// Reduces cost to the scene's budgets: repeatedly takes the step that adds the least error.
 void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
   for (const auto& [limit, what, value] :
        {std::tuple{budget.bytes, "bytes", &BakeCost::bytes}, std::tuple{budget.bake_ms, "bake_ms", &BakeCost::ms}}) {
@@ -84,7 +84,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
       if (step == nullptr)
         throw Error(
             ErrorCode::kVerification,
-            fmt::format("no settings keep to the budget's {} of {:g}: the least is {:.6g}", what, *limit, total));
+            fmt::format("no settings meet the budget's {} of {:g}: the least possible is {:.6g}", what, *limit, total));
       cheapest->chosen = *step;
     }
   }
@@ -103,7 +103,7 @@ ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings
     BakeJob job = scene.maps[m].job;
     job.threads = settings.threads;
     if (job.scratch_folder.empty()) job.scratch_folder = std::filesystem::temp_directory_path().string();
-    BakeReport read;  // what the maps say of themselves is told by the bake, too
+    BakeReport read;  // unused: the bake reports warnings about the maps too
     auto source = std::make_shared<BakeSource>(read_source(job, MapReadings::kMany, read, progress));
     planners.push_back(std::make_unique<MapPlanner>(scene, m, source, settings));
     plan.maps.push_back(planners.back()->plan());

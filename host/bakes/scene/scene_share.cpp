@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Of a map's two files; empty: there is none.
+// Hashes of a map's two files; empty: the file does not exist.
 struct FileHashes {
   std::string baked, colours;
 };
@@ -30,9 +30,9 @@ struct FileHashes {
 struct RecordedMap {
   std::string name;
   FileHashes hashes;
-  Json row;  // of the report
+  Json row;  // row of the report
   bool is_whole = false;
-  std::string why;  // it is not
+  std::string why;  // reason if it is unusable
 };
 
 struct Record {
@@ -52,7 +52,7 @@ std::vector<std::size_t> maps_of_share(const SceneDescription& scene, int index,
   return maps;
 }
 
-// The scene with these maps alone, and the objects that show them.
+// The scene with only these maps and the objects that show them.
 SceneDescription part_of(const SceneDescription& scene, const std::vector<std::size_t>& maps) {
   SceneDescription part = scene;
   part.maps.clear();
@@ -67,7 +67,7 @@ SceneDescription part_of(const SceneDescription& scene, const std::vector<std::s
   return part;
 }
 
-// All that the files of these maps depend on, and what is said of them.
+// Everything that the files of these maps and their rows in the report depend on.
 std::string key_of(const SceneRun& run, const std::vector<std::size_t>& own) {
   const SceneDescription& scene = run.scene;
   InputHashes& hashes = *scene.maps.front().job.hashes;
@@ -87,11 +87,11 @@ std::string key_of(const SceneRun& run, const std::vector<std::size_t>& own) {
 
 ShareName name_of(const SceneRun& run, int index, int count) { return {run.files.folder, "scene", index, count}; }
 
-// Why the file is not what its share wrote; empty: it is.
+// Says why the file is not the one that its share wrote; empty if it is.
 std::string difference(const std::string& path, const std::string& expected) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return path + ": is not there";
-  return hash_file(path) == expected ? "" : path + ": is damaged or of another bake";
+  if (!std::filesystem::is_regular_file(path, ignored)) return path + ": does not exist";
+  return hash_file(path) == expected ? "" : path + ": is damaged, or belongs to another bake";
 }
 
 RecordedMap map_from(const SceneRun& run, const Json& json, const std::string& name) {
@@ -124,7 +124,7 @@ Record record_from(const SceneRun& run, const Json& content, const std::vector<s
   return record;
 }
 
-// Throws Error(kEnvironment) that names the record and what makes it again.
+// Throws Error(kEnvironment) that names the record and the option that makes it again.
 Record read_record(const SceneRun& run, const ShareName& name, const std::vector<std::size_t>& own) {
   const Json content = read_share_record(name, key_of(run, own));
   const auto refuse = [&](const std::string& what) -> Record {
@@ -133,7 +133,7 @@ Record read_record(const SceneRun& run, const ShareName& name, const std::vector
   try {
     return record_from(run, content, own);
   } catch (const Json::exception& error) {
-    return refuse(std::string("is no record of baked maps: ") + error.what());
+    return refuse(std::string("is not a record of baked maps: ") + error.what());
   } catch (const Error& error) {
     return refuse(error.what());
   }
@@ -199,7 +199,7 @@ SceneShareReport bake_scene_share(const SceneRun& run, int index, int count, Dev
     SceneMapRows earlier = earlier_rows(run.files.report());
     for (std::size_t i = 0; there && i < own.size(); ++i) {
       if (there->maps[i].is_whole) earlier[plan.maps[i].name] = there->maps[i].row.dump();
-      else plan.maps[i].job.force = true;  // a header alone does not tell that texels are damaged
+      else plan.maps[i].job.force = true;  // a header does not reveal damaged texels
     }
     report = bake_scene_maps(part, plan, run.files, earlier, device, done, progress);
     compare_scene_maps(part, plan, report, device, progress);

@@ -12,40 +12,40 @@ namespace multum {
 namespace {
 
 // Processor time in nanoseconds per finest texel, fitted by eye. The sums match a bake of 16384 x 16384 texels: 194 s
-// (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). Their division among levels,
-// lobes and stages is from maps of 1024 and 2048 (tools/lab/share_constants.py prints both, measured and predicted).
-// Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with other programs running. The additional work of
-// shares is from docs/evidence/SHARES.md, measured on an AMD EPYC without AVX-512.
-constexpr double kReadCpu = 60.0;          // and decode, hash, detect the encoding
-constexpr double kStoreRows = 8.0;         // the map's rows into share 0's file
+// (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). The division of the sums among
+// levels, lobes and stages is from maps of 1024 and 2048 (tools/lab/share_constants.py prints both, measured and
+// predicted). Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with other programs running. The additional
+// work of shares is from docs/evidence/SHARES.md, measured on an AMD EPYC without AVX-512.
+constexpr double kReadCpu = 60.0;          // with decoding, hashing and detection of the encoding
+constexpr double kStoreRows = 8.0;         // the map's rows, written to share 0's file
 constexpr double kFitLevelOneCpu = 40.0;   // level 1
-constexpr double kFitLobeOneCpu = 22.0;    // and more a lobe
+constexpr double kFitLobeOneCpu = 22.0;    // additional time per lobe
 constexpr double kFitFineCpu = 15.0;       // each of levels 2 to 5
-constexpr double kFitLobeFineCpu = 7.5;    // and more a lobe
+constexpr double kFitLobeFineCpu = 7.5;    // additional time per lobe
 constexpr double kFitCoarseCpu = 100.0;    // all coarser levels together
-constexpr double kColourFactorCpu = 0.6;   // more of the fit, a triple of features
-constexpr double kBandRows = 12.0;         // rows of the map and of lobes, from and to a share, of what a band covers
-constexpr double kMergeMap = 6.0;          // the map's hash, its rows in share 0's file
+constexpr double kColourFactorCpu = 0.6;   // additional share of the fit per triple of features
+constexpr double kBandRows = 12.0;         // rows of map and lobes to and from shares, per texel of a band
+constexpr double kMergeMap = 6.0;          // the map's hash, and its rows in share 0's file
 constexpr double kMergeRows = 12.0;        // rows of lobes of all shares
-constexpr double kWriteTextureCpu = 30.0;  // a texture and texel that is stored
+constexpr double kWriteTextureCpu = 30.0;  // per stored texel of a texture
 constexpr double kMeasureLambertCpu = 10.0;
 constexpr double kMeasureExponentCpu = 30.0;
-// In seconds: a process, its programs and buffers; the search for a start; what is measured of every level, however
-// small.
+// In seconds: a process with its programs and buffers; the search for a start; the measurement, which has a minimum
+// for every level.
 constexpr double kFixedCpu = 0.1;
 constexpr double kFixedStart = 0.85;
 constexpr double kFixedWrite = 0.25;
 constexpr double kFixedMeasure = 0.15;  // Lambert, and each exponent
 
 constexpr int kFinestBinned = 6;
-constexpr double kShareCountMax = 1000.0;  // as many tasks as an array of Slurm's has by default
-constexpr double kProcessors = 1.6;        // that a bake of averages keeps busy, of 2
+constexpr double kShareCountMax = 1000.0;  // the default limit of tasks of a Slurm array
+constexpr double kProcessors = 1.6;        // busy processors during a bake of averages, of 2
 
 int rgb_planes(const BakeShape& s) { return (s.has_colours ? 1 : 0) + (s.weight_count + 2) / 3; }
 
 double texels_of(const BakeShape& s) { return static_cast<double>(s.width) * s.height; }
 
-// Of a level, in nanoseconds a finest texel.
+// Time of a level, in nanoseconds per finest texel.
 double level_ns(const BakeShape& s, int level) {
   const auto lobes = static_cast<double>(s.lobe_count);
   const double ns = level == 1               ? kFitLevelOneCpu + kFitLobeOneCpu * lobes
@@ -119,7 +119,7 @@ int share_count_of(const BakeShape& shape, const MovmfSettings& settings, double
     try {
       share_cost(shape, settings, count);
       return count;
-    } catch (const Error&) {  // too many for this map
+    } catch (const Error&) {  // too many bands for this map
     }
   }
   return 0;

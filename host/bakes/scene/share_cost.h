@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Predicts the processor time of the shares of one map (host/bakes/movmf/map_shard.h), by a model of few constants: how
-// many shares are worth it, and what a farm's time limits should be, follow from it.
+// Predicts the processor time of the shares of one map (host/bakes/movmf/map_shard.h) by a model with few constants.
+// The number of useful shares and the time limits of a farm follow from it.
 #pragma once
 
 #include <vector>
@@ -12,22 +12,22 @@ namespace multum {
 
 struct ShareCost {
   int coarse_from = 0;                 // share 0 fits this level and the coarser ones
-  double coarse_seconds = 0.0;         // of processor time, of share 0
-  std::vector<double> band_seconds{};  // of shares 1 to N
+  double coarse_seconds = 0.0;         // processor time of share 0
+  std::vector<double> band_seconds{};  // processor time of shares 1 to N
   double merge_seconds = 0.0;
 
   double total_seconds() const;
   double band_seconds_max() const;
 };
 
-/// The same of a bake by one process, of any representation.
+/// Processor time of a bake by one process, for any representation.
 double bake_processor_seconds(const BakeShape& shape);
 
-/// Throws Error(kUsage) as plan_shard() does: too many bands, or a fit that is not divided.
+/// Throws Error(kUsage) as plan_shard() does: for too many bands, or a fit that cannot be divided.
 ShareCost share_cost(const BakeShape& shape, const MovmfSettings& settings, int count);
 
-/// How many bands of at most about so many seconds a map is worth; 0: it is one process's, by its time or because its
-/// fit is not divided.
+/// The number of bands for a map, if each takes about `share_seconds` at most. 0: one process bakes the map, because
+/// its time is short or its fit cannot be divided.
 int share_count_of(const BakeShape& shape, const MovmfSettings& settings, double share_seconds);
 
 }  // namespace multum

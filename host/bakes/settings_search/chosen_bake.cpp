@@ -27,16 +27,17 @@ namespace {
 // A bake of the whole map.
 struct Attempt {
   SettingTrial trial;
-  ReachedError reached;                   // by the bake itself
-  std::optional<ReachedError> confirmed;  // by other footprints, of one that reached the target
+  ReachedError reached;                   // error that the bake measured
+  std::optional<ReachedError> confirmed;  // error at other footprints, if the target was reached
   double seconds;
 
   const ReachedError& judged() const { return confirmed ? *confirmed : reached; }
   BakeReport report;
-  std::vector<std::string> warnings;  // shown of the one that is chosen
+  std::vector<std::string> warnings;  // printed for the chosen one
 };
 
-// Bakes candidates in the output's folder of unfinished work, which goes unless a stopped bake may go on there.
+// Bakes candidates in a folder of unfinished work next to the output, which is removed unless a stopped bake may
+// resume.
 class Attempts {
  public:
   Attempts(const BakeJob& job, const BakeSource& source, SettingTrials& trials, double read_seconds, Device& device,
@@ -61,7 +62,8 @@ class Attempts {
     if (std::filesystem::exists(partial_folder_of(scratch_), ignored)) work_->leave();
   }
 
-  /// A file that will be kept though it misses the target must not be recognised as one that meets it.
+  /// `may_meet`: false for a file that is kept although it misses the target: it must not be recognised as one that
+  /// meets it.
   const Attempt& bake(const SettingTrial& trial, bool may_meet = true) {
     BakeJob job = with_candidate(job_, trials_.candidates()[trial.candidate]);
     if (!may_meet) job.chosen_for.clear();
@@ -77,7 +79,7 @@ class Attempts {
                      held.take()});
     return made_.back();
   }
-  /// Does the last one meet the target? Of one that seems to, measures the file again, at other footprints.
+  /// True if the last attempt meets the target. If it seems to, measures the file again at other footprints.
   bool meets(double target) {
     constexpr std::uint64_t kSecondSeed = 1000003;
     Attempt& attempt = made_.back();
@@ -97,12 +99,12 @@ class Attempts {
     attempt.confirmed = reached_error(file.meter->footprint_errors(), trials_.brdf());
     return attempt.confirmed->meets(target);
   }
-  /// The last one's file becomes the output, unless another one is kept later.
+  /// Makes the last attempt's file the output, unless another one is kept later.
   void keep() {
     std::filesystem::rename(scratch_, kept_);
     has_kept_ = true;
   }
-  /// Gives the file that was kept its name: not before, so that a cancelled search leaves an older output as it was.
+  /// Renames the kept file to the output. Called last, so that a cancelled search leaves an older output unchanged.
   void commit() {
     if (has_kept_) std::filesystem::rename(kept_, job_.output);
     has_kept_ = false;
@@ -133,7 +135,7 @@ std::string reached_text(const ReachedError& reached) {
          (reached.shading.empty() ? "" : fmt::format(" when shaded as {}", reached.shading));
 }
 
-// The cheapest first; what the whole map reaches corrects what the mosaic promises.
+// Tries the cheapest settings first; errors on the whole map correct the errors that the mosaic predicts.
 std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials& trials, Attempts& attempts,
                                          Progress* progress) {
   double correction = 1.0;
@@ -145,7 +147,7 @@ std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials
     first = trial->candidate + 1;
     if (trial->reached.error > 0.0) correction = std::max(correction, attempt.judged().error / trial->reached.error);
   }
-  // The mosaic is a sample too: its best gets a chance.
+  // The mosaic is only a sample, so its best settings are also baked.
   const auto best =
       std::min_element(trials.made().begin(), trials.made().end(),
                        [](const SettingTrial& a, const SettingTrial& b) { return a.reached.error < b.reached.error; });
@@ -155,13 +157,13 @@ std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials
   return std::nullopt;
 }
 
-// How long a bake of the whole map takes, by its trial. Of the finest level that was fitted there, level 1, the map has
-// `scale` times as many texels. What bakes took corrects it, of lobes and of averages each by itself.
+// Predicts the time of a whole map's bake from its trial. The map has `scale` times as many texels on level 1, the
+// finest level that the trial fits. Times of finished bakes correct the prediction, separately for lobes and averages.
 class TimeGuess {
  public:
   TimeGuess(const SettingTrials& trials, double read_seconds) : trials_(trials), read_seconds_(read_seconds) {}
   double seconds(const SettingTrial& trial) const {
-    constexpr double kDefaultCorrection = 0.75;  // trials are so small that launches show
+    constexpr double kDefaultCorrection = 0.75;  // trials are so small that launches count
     const auto found = correction_.find(is_fit(trial));
     return read_seconds_ + raw(trial) * (found == correction_.end() ? kDefaultCorrection : found->second);
   }
@@ -182,11 +184,13 @@ class TimeGuess {
   std::map<bool, double> correction_;
 };
 
-// The least error of those that are taken to be fast enough, until one is and no better one seems to be.
+// Bakes settings that are predicted to be fast enough, the lowest error first. Stops when one is fast enough and no
+// better one is expected.
 std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_seconds, SettingTrials& trials,
                                         Attempts& attempts, Progress* progress) {
   constexpr std::size_t kAttemptsMax = 6;
-  // More lobes or higher orders than one that is far too slow are slower still; guesses are too high by up to this.
+  // Settings with more lobes or higher orders than one that is far too slow are skipped. Predictions may be too high
+  // by up to this factor.
   constexpr double kGuessMargin = 8.0;
   TimeGuess guess(trials, read_seconds);
   const std::vector<SettingCandidate>& candidates = trials.candidates();
@@ -212,7 +216,7 @@ std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_se
     if (next == nullptr) next = fastest;
     if (next == nullptr) break;
     const Attempt& attempt = attempts.bake(SettingTrial(*next));
-    log_verbose(fmt::format("baked: {} in {:.3f} s, {:.3f} s were guessed", candidates[next->candidate].options,
+    log_verbose(fmt::format("baked: {} in {:.3f} s, predicted were {:.3f} s", candidates[next->candidate].options,
                             attempt.seconds, guess.seconds(*next)));
     guess.learn(attempt);
     if (attempt.seconds > *target.seconds) continue;
@@ -222,7 +226,7 @@ std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_se
   return best;
 }
 
-// What was chosen, why, and what else was tried.
+// Describes the chosen settings, the reason, and the other trials.
 std::string choice_text(const BakeTarget& target, const SettingTrials& trials, const Attempts& attempts,
                         const Attempt& chosen, bool met) {
   const auto options = [&](const SettingTrial& trial) { return trials.candidates()[trial.candidate].options; };
@@ -233,7 +237,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
   if (target.error) {
-    // The most accurate of those that are cheaper says why they would not do.
+    // The most accurate of the cheaper settings shows why they do not suffice.
     const SettingTrial* below = nullptr;
     for (const SettingTrial& trial : trials.made())
       if (trial.candidate < chosen.trial.candidate && (!below || trial.reached.error < below->reached.error))
@@ -244,23 +248,22 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   }
   const ReachedError& judged = chosen.judged();
   if (chosen.confirmed)
-    text += fmt::format("  by footprints that had no part in the choice; those that had: {}\n",
+    text += fmt::format("  measured at footprints that had no part in the choice; at the other footprints: {}\n",
                         error_text(chosen.reached.error, chosen.reached.confidence));
-  text += fmt::format("  95 % of pixels are within {}; the worst are those that cover {}, with {}\n",
+  text += fmt::format("  95 % of pixels are within {}; the worst pixels cover {}, with {}\n",
                       in_percent(judged.percentile_95), octave_text(judged.worst_octave),
                       in_percent(judged.worst_octave_error));
   return text;
 }
 
-// A picture of what was written. It says more than it costs, but is not what was asked for: a machine without GL gets
-// the file all the same.
+// Adds the error of a picture of the output. The picture is optional: a machine without GL still gets the file.
 void add_picture(const BakeJob& job, const BakeTarget& target, Progress* progress, BakeReport& report) {
   if (target.viewer.program.empty()) return;
   try {
     progress_stage(progress, "draw");
     report.picture_error = draw_plane(job, target.brdf, target.viewer, progress);
     report.choice +=
-        fmt::format("  a picture of a plane that runs to the horizon is {} off\n", in_percent(*report.picture_error));
+        fmt::format("  a picture of a plane up to the horizon has an error of {}\n", in_percent(*report.picture_error));
   } catch (const Error& error) {
     log_verbose(fmt::format("no picture of {}: {}", job.output, error.what()));
   }
@@ -279,7 +282,7 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
   if (target.only && !target.brdf.can_shade(*target.only))
-    throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot be shaded with",
+    throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot shade",
                                                target.brdf.text, representation_info(*target.only).option));
   if (!job.measure)
     throw Error(ErrorCode::kUsage,
@@ -332,7 +335,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (source.has_roughness() && target.brdf.id != AccuracyBrdf::lambert()) target.brdf.id = AccuracyBrdf::roughness();
   std::vector<SettingCandidate> candidates = target_candidates(target.only);
   std::erase_if(candidates, [&](const SettingCandidate& one) { return !one.is_for(job); });
-  // Of one highlight of one width there is none for these.
+  // These representations cannot shade sums of vMFs or highlights of varying width.
   if (!target.only && (target.brdf.is_sum() || source.has_roughness()))
     std::erase_if(candidates, [&](const SettingCandidate& one) {
       return !representation_info(one.representation()).takes_every_brdf;
@@ -368,7 +371,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (chosen.written)
     for (const std::string& warning : attempt.warnings) log_named_warning(warning);
   clock.finish("choose");
-  // What was not the bake itself.
+  // Time outside the bake itself.
   double others = choosing.stages.back().seconds;
   for (const StageTime& stage : chosen.report.stages)
     if (stage.name != "read") others -= stage.seconds;

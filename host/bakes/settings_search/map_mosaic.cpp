@@ -10,19 +10,18 @@
 namespace multum {
 namespace {
 
-// Blocks begin at multiples of this, where there is room: patterns as fine as a few texels meet the same mip texels as
-// in the map.
+// Blocks begin at multiples of this if there is room, so that fine patterns are divided into mip texels as in the map.
 constexpr int kAlignment = 16;
 
-// Where in the map a block's columns come from; blocks of one row of cells share their rows, so that a map on disk is
-// read by whole rows.
+// Start columns of each block in the map. Blocks of one row of cells share their rows, so that a map on disk
+// is read by whole rows.
 struct Cuts {
-  int width, height;                // of the mosaic
+  int width, height;                // size of the mosaic
   std::vector<int> rows;            // [block row]
   std::vector<std::vector<int>> x;  // [block row][block column]
 };
 
-// Of cell i of `count`.
+// Position in cell i of `count`.
 int place_in_cell(int i, int count, int size, int block, std::uint64_t random) {
   const auto edge = [&](int cell) { return static_cast<int>(static_cast<std::int64_t>(size) * cell / count); };
   const int first = (edge(i) + kAlignment - 1) / kAlignment * kAlignment, last = edge(i + 1) - block;
@@ -31,7 +30,7 @@ int place_in_cell(int i, int count, int size, int block, std::uint64_t random) {
 }
 
 Cuts make_cuts(int width, int height, const MosaicSettings& settings) {
-  // A side that fits is taken whole, as one block.
+  // A side that fits becomes one block.
   const auto count = [&](int size) { return size <= settings.side_max ? 1 : settings.side_max / settings.block; };
   const auto side = [&](int size) { return std::min(size, settings.side_max); };
   Cuts cuts{side(width), side(height), {}, {}};

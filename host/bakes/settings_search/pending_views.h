@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws baked maps of a sweep by multum-view, many in one child process: of a small map, starting a process with a GL
-// driver takes longer than drawing. Baked files wait until they are drawn, so that only so many bytes of them do.
+// Draws baked maps of a sweep by multum-view, many in one child process: for a small map, starting a process with a GL
+// driver takes longer than drawing. Baked files wait until they are drawn, and their total size is limited.
 #pragma once
 
 #include <cstdint>
@@ -16,26 +16,26 @@ namespace multum {
 /// One way to draw a baked map.
 struct PendingView {
   std::string baked;                   // the file
-  std::vector<std::string> arguments;  // of multum-view, but for the file, -o, --report and what all have in common
-  bool shows_reference = false;        // DrawnView has it, too
+  std::vector<std::string> arguments;  // options of multum-view, without the file, -o, --report and common ones
+  bool shows_reference = false;        // also return the reference's picture
 };
 
 struct DrawnView {
-  const nlohmann::json& report;  // of multum-view
+  const nlohmann::json& report;  // report of multum-view
   std::string picture;           // PNG bytes
-  std::string reference;         // the same of the reference, where it was asked for
+  std::string reference;         // PNG bytes of the reference, if requested
 };
 
 class PendingViews {
  public:
-  /// `common`: arguments of every view. Files are made in `folder`, and stay there.
+  /// `common`: arguments for every view. Files are written to `folder`, and stay there.
   PendingViews(std::string viewer, std::vector<std::string> common, std::string folder);
 
-  /// `take` is called when it has been drawn, in the order of add().
+  /// Calls `take` when the view has been drawn, in the order of add().
   void add(PendingView view, std::function<void(const DrawnView& drawn)> take);
-  /// Bytes of the baked files that wait.
+  /// Bytes of the waiting baked files.
   std::uint64_t waiting_bytes() const { return waiting_bytes_; }
-  /// Draws all that wait and removes their baked files. Throws what run_viewer() does.
+  /// Draws all waiting views and removes their baked files. Throws as run_viewer() does.
   void draw(Progress* progress);
 
  private:

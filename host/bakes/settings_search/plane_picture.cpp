@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Two files that go away.
+// Two temporary files.
 class PictureFiles {
  public:
   explicit PictureFiles(const std::string& beside) : sheet(beside + ".sheet.png"), report(beside + ".view.json") {}

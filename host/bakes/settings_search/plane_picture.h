@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a baked file as multum-view does, a plane that runs to the horizon, and compares it with its reference: the
-// error of a picture, beside that of pixels which the bake measures (host/bakes/accuracy/footprint_error.h).
+// Draws a baked file as multum-view does, on a plane that extends to the horizon, and compares it with its reference.
+// This error of a picture complements the pixel error that the bake measures (host/bakes/accuracy/footprint_error.h).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,17 +13,17 @@
 namespace multum {
 
 struct PlaneViewer {
-  std::string program;           // multum-view; empty: nothing is drawn
+  std::string program;           // multum-view; empty: draw nothing
   std::string context = "auto";  // its options
   std::string decode = "child";
-  int samples = 256;  // a pixel of the reference, which is the pixel's own
+  int samples = 256;  // per pixel of the reference
 };
 
-/// The baked map's own row of what multum-view --report wrote. Throws Error(kEnvironment) where there is none.
+/// The baked map's row in the report of multum-view --report. Throws Error(kEnvironment) if it is missing.
 const nlohmann::json& own_picture(const nlohmann::json& report);
 
-/// Relative L1 of the picture of JOB.output beside the reference that JOB.input gives. Throws Error(kEnvironment) where
-/// nothing can be drawn, Cancelled. Files beside JOB.output come and go.
+/// Relative L1 error of a picture of JOB.output against the reference from JOB.input. Throws Error(kEnvironment) if
+/// nothing can be drawn, Cancelled. Writes temporary files next to JOB.output.
 double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer& viewer, Progress* progress);
 
 }  // namespace multum

@@ -17,7 +17,7 @@ constexpr unsigned kDefaultAndFull = kDefaultSweep | kFullSweep;
 constexpr unsigned kEverySweep = kQuickSweep | kDefaultAndFull;
 constexpr unsigned kEveryScene = kScenePlan | kSceneTarget;
 
-// Of candidates with as many textures, in the order of their bakes' times (docs/evidence/ACCURACY.md).
+// Orders candidates with equal texture counts by the time of their bakes (docs/evidence/ACCURACY.md).
 enum Effort { kAveraged, kQuickFit, kDefaultFit, kRefinedFit, kLongFit };
 
 Effort effort_of(const ParameterValues& values, Representation representation) {
@@ -57,7 +57,7 @@ class CandidateList {
     all_.push_back({values, axis, users, options_text(values), texture_count(representation, counts_of(values), 0),
                     effort_of(values, representation)});
   }
-  // vMF lobes, some settings changed.
+  // Adds vMF lobes with some settings changed.
   void add_fit(Axis axis, unsigned users, int lobes, Given changes) {
     ParameterValues values = bake_values({{"ndf", "vmf"}, {"lobes", std::int64_t{lobes}}});
     for (const auto& [name, value] : changes) values.set(name, value);
@@ -75,7 +75,7 @@ class CandidateList {
 
   void add_averages() {
     add(Axis::kMoments, kTargetSearch | kEverySweep | kEveryScene, bake_values({{"ndf", "moments"}}));
-    // Orders that are worth a trial: each has about half as many coefficients again as the one before. The default
+    // Orders that are worth a trial: each has about 1.5 times as many coefficients as the one before. The default
     // sweep ends between two of them, at 12.
     for (const int order : {2, 3, 4, 6, 8, 10, 12, 13, 16, 20}) {
       const unsigned users =
@@ -94,17 +94,18 @@ class CandidateList {
     }
   }
 
-  // The quick fit, the refined one and the long one; of the default's lobes, the long one comes with other changes of
-  // the fit. A target tries the long fit of the most lobes alone: of fewer, another lobe does more, in less time.
+  // Adds the quick, the refined and the long fit. For the default lobe count, the long fit comes with other changes of
+  // the fit. A target search tries the long fit only for the most lobes: with fewer, another lobe gains more in less
+  // time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
-    if (lobes > 1)  // one lobe is an average, and nothing is fitted
+    if (lobes > 1)  // one lobe is an average; nothing is fitted
       add_fit(Axis::kIterations, kTargetSearch | (sweeps & kDefaultAndFull), lobes, {{"refine", true}});
     if (lobes != default_lobes_)
       add_fit(Axis::kIterations, sweeps | (lobes == counts_.most ? kTargetSearch : 0u), lobes, {{"reference", true}});
   }
 
-  // Without level 0 lobes take a quarter of the memory: more of them fit into as much.
+  // Without level 0, lobes take a quarter of the memory, so more lobes fit.
   void add_first_levels() {
     for (int lobes = counts_.fewest; lobes <= counts_.most; ++lobes)
       add_fit(Axis::kFirstLevel,

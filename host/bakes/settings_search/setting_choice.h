@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the settings that a map needs: tries candidates (host/bakes/settings_search/setting_candidates.h) in the
-// order of their cost on a mosaic of the map (host/bakes/settings_search/map_mosaic.h) until one is near enough to the
-// reference. Nothing is written here; the bake that follows says whether the whole map keeps what the mosaic promised
+// Chooses the settings for a map: tries candidates (host/bakes/settings_search/setting_candidates.h) by increasing
+// cost on a mosaic of the map (host/bakes/settings_search/map_mosaic.h) until the error of one is low enough. Writes
+// nothing. The following bake checks whether the whole map has the error that the mosaic predicts
 // (host/bakes/settings_search/chosen_bake.h).
 #pragma once
 
@@ -15,32 +15,32 @@
 
 namespace multum {
 
-/// BRDF whose error counts; "roughness" for a bake with a roughness map.
+/// The BRDF whose error counts; "roughness" for a bake with a roughness map.
 struct TargetBrdf {
-  AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without a way to shade it, and without colours
-  std::string text = id.text();                        // as options name it
+  AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without shading and colours
+  std::string text = id.text();                        // its name in options
   Brdf brdf;                                           // kLambert: no highlight
 
   bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
-  /// Is it shaded as a sum of vMFs?
+  /// True if it is shaded as a sum of vMFs.
   bool is_sum() const { return is_vmf_sum(brdf); }
   bool can_shade(Representation r) const { return !is_sum() || representation_info(r).takes_every_brdf; }
-  /// Its highlight, unless every bake measures it.
+  /// The BRDF's highlight, unless every bake measures it.
   std::vector<Highlight> more_highlights() const;
 };
-/// Parses a BRDF as parse_brdf() does; the highlight alone counts. Throws Error(kUsage) naming `option`, Error(kInput).
+/// Parses a BRDF as parse_brdf() does; only the highlight counts. Throws Error(kUsage) naming `option`, Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
-/// The least error of `brdf` among the ways to shade a file; with colours where the file has them.
+/// The lowest error of `brdf` among the ways to shade a file; with colours if the file has them.
 struct ReachedError {
   double error = 0.0;
   double confidence = 0.0;  // half width of the 95 % interval
   double percentile_95 = 0.0;
   int worst_octave = 0;
   double worst_octave_error = 0.0;
-  std::string shading;  // "lean", of moments; else empty
+  std::string shading;  // for moments: "lean"; else empty
 
-  /// Below `error`, its interval and all?
+  /// True if the error and its interval are within `target`.
   bool meets(double target) const { return error + confidence <= target; }
 };
 ReachedError reached_error(const std::vector<FootprintError>& errors, const TargetBrdf& brdf);
@@ -49,24 +49,24 @@ ReachedError reached_error(const std::vector<FootprintError>& errors, const Targ
 struct SettingTrial {
   std::size_t candidate;
   ReachedError reached;
-  double seconds;        // of the fit or of averaging
-  double fixed_seconds;  // of these, what does not grow with the map: choosing a start, and coarse levels
+  double seconds;        // time of fitting or averaging
+  double fixed_seconds;  // part that does not grow with the map: start and coarse levels
 };
 
-/// Trials of one map, each made when it is asked for, once.
+/// Trials of one map, each made once when requested.
 class SettingTrials {
  public:
-  /// `source` and `device` must outlive it.
+  /// `source` and `device` must outlive the object.
   SettingTrials(Device& device, const BakeJob& job, const BakeSource& source, TargetBrdf brdf,
                 std::vector<SettingCandidate> candidates);
 
   const std::vector<SettingCandidate>& candidates() const { return candidates_; }
   const TargetBrdf& brdf() const { return brdf_; }
-  /// Of the target: one, or none.
+  /// The target's highlight, or none.
   const std::vector<Highlight>& highlights() const { return highlights_; }
-  /// Throws Cancelled.
+  /// Makes the trial if needed. Throws Cancelled.
   const SettingTrial& at(std::size_t candidate, Progress* progress);
-  /// Trials that were made, in that order.
+  /// Finished trials, in the order in which they were made.
   const std::vector<SettingTrial>& made() const { return made_; }
   /// Texels of the map per texel of the mosaic.
   double scale() const;
@@ -75,19 +75,19 @@ class SettingTrials {
   Device& device_;
   const BakeJob job_;
   const TargetBrdf brdf_;
-  const std::vector<Highlight> highlights_;  // of it: one, or none
+  const std::vector<Highlight> highlights_;  // highlight of the target, or none
   const BakeSource mosaic_;
   const std::vector<SettingCandidate> candidates_;
   std::vector<SettingTrial> made_;
   double scale_;
 };
 
-/// JOB with a candidate's settings in the place of its own.
+/// JOB with the settings of a candidate.
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
-/// The cheapest candidate, from number `first` on, that reaches `error` on the mosaic, its interval included, when
-/// mosaic errors are multiplied by `correction`; nullopt where none does. Candidates whose quicker variant is too far
-/// off are not tried: as many lobes fitted longer take a quarter off the error at most.
+/// The cheapest candidate, from number `first` on, that meets `error` on the mosaic; nullopt if there is none. Its
+/// error plus interval, times `correction`, must be at most `error`. Skips candidates whose quicker variant has too
+/// high an error: a longer fit of as many lobes reduces the error by a quarter at most.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 

@@ -23,17 +23,17 @@ constexpr double kMiB = 1 << 20;
 std::string frame_time(double ms) { return ms < 0.0 ? "-" : fmt::format("{:.1f}", ms); }
 std::string mebi(std::uint64_t bytes) { return fmt::format("{:.2f}", static_cast<double>(bytes) / kMiB); }
 
-// "12.3 +- 0.1 %, 14.1 % in its picture".
+// Errors of a row: "12.3 +- 0.1 %, 14.1 % in its picture".
 std::string errors_text(const TradeoffRow& row) {
   return error_text(row.reached.error, row.reached.confidence) +
          (row.rendered < 0.0 ? "" : fmt::format(", {} % in its picture", percent(row.rendered)));
 }
 
-// "33 MiB on the GPU, 20 ms a frame": the budgets that are set.
+// The budgets that are set: "33 MiB on the GPU, 20 ms per frame".
 std::string budgets_text(const TradeoffJob& job) {
   std::vector<std::string> parts;
   if (job.bytes_max) parts.push_back(fmt::format("{:.4g} MiB on the GPU", static_cast<double>(*job.bytes_max) / kMiB));
-  if (job.frame_ms_max) parts.push_back(fmt::format("{:.4g} ms a frame", *job.frame_ms_max));
+  if (job.frame_ms_max) parts.push_back(fmt::format("{:.4g} ms per frame", *job.frame_ms_max));
   if (job.bake_seconds_max) parts.push_back(fmt::format("{:.4g} ms of baking", 1e3 * *job.bake_seconds_max));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -47,7 +47,7 @@ bool is_asked(const TradeoffJob& job) { return job.error || job.bake_seconds || 
 
 std::string map_name(const TradeoffJob& job) { return std::filesystem::path(job.bake.input).filename().string(); }
 
-// In quotes where a shell would not take it as one word.
+// Quotes a text unless a shell reads it as one word.
 std::string shell_word(const std::string& text) {
   const bool is_plain = !text.empty() && text.find_first_not_of(
                                              "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -65,7 +65,7 @@ std::string bake_command(const TradeoffJob& job, const TradeoffRow& row) {
   if (job.has_roughness())
     command += std::string(job.bake.roughness_is_gloss ? " --gloss " : " --roughness ") +
                shell_word(std::filesystem::path(job.bake.roughness).filename().string());
-  // What the map was read with, where that was said.
+  // Adds the options for reading the map, if given.
   if (job.bake.reading.green) command += *job.bake.reading.green == GreenAxis::kUp ? " --green up" : " --green down";
   if (!row.view.empty())
     command += fmt::format("\nmultum-view {} {} -o picture.png", shell_word(stem + ".ndf.exr"), row.view);
@@ -104,7 +104,7 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
   return one;
 }
 
-// All but the pictures.
+// All results except the pictures.
 nlohmann::ordered_json sweep_json(const TradeoffJob& job, const TradeoffResult& result) {
   nlohmann::ordered_json json = {{"software", std::string("multum ") + MULTUM_VERSION},
                                  {"map", text_of_path(map_name(job))},
@@ -125,7 +125,7 @@ nlohmann::ordered_json sweep_json(const TradeoffJob& job, const TradeoffResult& 
   return json;
 }
 
-// Of rows that the page shows a picture of.
+// True if the page shows the row's picture.
 bool is_shown(const TradeoffRow& row) {
   return !row.picture.empty() &&
          ((row.on_front() && !row.same_as) || row.group == "moments" || row.group == "hierarchy");
@@ -178,14 +178,14 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   std::string text = "on a front of error against the work of a bake, memory or the work of a frame:\n";
   for (const TradeoffRow& row : result.rows) {
     if (!row.on_front() || row.same_as || !row.fits) continue;
-    text +=
-        fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),
-                    mebi(row.gpu_bytes), row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms a frame", row.frame_work_ms),
-                    row.options, row.view);
+    text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),
+                        mebi(row.gpu_bytes),
+                        row.frame_ms < 0.0 ? "" : fmt::format("{:6.1f} ms per frame", row.frame_work_ms), row.options,
+                        row.view);
     const auto number = static_cast<std::size_t>(&row - result.rows.data());
     for (const TradeoffRow& other : result.rows)
       if (other.same_as == number)
-        text += fmt::format("  {:>16}  cannot be told apart: {} {}\n", "", other.options, other.view);
+        text += fmt::format("  {:>16}  indistinguishable: {} {}\n", "", other.options, other.view);
   }
   if (job.has_budget())
     text +=
@@ -193,8 +193,8 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   if (!is_asked(job)) return text;
   if (!result.chosen) return text + "no settings meet this\n";
   const TradeoffRow& chosen = result.rows[*result.chosen];
-  text += fmt::format("chosen: {}; 95 % of pixels are within {} %, the worst cover {}, with {} %\n", chosen.options,
-                      percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
+  text += fmt::format("chosen: {}; 95 % of pixels are within {} %, the worst pixels cover {}, with {} %\n",
+                      chosen.options, percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
                       percent(chosen.reached.worst_octave_error));
   return text;
 }

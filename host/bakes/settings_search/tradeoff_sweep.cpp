@@ -30,17 +30,17 @@
 namespace multum {
 namespace {
 
-constexpr std::uint64_t kWaitingBytesMax = 32 << 20;  // of baked files that are yet to be drawn
-constexpr std::size_t kTimeRepeats = 5;               // of the default settings, to know how much times move
+constexpr std::uint64_t kWaitingBytesMax = 32 << 20;  // limit for baked files that wait for drawing
+constexpr std::size_t kTimeRepeats = 5;               // repeats of the default settings, to measure the noise of times
 constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 
 // A way to draw a bake.
 struct View {
   std::string group;
   std::string arguments;                              // beside --brdf
-  std::string brdf;                                   // of multum-view; empty: the target
-  bool is_measured;                                   // do the bake's measured errors of the target hold for it?
-  std::optional<Highlight> highlight = std::nullopt;  // another that it is measured for
+  std::string brdf;                                   // option of multum-view; empty: the target
+  bool is_measured;                                   // the bake's measured errors of the target are valid for it
+  std::optional<Highlight> highlight = std::nullopt;  // another highlight to measure
   std::string shading = {};                           // AccuracyBrdf::shading of its errors
 };
 
@@ -49,12 +49,12 @@ struct SweptBake {
   std::vector<View> views;
 };
 
-// GGX as wide as Blinn-Phong of that exponent: alpha^2 = 2 / (s + 2), and glTF's roughness is its root.
+// GGX of the same width as Blinn-Phong with that exponent: alpha^2 = 2 / (s + 2); glTF's roughness is sqrt(alpha).
 std::string ggx_of(double exponent) {
   return fmt::format("ggx:{:.3f}", std::clamp(std::pow(2.0 / (exponent + 2.0), 0.25), 0.05, 1.0));
 }
 
-// Drawn by sums of 1 to 4 vMFs: the target, if it is one, else a GGX that is as wide.
+// Adds views drawn by sums of 1 to 4 vMFs: of the target if it is a sum, else of a GGX of the same width.
 void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
   const std::string text = target.is_sum() ? target.text : ggx_of(equivalent_exponent(target.brdf));
   for (int terms = 1; terms <= kBrdfTermCountMax; ++terms) {
@@ -65,11 +65,11 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
   }
 }
 
-// The default's bake is drawn by every formula and every sum of terms.
+// Draws the default bake by every formula and every number of terms.
 void add_default_views(const TradeoffJob& job, std::vector<View>& views) {
   if (job.length == SweepLength::kQuick) return;
   views.push_back({"shading formula", "--shade-first", "", false});
-  if (job.has_roughness()) return;  // the BRDF is the map's, and its formula the product's
+  if (job.has_roughness()) return;  // the BRDF comes from the map, and has one formula
   if (job.brdf.brdf.kind == BrdfKind::kBlinnPhong) views.push_back({"shading formula", "--formula paper", "", false});
   if (job.brdf.has_highlight()) add_term_views(job.brdf, views);
 }
@@ -106,7 +106,7 @@ std::vector<SweptBake> make_sweep(const TradeoffJob& job) {
   return sweep;
 }
 
-// Has what a killed sweep left removed.
+// Removes files that a killed sweep left.
 std::unique_ptr<WorkFolder> take_scratch(const std::string& output) {
   std::unique_ptr<WorkFolder> folder = WorkFolder::take(partial_folder_of(output));
   if (!folder) throw Error(ErrorCode::kEnvironment, output + ": is being written by another process");
@@ -114,7 +114,7 @@ std::unique_ptr<WorkFolder> take_scratch(const std::string& output) {
   return folder;
 }
 
-// Of every view. The map is the reference's.
+// Arguments of every view. The map is for the reference.
 std::vector<std::string> common_arguments(const TradeoffJob& job) {
   std::vector<std::string> arguments = {
       "--source", job.bake.input, "--context", job.context,
@@ -135,13 +135,13 @@ class Sweep {
 
   TradeoffResult run() {
     const Stopwatch stopwatch;
-    // Processors that OpenCL uses are counted as such.
+    // On a CPU, the processor time of the process already includes OpenCL.
     if (!device_.info().is_cpu) device_.time_launches(true);
     BakeReport reading;
     const BakeSource source = read_source(job_.bake, MapReadings::kMany, reading, progress_);
     result_.width = source.map.normals.width();
     result_.height = source.map.normals.height();
-    // Levels that a map has not got cannot be its first.
+    // Drops first levels that the map does not have.
     std::vector<SweptBake> sweep = make_sweep(job_);
     const int level_count = static_cast<int>(std::log2(std::max(result_.width, result_.height)));
     std::erase_if(sweep,
@@ -151,7 +151,7 @@ class Sweep {
     progress_start(progress_, units);
     for (std::size_t i = 0; i < sweep.size(); ++i) {
       run_bake(sweep[i], source);
-      // Among the others, so that what else the machine does shows.
+      // Repeats are spread over the sweep, so that they show the noise of other load.
       if ((i + 1) % std::max<std::size_t>(1, sweep.size() / kTimeRepeats) == 0) repeat_default(source);
     }
     draw_views();
@@ -205,7 +205,7 @@ class Sweep {
     if (views_.waiting_bytes() > kWaitingBytesMax) draw_views();
   }
 
-  // The rows need the error of pixels of one BRDF. A bake that is not told so measures four, and each level.
+  // Rows need only the pixel error of one BRDF; by default, a bake measures four BRDFs and each level.
   void choose_measured(BakeJob& bake) const {
     if (job_.has_roughness()) return;  // one BRDF; a warning needs its levels
     if (job_.measures_all_brdfs) {
@@ -217,7 +217,7 @@ class Sweep {
     if (job_.brdf.has_highlight()) bake.highlights = {make_highlight(job_.brdf.id, job_.brdf.brdf)};
   }
 
-  // Once more, for its time: what it says of the map has been said.
+  // Bakes again for the time only. Warnings about the map have been printed already.
   BakeReport bake_unmeasured(BakeJob bake, const BakeSource& source) {
     bake.report.clear();
     bake.force = true;
@@ -227,8 +227,8 @@ class Sweep {
     return bake_file(bake, &source, device_, &quiet);
   }
 
-  // Bakes again, in turns, measuring nothing: the first time kernels were compiled, and files came to the cache. The
-  // search for a start is remembered from the first time, and counts with what it took then.
+  // Bakes all settings again, alternately and without measurement: in the first bakes, kernels were compiled and files
+  // entered the cache. The start is remembered from the first bake, and the time of its search is added.
   void time_bakes(const std::vector<SweptBake>& sweep, const BakeSource& source) {
     progress_stage(progress_, "time bakes");
     std::vector<RunTime> remembered(sweep.size());
@@ -252,7 +252,7 @@ class Sweep {
     return [&device = device_] { return device.timed_seconds(); };
   }
 
-  // Of the default settings' bake and frame, once more.
+  // Repeats the bake and the frame of the default settings.
   void repeat_default(const BakeSource& source) {
     progress_stage(progress_, "repeat the default");
     BakeJob bake = job_.bake;
@@ -266,7 +266,7 @@ class Sweep {
                [this](const DrawnView& drawn) { frame_times_.push_back(frame_work(drawn.report)); });
   }
 
-  // The map is the page's.
+  // Removes the map's name, which the page shows already.
   std::vector<std::string> without_name(std::vector<std::string> warnings) const {
     const std::string name = job_.bake.input + ": ";
     for (std::string& warning : warnings)
@@ -275,7 +275,7 @@ class Sweep {
   }
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
-    // Of moments, those of this way to shade them.
+    // For moments, takes the errors of this way to shade them.
     for (const FootprintError& one : report.error)
       if (one.brdf.shading == view.shading && !one.brdf.has_colours) row.errors.push_back(one);
     row.reached = reached_error(row.errors, job_.brdf);
@@ -290,9 +290,9 @@ class Sweep {
   std::string scratch(const std::string& name) const { return scratch_->path() + "/" + name; }
   std::string new_scratch_file() { return scratch(fmt::format("swept_{}.ndf.exr", scratch_count_++)); }
 
-  // With the reference, the pixel's own, as the measured error has it: it is drawn once a BRDF.
+  // Compares with the pixel reference, as the measured error does; the reference is drawn once per BRDF.
   void draw(const std::string& baked, const View& view, std::size_t row_number) {
-    const bool is_first = references_.empty();  // of all: the page shows its reference
+    const bool is_first = references_.empty();  // the first of all views: the page shows its reference
     std::vector<std::string> arguments = arguments_of(view);
     arguments.insert(arguments.end(), {"--compare", "reference", "--reference-of", "pixel", "--samples",
                                        fmt::format("{}", job_.samples), "--keep-reference", kept_reference(view)});
@@ -312,7 +312,7 @@ class Sweep {
     views_.draw(progress_);
   }
 
-  // Milliseconds, of multum-view's report.
+  // Milliseconds of a frame, from multum-view's report.
   static double frame_work(const nlohmann::json& report) {
     const char* const key = report.at("context_is_software").get<bool>() ? "frame_processor_ms" : "frame_draw_ms";
     return own_picture(report).at(key).get<double>();
@@ -320,7 +320,7 @@ class Sweep {
 
   const std::string& brdf_of(const View& view) const { return view.brdf.empty() ? job_.brdf.text : view.brdf; }
 
-  // Sums of vMFs have references of their own.
+  // Sums of vMFs have their own references.
   std::string kept_reference(const View& view) {
     const std::string terms = view.arguments.starts_with("--brdf-terms") ? view.arguments : "";
     const std::size_t number = references_.emplace(brdf_of(view) + terms, references_.size()).first->second;
@@ -335,7 +335,7 @@ class Sweep {
     return arguments;
   }
 
-  // A frame that was not drawn keeps to no budget of time.
+  // A row without a drawn frame exceeds every time budget.
   void mark_budgets() {
     for (TradeoffRow& row : result_.rows)
       row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&
@@ -343,8 +343,8 @@ class Sweep {
                  (!job_.bake_seconds_max || row.bake.elapsed_seconds <= *job_.bake_seconds_max);
   }
 
-  // For an error: the fewest bytes, then the least work; for a time, and within budgets alone: the least error. A time
-  // is one that someone waits, so that budgets are of elapsed time.
+  // For a target error: the fewest bytes, then the least work. For a time, or with budgets only: the lowest error.
+  // Budgets limit elapsed time, because a person waits for it.
   void choose() {
     for (std::size_t i = 0; i < result_.rows.size(); ++i) {
       const TradeoffRow& row = result_.rows[i];
@@ -368,18 +368,18 @@ class Sweep {
   int scratch_count_ = 0;
   const std::shared_ptr<StartMemory> starts_ = std::make_shared<StartMemory>();
   TradeoffResult result_;
-  std::vector<double> bake_times_, frame_times_;   // of the default settings
-  std::map<std::string, std::size_t> references_;  // by BRDF: the number of the file
+  std::vector<double> bake_times_, frame_times_;   // times of the default settings
+  std::map<std::string, std::size_t> references_;  // [BRDF]: number of the file
 };
 
-// A cost of rows; 0: of what costs nothing to tell apart.
+// A cost that fronts use; its noise is 0 if it is exact.
 struct FrontCost {
   bool TradeoffRow::*flag;
   std::function<double(const TradeoffRow&)> of;  // < 0: not known
-  double noise;                                  // half width of one, in parts of itself
+  double noise;                                  // relative half width of one value
 };
 
-// Is `a` more than `b` by more than their intervals?
+// True if `a` exceeds `b` by more than their intervals.
 bool is_more(double a, double b, double half_width_a, double half_width_b) {
   return a - b > std::hypot(half_width_a, half_width_b);
 }
@@ -393,7 +393,7 @@ bool costs_more(const FrontCost& cost, const TradeoffRow& a, const TradeoffRow& 
 }  // namespace
 
 double relative_half_width(const std::vector<double>& times) {
-  // Student's quantile of n - 1 degrees of freedom, two-sided, 95 %.
+  // Student's quantile for n - 1 degrees of freedom, two-sided, 95 %.
   constexpr double kStudent[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262};
   const auto n = static_cast<double>(times.size());
   if (times.size() < 2) return 0.0;
@@ -418,7 +418,7 @@ void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise) {
         return has_more_error(row, other) || costs_more(cost, row, other);
       });
     }
-  // The nearest of what cannot be told apart stands for it.
+  // Among indistinguishable rows, the one with the lowest error represents the others.
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].on_front()) order.push_back(i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lists of cases of this folder, one for each family of kernels.
+// Lists the cases of this folder, one function per family of kernels.
 #pragma once
 
 #include <vector>

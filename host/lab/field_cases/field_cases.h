@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of the kernels that fields need: least squares, transforms of images.
+// Registers the numerical cases of the kernels for fields: least squares and image transforms.
 #pragma once
 
 namespace multum {
 
-/// Adds them to numerical_cases(), which nobody may have asked for yet.
+/// Adds the cases to numerical_cases(). Call it before the first use of numerical_cases().
 void register_field_cases();
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texture inference: the products and sums of conjugate gradient, the pyramid's interpolation, and whole solutions of
-// systems that are singular, empty, hardly regularised or of great contrast (Hakura et al. 2000, section 3.2;
-// docs/contributing/ALGORITHMS.md has the rows).
+// Tests texture inference: the products and sums of conjugate gradient, the pyramid's interpolation, and whole
+// solutions of systems that are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000, section
+// 3.2; docs/contributing/ALGORITHMS.md has the rows).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace multum {
 namespace {
 
-// 10^-6 to 1, signed.
+// Returns a number of 10^-6 to 1 with a random sign.
 float of_great_contrast(SplitMix64& random) {
   const double value = std::pow(10.0, -6.0 * random.uniform());
   return static_cast<float>(random.uniform() < 0.5 ? -value : value);
@@ -34,7 +34,7 @@ std::vector<Colour4> colours_of_great_contrast(std::size_t count, std::uint64_t 
   return list;
 }
 
-// Rows of no entry (the first and the last among them), of one, of 8 and of 21; weights of 1, of 1e-6 and denormal.
+// Makes rows of 0 (including the first and the last), 1, 8 and 21 entries, with weights of 1, of 1e-6 and denormal.
 SparseRows uneven_rows(std::uint32_t column_count) {
   SplitMix64 random(8);
   SparseRows rows;
@@ -66,12 +66,12 @@ void empty_and_uneven_rows(Device& device, WorstError& worst) {
         sum += product;
         magnitude += std::abs(product);
       }
-      // Denormal numbers may count as 0.
+      // Devices may treat denormal numbers as 0.
       worst.add(static_cast<double>(found[r][c]), sum, magnitude + 1e-30, fmt::format("row {}", r));
     }
 }
 
-// R x of the pyramid of a texture, and R^T R x.
+// R x and R^T R x for the pyramid of a texture.
 struct PyramidProducts {
   std::vector<Colour4> residual, gradient;
 };
@@ -146,7 +146,7 @@ void odd_pyramids(Device& device, WorstError& worst) {
   }
 }
 
-// So many texels and parts that their product is beyond 2^31.
+// Uses so many texels and parts that their product exceeds 2^31.
 void products_of_many_parts(Device& device, WorstError& worst) {
   constexpr std::size_t kTexels = 1 << 18, kParts = 1 << 14;
   const std::vector<Colour4> p = colours_of_great_contrast(kTexels, 11), q = colours_of_great_contrast(kTexels, 12);
@@ -168,7 +168,7 @@ void products_of_many_parts(Device& device, WorstError& worst) {
   for (std::size_t c = 0; c < 3; ++c) worst.add(found[c], exact[c], magnitude[c], fmt::format("colour {}", c));
 }
 
-// More parts than texels: some have none and must say 0.
+// Uses more parts than texels: parts without texels must return 0.
 void parts_without_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kParts = 64;
   for (const std::size_t texels : {1u, 3u, 63u}) {
@@ -200,7 +200,7 @@ void parts_without_texels(Device& device, WorstError& worst) {
   }
 }
 
-// Steps of great contrast beside texels that are held (inverse and beta 0), denormal numbers and signed zeros.
+// Tests steps of high contrast next to fixed texels (inverse and beta 0), denormal numbers and signed zeros.
 void steps_along_the_old_direction(Device& device, WorstError& worst) {
   for (const std::size_t texels : {1u, 7u, 1001u}) {
     const std::vector<Colour4> step = colours_of_great_contrast(texels, 16), p = colours_of_great_contrast(texels, 17),
@@ -220,7 +220,7 @@ void steps_along_the_old_direction(Device& device, WorstError& worst) {
         const double from = wide(step[t][c]), along = wide(alpha[c]) * wide(p[t][c]);
         const double down = wide(inverse[t][c]) * wide(r[t][c]), kept = wide(beta[c]) * wide(p[t][c]);
         const std::string input = fmt::format("{} texels, texel {}, colour {}", texels, t, c);
-        // What a device takes for 0 may go.
+        // Allows for values that a device treats as 0.
         worst.add(wide(found_step[t][c]), from + along, std::max(std::abs(from) + std::abs(along), 0x1p-100), input);
         worst.add(wide(found_p[t][c]), down + kept, std::max(std::abs(down) + std::abs(kept), 0x1p-100), input);
       }
@@ -235,8 +235,8 @@ InferenceSettings exact_settings(double pyramid_weight) {
   return settings;
 }
 
-// The picture of the solution against the picture asked for, of some texture and from a far start: what nothing looks
-// at is free, and finite.
+// Compares the picture of the solution with the requested picture, for a random texture and a distant start. Texels
+// that no pixel reads may have any finite value.
 void add_picture_errors(Device& device, const FilterMatrix& matrix, const std::vector<float>& weights,
                         const InferenceSettings& settings, const std::string& input, WorstError& worst) {
   SplitMix64 random(15);
@@ -265,7 +265,7 @@ void singular_systems(Device& device, WorstError& worst) {
   }
 }
 
-// The same with a regularisation so weak that what nothing looks at has a denormal diagonal: 1 / it is infinite.
+// Uses a regularisation so weak that unread texels have a denormal diagonal, whose inverse is infinite.
 void denormal_diagonals(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 32, WrapMode::kClamp, 40, 3);
   for (const double weight : {1e-36, 1e-38, 1e-39, 1e-41, 1e-44})
@@ -273,7 +273,7 @@ void denormal_diagonals(Device& device, WorstError& worst) {
                        fmt::format("eps {}", weight), worst);
 }
 
-// A picture of one colour that shows the left half of a texture: the right half must become that colour too.
+// A picture of one colour shows the left half of a texture: the right half must get that colour too.
 void unseen_texels(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 16, WrapMode::kClamp, 3000, 7);
   const MipLayout layout = matrix.layout();
@@ -295,7 +295,7 @@ void unseen_texels(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(result.texels[t]), 0.6f, 1.0, fmt::format("texel {}", t / 3));
 }
 
-// Pictures of a known texture, with regularisation that vanishes: it comes back.
+// Infers a texture from pictures of a known texture with vanishing regularisation, and expects the known texture.
 void vanishing_regularisation(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(8, 8, WrapMode::kClamp, 4000, 3);
   SplitMix64 random(9);
@@ -312,7 +312,8 @@ void vanishing_regularisation(Device& device, WorstError& worst) {
   }
 }
 
-// Texels of 1e-6 and of 1 side by side, rows weighed from 1e-6 to 1: right to the brightest pixel's rounding.
+// Texels of 1e-6 and of 1 are next to each other, and row weights are 1e-6 to 1: errors stay within the rounding of
+// the brightest pixel.
 void contrast_in_pixels(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(8, 8, WrapMode::kClamp, 4000, 5);
   std::vector<float> texels;
@@ -330,37 +331,37 @@ void contrast_in_pixels(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> product_cases() {
   return {
-      {{"empty-and-uneven-rows", "filter_matrix_spmv", "a row without entries leaves what was there",
-        "a sum that begins at 0; blocks of 8, padded with weight 0", 1e-6, "of the sum of magnitudes",
+      {{"empty-and-uneven-rows", "filter_matrix_spmv", "a row without entries leaves the old value",
+        "the sum begins at 0; blocks of 8 are padded with weight 0", 1e-6, "of the sum of magnitudes",
         "21 products in a tree"},
        empty_and_uneven_rows,
        {},
        {},
        {{"filter_matrix_spmv", "float4 sum = (float4)(0.0f);", "float4 sum = y[row];"}}},
       {{"constant-textures", "pyramid_residual",
-        "(1 - t) a + t b of equal a and b is off by a rounding: a constant texture has a slope", "a + t (b - a)",
+        "(1 - t) a + t b for equal a and b has a rounding error: a constant texture gets a slope", "a + t (b - a)",
         kNothingWrong, "relative", "0 exactly"},
        constant_textures,
        {{"pyramidal_regularization", "typedef struct MultumGather {",
          "#define mix(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
       {{"odd-pyramids-of-great-contrast", "pyramid_residual, pyramid_gradient",
-        "weights of a quarter hold for powers of two alone", "tables of weights a column and a row", 2e-6,
+        "weights of a quarter are correct only for powers of two", "tables of weights per column and per row", 2e-6,
         "absolute, of values up to 1", "sums of up to 9 x 9 products"},
        odd_pyramids,
        {{"pyramidal_regularization", "gathered -= entries[v].weight * of_row;", "gathered -= 0.25f * of_row;"}}},
-      {{"parts-beyond-2-to-31", "curvature_product", "texels times parts overflow: parts are of other texels, or none",
-        "64 bits", 1e-6, "of the sum of magnitudes", "16 additions a part, parts in double"},
+      {{"parts-beyond-2-to-31", "curvature_product", "texels times parts overflow: parts get wrong texels, or none",
+        "64 bits", 1e-6, "of the sum of magnitudes", "16 additions per part; parts are in double"},
        products_of_many_parts,
        {{"conjugate_gradient", "(((long)texel_count * part) / part_count)", "((texel_count * part) / part_count)"}}},
-      {{"parts-without-texels", "advance_residual", "a part of no texels leaves what was there", "sums that begin at 0",
-        1e-5, "relative", "a difference of 1000 q and r, squared"},
+      {{"parts-without-texels", "advance_residual", "a part without texels leaves the old value",
+        "sums that begin at 0", 1e-5, "relative", "a difference of 1000 q and r, squared"},
        parts_without_texels,
        {},
        {},
        {{"conjugate_gradient", "float4 product = (float4)(0.0f), norm = (float4)(0.0f);",
          "float4 product = parts[part], norm = (float4)(0.0f);"}}},
-      {{"steps-along-the-old-direction", "advance_direction", "the step is along the direction of the next iteration",
-        "the old direction is read once, before it is written over", 2e-7, "of the sum of magnitudes",
+      {{"steps-along-the-old-direction", "advance_direction", "the step follows the direction of the next iteration",
+        "the old direction is read before it is overwritten", 2e-7, "of the sum of magnitudes",
         "two products and their sum"},
        steps_along_the_old_direction,
        {},
@@ -380,27 +381,28 @@ std::vector<NumericalCase> inference_cases() {
                        const std::vector<SourceEdit>& mutation) {
     cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  // The inverses are the host's: a kernel that takes their 0 for 1 / 0 does what would happen without.
+  // The host computes the inverses: a kernel that replaces 0 by 1 / 0 behaves as it would without the guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
-  add("singular-systems", "texels that nothing looks at have a diagonal of 0: 1 / 0",
-      "their inverse is 0 and they stay as they started", 1e-2, "absolute, of pixels",
-      "single precision and a tolerance of 1e-6 of the gradient", singular_systems, {},
+  add("singular-systems", "texels that no pixel reads have a diagonal of 0: 1 / 0",
+      "their inverse is 0, so they keep their start values", 1e-2, "absolute, of pixels",
+      "single precision, and a tolerance of 1e-6 for the gradient", singular_systems, {},
       {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
         "p[i] = " + infinite + " * r[i] + beta * direction;"}});
-  add("denormal-diagonals", "1 / a denormal diagonal is infinite, and times 0 NaN",
-      "a diagonal below the least normal number counts as 0", 1e-2, "absolute, of pixels", "as above",
+  add("denormal-diagonals", "the inverse of a denormal diagonal is infinite, and times 0 it is NaN",
+      "a diagonal below the smallest normal number counts as 0", 1e-2, "absolute, of pixels", "as above",
       denormal_diagonals, {},
       {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
-  add("unseen-texels", "as they started, or not finite", "pyramidal regularisation fills them from the coarser level",
-      2e-3, "absolute", "the condition of the coarse levels, about 1e3", unseen_texels,
+  add("unseen-texels", "start values remain, or values are not finite",
+      "pyramidal regularisation fills them from the coarser level", 2e-3, "absolute",
+      "the condition number of the coarse levels, about 1e3", unseen_texels,
       {{"pyramidal_regularization", "sum[texel] += weight * gathered;", ""}}, {});
-  add("regularisation-to-0", "the weakest eigenvalues are those of the regularisation: steps leave the range",
-      "Newton steps end by the gradient, held at the bounds", 2e-3, "absolute",
-      "the condition of the coarse levels, about 1e3", vanishing_regularisation,
+  add("regularisation-to-0", "the smallest eigenvalues come from the regularisation: steps leave the range",
+      "Newton steps stop by the gradient and are limited to the bounds", 2e-3, "absolute",
+      "the condition number of the coarse levels, about 1e3", vanishing_regularisation,
       {{"conjugate_gradient", "is_free[i] * (q[i] + diagonal[i] * p[i])", "(q[i] + diagonal[i] * p[i])"}}, {});
-  add("contrast-of-1e6", "dark texels drown in the bright ones' rounding",
-      "sums of parts in double; bounds hold exactly", 1e-2, "absolute, of 1",
-      "rows of weight 1e-6 see as little as that", contrast_in_pixels, {},
+  add("contrast-of-1e6", "the rounding errors of bright texels exceed dark texels",
+      "sums of parts are in double; bounds hold exactly", 1e-2, "absolute, of 1",
+      "rows of weight 1e-6 have an equally small effect", contrast_in_pixels, {},
       {{"conjugate_gradient", "step[i] += alpha * direction;", "step[i] += rint(32.0f * alpha * direction) / 32.0f;"}});
   return cases;
 }

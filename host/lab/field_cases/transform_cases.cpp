@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transforms of the animation codec (kernels/image_transform.cl): borders that end within blocks and lines that are
-// shorter than their filter, colours that cancel, and what lies behind the last item.
+// Tests the transforms of the animation codec (kernels/image_transform.cl): borders within blocks, lines shorter than
+// their filter, colours that cancel, and memory after the last item.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ std::vector<float> random_list(std::size_t count, SplitMix64& random) {
 
 std::vector<double> as_doubles(const std::vector<float>& list) { return {list.begin(), list.end()}; }
 
-// `found` against `exact`, in parts of the largest; behind them `kLeftAlone`.
+// Compares `found` with `exact`, relative to the largest value; kLeftAlone must follow it.
 void add_all(const std::vector<float>& found, const std::vector<double>& exact, const std::string& input,
              WorstError& worst) {
   double most = 1e-30;
@@ -43,7 +43,7 @@ void add_all(const std::vector<float>& found, const std::vector<double>& exact, 
 
 std::vector<float> room_for(std::size_t count) { return std::vector<float>(count + 40 * kItemsOfGroup, kLeftAlone); }
 
-// Two textures of 37 texels; greys, whose second and third plane are differences near 0.
+// Two textures of 37 texels, nearly grey: the second and third planes are differences near 0.
 void colours_near_grey(Device& device, WorstError& worst) {
   constexpr std::size_t kTexelCount = 37, kTextures = 2;
   SplitMix64 random(61);
@@ -72,7 +72,7 @@ void colours_near_grey(Device& device, WorstError& worst) {
   add_all(downloaded<float>(device, planes), exact, "greys", worst);
 }
 
-// Images whose right and lower blocks lie partly beyond them, single texels, and steps of 1e6.
+// Images whose right and lower blocks extend beyond them, single texels, and steps of 1e6.
 void blocks_beyond_borders(Device& device, WorstError& worst) {
   SplitMix64 random(62);
   for (const int side : {8, 16, 32})
@@ -81,7 +81,7 @@ void blocks_beyond_borders(Device& device, WorstError& worst) {
       std::vector<float> images = random_list(2 * texels, random);
       for (std::size_t i = texels; i < images.size(); ++i) images[i] = i % 5 < 2 ? 1e6f : -1e-6f;
       std::vector<float> read = images;
-      read.resize(images.size() + 64 * 64, 1e6f);  // what blocks without a border would read
+      read.resize(images.size() + 64 * 64, 1e6f);  // read by blocks that ignore the border
       std::vector<float> rows;
       for (int k = 0; k < side; ++k)
         for (int i = 0; i < side; ++i)
@@ -115,7 +115,8 @@ void blocks_beyond_borders(Device& device, WorstError& worst) {
     }
 }
 
-// Lines of 2 to 40 samples of two images, three lines each: those of fewer than five are mirrored more than once.
+// Lines of 2 to 40 samples in two images, three lines each. Lines of fewer than five samples are mirrored several
+// times.
 void lines_shorter_than_filters(Device& device, WorstError& worst) {
   constexpr std::size_t kImages = 2, kLines = 3;
   SplitMix64 random(63);
@@ -142,22 +143,22 @@ void lines_shorter_than_filters(Device& device, WorstError& worst) {
 std::vector<NumericalCase> transform_cases() {
   const std::string unit = "of the largest coefficient";
   return {
-      {{"colours-near-grey", "colour_planes", "planes of differences keep three roundings of the colours themselves",
-        "products and sums fused, the smallest first", 2e-7, "of the largest value",
-        "three roundings, of numbers up to the largest"},
+      {{"colours-near-grey", "colour_planes", "planes of differences contain three rounding errors of the colours",
+        "fused products and sums, the smallest first", 2e-7, "of the largest value",
+        "three roundings of numbers up to the largest"},
        colours_near_grey,
        {},
        {},
        {{"image_transform", "fma(axes[4 * p + 1], green,", "fma(axes[4 * p], green,"}}},
-      {{"blocks-beyond-borders", "dct_rows, dct_columns", "blocks read beyond their image, into the next one's texels",
+      {{"blocks-beyond-borders", "dct_rows, dct_columns", "blocks read beyond their image, into the texels of the next",
         "coordinates stay within the image", 5e-7, unit, "two sums of up to 32 rounded products"},
        blocks_beyond_borders,
        {{"image_transform", "samples[x] = row[min(left + x, width - 1)];", "samples[x] = row[left + x];"},
         {"image_transform", "y = min(block / columns * side + item % side, height - 1);",
          "y = block / columns * side + item % side;"}}},
-      {{"lines-shorter-than-filters", "wavelet_lift", "lines of less than five samples are mirrored beyond their ends",
-        "the mirror repeats: an index is taken by its period first", 1e-6, unit,
-        "four steps of lifting, which double what they round"},
+      {{"lines-shorter-than-filters", "wavelet_lift", "lines of fewer than five samples are mirrored beyond their ends",
+        "repeated mirroring: an index is first reduced by the period", 1e-6, unit,
+        "four lifting steps, each of which doubles the rounding error"},
        lines_shorter_than_filters,
        {{"image_transform", "i = i % period;", ""}}},
   };

@@ -25,7 +25,7 @@ struct LineTexels {
 
 struct LineFormat {
   int bits;         // of a code
-  bool has_p;       // one bit below it
+  bool has_p;       // one more bit below it
   int p;            // its value
   int index_count;  // 4, 8, 16
 };
@@ -39,7 +39,7 @@ int decoded(int code, const LineFormat& format) {
 
 using Codes = std::array<int, 6>;  // channel by channel, both ends
 
-// Every texel takes the index that is nearest, of all.
+// Each texel takes the best of all indices.
 double error_of(const LineTexels& line, const LineFormat& format, const Codes& codes) {
   std::array<std::array<int, 3>, 16> palette{};
   for (int i = 0; i < format.index_count; ++i) {
@@ -63,7 +63,8 @@ double error_of(const LineTexels& line, const LineFormat& format, const Codes& c
   return sum;
 }
 
-// From ends that are two of the texels, moved about, downhill in steps of one code, and of pairs of a channel's codes.
+// Starts with ends that are two of the texels, with random changes, and descends in steps of one code or of both codes
+// of a channel.
 double line_error(const LineTexels& line, const LineFormat& format, int start_count, std::mt19937& random) {
   if (line.texels.empty()) return 0.0;
   const int top = (1 << format.bits) - 1;
@@ -104,7 +105,7 @@ LineTexels texels_of(const BlockColours& colours, unsigned mask) {
   return line;
 }
 
-// A channel by itself, and the two others.
+// One channel separately, and the two others together.
 double separate_error(const BlockColours& colours, std::size_t alone, const LineFormat& pair, const LineFormat& one,
                       std::mt19937& random) {
   LineTexels two{2, {}}, single{1, {}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/contributing/STABILITY.md: every numerical case with what happens without its guard, the guard, the bound and
-// the worst error seen.
+// Generates docs/contributing/STABILITY.md: every numerical case with the result without its guard, the guard, the
+// bound and the worst error found.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace multum {
 
-/// Markdown: one table a formula, in the order of the runs' cases.
+/// Returns Markdown with one table per formula, in the order of the runs' cases.
 std::string stability_page(const std::vector<NumericalRun>& runs);
 
-/// The names of the cases that a page has, in its order.
+/// Names of the cases on a page, in its order.
 std::vector<std::string> cases_of_page(const std::string& page);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The verdicts of numerical cases as an aligned table for terminals and as JSON, which the page of
-// docs/contributing/STABILITY.md is made of.
+// Formats the verdicts of numerical cases as an aligned table for terminals and as JSON, from which
+// docs/contributing/STABILITY.md is generated.
 #pragma once
 
 #include <string>
@@ -9,14 +9,13 @@
 
 namespace multum {
 
-/// A line a case: its name, the worst error, the bound, the errors without the guard and with a bug where those
-/// were tried, the verdict.
+/// One line per case: name, worst error, bound, errors without the guard and with a bug if those were tested, verdict.
 std::string case_table(const NumericalRun& run);
 
-/// Errors that are not finite are the texts "NaN" and "inf".
+/// Errors that are not finite become the texts "NaN" and "inf".
 std::string case_json(const NumericalRun& run);
 
-/// Reads case_json(). Throws Error(kInput) naming `path` when `text` is something else.
+/// Parses the output of case_json(). Throws Error(kInput) naming `path` for any other text.
 NumericalRun parse_case_json(const std::string& text, const std::string& path);
 
 }  // namespace multum

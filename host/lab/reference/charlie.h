@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charlie sheen in double precision, written for being obviously right: Estevez and Kulla 2017, alpha being their r,
-// with V of Ashikhmin and Premoze 2007.
+// Computes Charlie sheen in double, in the simplest form: Estevez and Kulla 2017, where alpha is their r, with V of
+// Ashikhmin and Premoze 2007.
 #pragma once
 
 #include <cmath>

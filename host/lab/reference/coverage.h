@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coverage of finest texels by a texel, by definition: fractions at its borders count (docs/contributing/ALGORITHMS.md,
-// "Notation").
+// Computes the coverage of finest texels by a texel, by definition: fractions at its borders count
+// (docs/contributing/ALGORITHMS.md, "Notation").
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@ inline double overlap(int index, int texel, int from, int to) {
   return std::max(0.0, std::min(index + 1.0, (texel + 1) * step) - std::max<double>(index, texel * step));
 }
 
-/// visit(i, weight) of every finest texel i (y * map_width + x) that texel (x, y) of a level `width` by `height` covers
-/// any of. Weights are areas in finest texels.
+/// Calls visit(i, weight) for every finest texel i (y * map_width + x) that texel (x, y) of a level `width` by
+/// `height` overlaps. Weights are areas in finest texels.
 template <typename Visit>
 void for_each_covered(int map_width, int map_height, int width, int height, int x, int y, const Visit& visit) {
   for (int row = 0; row < map_height; ++row) {

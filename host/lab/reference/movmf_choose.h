@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives each of a texel's four normals to a lobe, in double and by trying every way: the oracle of
-// kernels/movmf_choose.cl, which says what is minimised. No bake uses it.
+// Assigns each of a texel's four normals to a lobe, in double and by trying every assignment: the reference of
+// kernels/movmf_choose.cl, which defines the cost. No bake uses it.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace multum::reference {
 
-/// Some weighted samples: of von Mises-Fisher lobes weight * (mean vector, 1), of Gaussians weight * (mean point,
-/// mean square).
+/// Sums over weighted samples: weight * (mean vector, 1) for von Mises-Fisher lobes, weight * (mean point, mean
+/// square) for Gaussians.
 struct SampleSums {
   double weight = 0.0;
   glm::dvec3 sum{0.0};
@@ -23,12 +23,12 @@ struct SampleSums {
 SampleSums operator+(const SampleSums& a, const SampleSums& b);
 SampleSums operator*(double weight, const SampleSums& sums);
 
-/// Of a normal of length up to 1, and of a lobe (r, a); planar: of a sample of planar_sample(), and of a Gaussian (mean
-/// x, mean y, sigma^2), a.
+/// Sums of one sample: a normal of length up to 1, or a lobe (r, a). If `planar`: of a sample from planar_sample(), or
+/// a Gaussian (mean x, mean y, sigma^2), a.
 SampleSums sums_of_sample(const glm::dvec3& sample, bool planar);
 SampleSums sums_of_lobe(const glm::dvec3& lobe, double amplitude, bool planar);
 
-/// What lies around lobe j of a texel: parent[j] and, of each neighbour, neighbours[.][j], as the kernel weighs them.
+/// Sums around lobe j of a texel, weighted as in the kernel: parent[j] and neighbours[.][j] of each neighbour.
 std::vector<SampleSums> sums_around(const std::vector<SampleSums>& parent,
                                     const std::vector<std::vector<SampleSums>>& neighbours);
 
@@ -37,11 +37,11 @@ struct ChoiceOptions {
   double alignment = 1.4;
 };
 
-/// The cost of giving sample i to lobe lobes[i].
+/// The cost of assigning sample i to lobe lobes[i].
 double cost_of_choice(const std::vector<SampleSums>& samples, const std::vector<int>& lobes,
                       const std::vector<SampleSums>& around, const ChoiceOptions& options);
 
-/// The way that costs least: the lobe of each sample.
+/// The assignment with the lowest cost: the lobe of each sample.
 std::vector<int> least_choice(const std::vector<SampleSums>& samples, const std::vector<SampleSums>& around,
                               const ChoiceOptions& options);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical EM in double, written for obviousness: the oracle of kernels/movmf_em_*.cl. Han et al. 2007, section 7,
-// Algorithm 1, equations 15-16, with the corrections of docs/contributing/ALGORITHMS.md. No bake uses it.
+// Runs spherical EM in double, in the simplest form: the reference of kernels/movmf_em_*.cl. Han et al. 2007, section
+// 7, Algorithm 1, equations 15-16, with the corrections in docs/contributing/ALGORITHMS.md. No bake uses it.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ struct Lobe {
 };
 
 struct Moments {
-  glm::dvec3 r;   // mean vector of the lobe's normals; its last direction where it has none of its own
+  glm::dvec3 r;   // mean vector of the lobe's normals; without normals, its last direction
   double spread;  // 1 - |r|
   double amplitude;
 };
@@ -31,7 +31,7 @@ struct EmOptions {
   double kappa_cap;
   double kappa_cap_slope;
   std::vector<glm::dvec3> prior;  // per lobe: C sum_k a_k mu_k; empty: none
-  double copies = 1.0;            // of a sample, when it is shared out: its log densities count so many times
+  double copies = 1.0;            // factor for log densities when a sample is divided among lobes
 };
 
 /// A(kappa) = coth kappa - 1/kappa, and its inverse by bisection, for every kappa > 0.
@@ -41,7 +41,7 @@ double kappa_of_mean_length(double r);
 /// log of the von Mises-Fisher density at cosine t.
 double log_vmf(double t, double kappa);
 
-/// Runs EM and returns the moments of the last E-step; `lobes` holds that E-step's parameters afterwards.
+/// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.
 std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 
 }  // namespace multum::reference

@@ -23,21 +23,21 @@ using Vector = std::vector<double>;
 
 struct RefinedLobe {
   double amplitude, spread;  // 1 - |r|
-  glm::dvec3 mu, e, f;       // unit; e and f tangents
-  double widening;           // derivative of the spread by the fourth parameter
+  glm::dvec3 mu, e, f;       // unit vectors; e and f are tangents
+  double widening;           // derivative of the spread with respect to the fourth parameter
   double length() const { return 1.0 - spread; }
 };
 
-// Samples or lobes that are to be shown.
+// Samples or lobes that the refined lobes approximate.
 struct Shown {
   glm::dvec3 direction;
   double length, weight;
 };
 
-// A vMF whose mean cosine is A, up to 1/(2 pi): peak exp(-kappa u).
+// A vMF with mean cosine A, without the factor 1/(2 pi): peak exp(-kappa u).
 struct Product {
   double kappa, value;     // at the gap u
-  double by_gap, by_mean;  // derivatives in -u and in A
+  double by_gap, by_mean;  // derivatives with respect to -u and to A
 };
 
 Product product_at(double mean, double gap) {
@@ -95,7 +95,7 @@ void add_shown(const std::vector<RefinedLobe>& lobes, double share, std::vector<
   for (const RefinedLobe& lobe : lobes) shown.push_back({lobe.mu, lobe.length(), share * lobe.amplitude});
 }
 
-// The squares, without those of what is shown, which no lobe changes.
+// Sum of squares, without the squares of the approximated samples, which are constant.
 double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   double energy = 0.0;
   for (std::size_t brdf = 0; brdf < MULTUM_REFINE_BRDFS; ++brdf) {
@@ -112,7 +112,7 @@ double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown
   return energy;
 }
 
-// Half of the derivative of the squares: lobes times lobes less lobes times what is shown.
+// Half of the derivative of the squares: lobes times lobes minus lobes times the approximated samples.
 Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   Vector gradient(4 * lobes.size(), 0.0);
   const auto add = [&](std::size_t j, std::size_t brdf, const glm::dvec3& other, double other_length, double factor) {
@@ -133,7 +133,7 @@ Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Show
   return gradient;
 }
 
-// Products of the derivatives of lobes j and k, with v = 1/kappa for the sum of the spreads: V = exp(-u/v)/v.
+// Products of the derivatives of lobes j and k; v = 1/kappa for the sum of the spreads: V = exp(-u/v)/v.
 void add_block(const std::vector<RefinedLobe>& lobes, std::size_t j, std::size_t k, Matrix& matrix) {
   const RefinedLobe &one = lobes[j], &other = lobes[k];
   const double gap = j == k ? 0.0 : std::max(1.0 - glm::dot(one.mu, other.mu), 0.0);
@@ -174,14 +174,14 @@ Matrix matrix_of(const std::vector<RefinedLobe>& lobes) {
   return matrix;
 }
 
-// Derivatives of (a r, a) by a lobe's four parameters.
+// Derivatives of (a r, a) with respect to a lobe's four parameters.
 std::array<glm::dvec4, 4> moment_rows(const RefinedLobe& lobe) {
   const double turned = lobe.amplitude * lobe.length();
   return {glm::dvec4(lobe.length() * lobe.mu, 1.0), glm::dvec4(turned * lobe.e, 0.0), glm::dvec4(turned * lobe.f, 0.0),
           glm::dvec4(-lobe.amplitude * lobe.widening * lobe.mu, 0.0)};
 }
 
-// Half of one lobe and half of another; its fourth parameter is its spread.
+// Mixes half of one lobe and half of another; the fourth parameter of the result is its spread.
 RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   const double amplitude = 0.5 * (one.amplitude + other.amplitude);
   const glm::dvec3 sum = 0.5 * (one.amplitude * one.length() * one.mu + other.amplitude * other.length() * other.mu);
@@ -190,7 +190,7 @@ RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   return lobe;
 }
 
-// Derivatives of the parameters of pooled lobes by those of the lobes, by what both do to (a r, a).
+// Derivatives of the parameters of mixed lobes with respect to those of the lobes, through (a r, a).
 Matrix by_lobes(const std::vector<RefinedLobe>& mixed, const std::vector<RefinedLobe>& lobes) {
   Matrix by(4 * lobes.size(), Vector(4 * lobes.size(), 0.0));
   for (std::size_t j = 0; j < lobes.size(); ++j) {
@@ -208,7 +208,7 @@ Matrix by_lobes(const std::vector<RefinedLobe>& mixed, const std::vector<Refined
   return by;
 }
 
-// What is minimised, half its gradient, and the matrix of a step.
+// The minimised function, half its gradient, and the matrix of a step.
 struct System {
   double energy;
   Vector gradient;
@@ -235,7 +235,7 @@ void add_midway(const std::vector<RefinedLobe>& lobes, const std::vector<Refined
     }
 }
 
-// Raises the diagonal, then holds the sum of amplitudes and the mean normal.
+// Raises the diagonal, then adds the constraints: the sum of amplitudes and the mean normal are constant.
 void add_moments(const std::vector<RefinedLobe>& lobes, const glm::dvec3& mean, System& system) {
   std::vector<glm::dvec4> rows;
   glm::dvec4 off(-mean, -1.0);
@@ -253,7 +253,7 @@ void add_moments(const std::vector<RefinedLobe>& lobes, const glm::dvec3& mean, 
   }
 }
 
-// matrix * x = right, by elimination; the matrix is symmetric with a raised diagonal, so that pivots are there.
+// Solves matrix * x = right by elimination. The matrix is symmetric with a raised diagonal, so no pivot is 0.
 Vector solve(Matrix matrix, Vector right) {
   const std::size_t n = right.size();
   for (std::size_t k = 0; k < n; ++k)
@@ -299,7 +299,7 @@ System system_of(const RefinedTexel& texel, const std::vector<RefinedLobe>& lobe
   return system;
 }
 
-// The sum of the highlights' relative L1 errors over some half vectors.
+// Sum of the highlights' relative L1 errors over some half vectors.
 double seen_error(const std::vector<Sample>& samples, const std::vector<RefinedLobe>& lobes) {
   double total = 0.0, sum = 0.0;
   for (const Sample& sample : samples) total += sample.weight;

@@ -32,7 +32,7 @@ double least_error(double a, double b) {
 }
 
 std::string fault_of_guards(const std::vector<SourceEdit>& without) {
-  // Numbers that stand by themselves: not the 4 of float4.
+  // Matches separate numbers, but not the 4 of float4.
   const std::regex number("(^|[^A-Za-z0-9_.])(0x[0-9a-fA-F]+|[0-9]+\\.?[0-9]*(e[-+]?[0-9]+)?f?)");
   for (const SourceEdit& edit : without) {
     const auto blank = [&](const std::string& text) {
@@ -41,10 +41,10 @@ std::string fault_of_guards(const std::vector<SourceEdit>& without) {
       return blanked;
     };
     if (blank(edit.text) == blank(edit.replacement))
-      return fmt::format("'{}' to '{}' changes a number and takes nothing out", edit.text, edit.replacement);
+      return fmt::format("'{}' to '{}' changes a number and removes nothing", edit.text, edit.replacement);
     for (const SourceEdit& other : without)
       if (&other != &edit && other.file == edit.file && other.text == edit.text)
-        return fmt::format("'{}' is taken out twice", edit.text);
+        return fmt::format("'{}' is removed twice", edit.text);
   }
   return "";
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A named numerical case: one hard input, or a family of them, of one kernel or shader function, in single precision
-// against double precision, with a stated bound. docs/contributing/STABILITY.md is made of them.
+// Describes a numerical case: one hard input, or a family of them, of one kernel or shader function. A case compares
+// single precision with double precision and states a bound. docs/contributing/STABILITY.md is generated from the
+// cases.
 //
-// The end of the project's list of hard cases (kappa at its ends, dead lobes, sums over 2^28 texels, and so on) is
-// where they come from. Each names the guard that the formula has for the case, and can be run with that guard taken
-// out, or with a bug put in: a mutation, where no single line is the guard.
+// The cases cover the project's hard inputs (extreme kappa, dead lobes, sums over 2^28 texels, and so on). Each names
+// the formula's guard for the case. A case can be run with that guard removed or, if no single line is the guard, with
+// a bug added: a mutation.
 #pragma once
 
 #include <optional>
@@ -15,25 +16,25 @@
 
 namespace multum {
 
-/// The bound of cases that count what is wrong, or that must be exact: nothing may be.
+/// The bound of cases that count faults or require exact results: the error must be 0.
 constexpr double kNothingWrong = 1e-30;
 
-/// What a case says of itself.
+/// Texts and bound of a case.
 struct NumericalCaseText {
   std::string name;           // unique, lower case, words joined by '-'
-  std::string formula;        // the kernels or shaders that it is of: "movmf_em_texels", "ggx.glsl, terms.glsl"
-  std::string without_guard;  // what happens without the guard, in words
-  std::string guard;          // what is done about it
-  double bound;               // of the error, > 0
-  std::string unit;           // of the error: "relative", "of the peak"
-  std::string bound_reason;   // where the bound comes from
+  std::string formula;        // the kernels or shaders tested: "movmf_em_texels", "ggx.glsl, terms.glsl"
+  std::string without_guard;  // result without the guard, in words
+  std::string guard;          // the remedy
+  double bound;               // largest allowed error, > 0
+  std::string unit;           // unit of the error: "relative", "of the peak"
+  std::string bound_reason;   // source of the bound
 };
 
-/// The worst error of a case so far, and the input that it was at. An error that is not a number is worse than any.
+/// The worst error of a case so far, and its input. NaN counts as worse than any error.
 class WorstError {
  public:
   void add(double error, const std::string& input);
-  /// |found - expected| / unit.
+  /// Adds the error |found - expected| / unit.
   void add(double found, double expected, double unit, const std::string& input);
   double value() const { return value_; }
   const std::string& input() const { return input_; }
@@ -47,19 +48,19 @@ class WorstError {
 
 struct NumericalVerdict {
   NumericalCaseText text;
-  double worst;                         // NaN: not a number was found
+  double worst;                         // NaN: a NaN was found
   std::string worst_input;              // where
-  std::optional<double> without_guard;  // the worst error with the guard taken out, or of the naive formula in float
-  std::optional<double> mutated = {};   // the worst error with a bug in
+  std::optional<double> without_guard;  // the worst error with the guard removed, or of the naive formula in float
+  std::optional<double> mutated = {};   // the worst error with a bug
   bool holds() const { return worst <= text.bound; }
-  /// Did what was tried, taking the guard out or a bug, break the bound? False too when nothing was.
+  /// True if removing the guard, or adding a bug, broke the bound in every run; false if neither was tried.
   bool can_fail() const {
     return (without_guard || mutated) && !(without_guard && *without_guard <= text.bound) &&
            !(mutated && *mutated <= text.bound);
   }
 };
 
-/// The verdicts of one device, or of one GL.
+/// The verdicts of one device or one GL.
 struct NumericalRun {
   std::string kind;      // "OpenCL" or "GL"
   std::string device;    // name
@@ -70,21 +71,21 @@ struct NumericalRun {
   bool holds() const;
 };
 
-/// The error that says least of the guards' need: the smaller, a number before what is none.
+/// The error that shows least need for the guards: the smaller one; a number is smaller than NaN.
 double least_error(double a, double b);
 
-/// What is wrong with a case's edits, or nothing: each of `without` takes one guard out by itself, so that it changes
-/// more than a number (a guard that is larger or smaller is a bug put in).
+/// Says why a case's edits are wrong, or returns an empty string. Each edit of `without` must remove one guard, so it
+/// must change more than a number: a guard with a larger or smaller number is a mutation.
 std::string fault_of_guards(const std::vector<SourceEdit>& without);
 
-/// The kernels or shaders of a case's `formula`, without what stands in brackets behind one: "movmf_shade (planar)".
+/// The kernels or shaders in a case's `formula`, without additions in brackets, as in "movmf_shade (planar)".
 std::vector<std::string> split_names(const std::string& formula);
 
-/// "3.1e-07", "NaN", "inf".
+/// Formats an error: "3.1e-07", "NaN", "inf".
 std::string error_text(double error);
-/// The same, "-" of what was not tried.
+/// Formats an error, or "-" if it was not tested.
 std::string tried_text(const std::optional<double>& error);
-/// The same of a bound: "0" where it is kNothingWrong.
+/// Formats a bound; kNothingWrong is "0".
 std::string bound_text(double bound);
 
 }  // namespace multum

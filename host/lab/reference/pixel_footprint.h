@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages values over a pixel's rectangle by dense points, and filters them by trilinear taps as the GL's equations
-// have it: what a pixel should show and what it does, in double and by definition. Slow; host/bakes/accuracy is held to
-// it.
+// Computes the reference and the model of a pixel, in double and by definition. The reference averages values over the
+// pixel's rectangle at dense points. The model filters them by trilinear taps, as the equations of OpenGL define. Slow;
+// tests host/bakes/accuracy.
 #pragma once
 
 #include <functional>
@@ -28,13 +28,13 @@ struct BorderModes {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };
 
-/// The mean over side_points x side_points points of the value of the texel that each lies in. Beyond a clamped border
-/// there is no surface, and no point; beyond a black one it is 0.
+/// Mean of the texel values at side_points x side_points points. Beyond a clamped border there is no surface, so such
+/// points do not count; beyond a black border the value is 0.
 double rectangle_average(const ValuePlane& finest, const PixelRectangle& pixel, BorderModes borders, int side_points);
 
-/// N trilinear taps along the longer side, of a pyramid whose level 0 has the size that the rectangle is measured in:
-/// N = ceil(longer / shorter), at most taps_max; lambda = bias + log2(longer) of one tap, bias + max(log2(shorter),
-/// log2(longer / N) - 3/4) of several.
+/// Filters by N trilinear taps along the longer side. The rectangle is in texels of level 0. N = ceil(longer /
+/// shorter), at most taps_max; lambda = bias + log2(longer) for one tap, bias + max(log2(shorter), log2(longer / N) -
+/// 3/4) for several.
 double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangle& pixel, BorderModes borders,
                       int taps_max, double level_bias);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference in double precision of kernels/reflectance_pyramid.cl and reflectance.frag.
+// Computes the reference of kernels/reflectance_pyramid.cl and reflectance.frag in double.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace multum::reference {
 
 struct DistantLight {
   glm::dvec3 direction;   // unit, towards the light
-  glm::dvec3 irradiance;  // on a surface that faces it
+  glm::dvec3 irradiance;  // on a surface facing it
 };
 
 struct PhongSurface {
@@ -18,7 +18,8 @@ struct PhongSurface {
   glm::dvec3 diffuse, specular;
 };
 
-/// sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0); `normal`, `viewer`: unit.
+/// sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0); `normal` and `viewer` are unit
+/// vectors.
 glm::dvec3 phong_radiance(const glm::dvec3& normal, const glm::dvec3& viewer, const std::vector<DistantLight>& lights,
                           const PhongSurface& surface);
 

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The part of it between the angles f_low and f_reach of n and w:
-/// integral f(angle of n and w) vMF(n) dn in polar coordinates (angle a, azimuth phi) around w. Both factors are below
-/// e^-50 outside ten of their standard deviations, so `a` runs over what is left; the azimuth is periodic, where the
-/// trapezoid rule converges exponentially once the step is below the vMF's width.
+/// Part of integral f(angle of n and w) vMF(n) dn for angles of n and w between f_low and f_reach, in polar
+/// coordinates (angle a, azimuth phi) around w. Both factors are below e^-50 beyond ten of their standard deviations,
+/// so `a` covers only the rest. The azimuth is periodic, so the trapezoid rule converges exponentially once the step
+/// is below the vMF's width.
 double convolve(const std::function<double(double)>& f, double f_low, double f_reach, double kappa, double theta,
                 int rings) {
   const double reach = 10.0 / std::sqrt(kappa);
@@ -98,12 +98,12 @@ double convolved_vmf(double kappa_f, double kappa, double theta) {
 }
 
 double convolved(const std::function<double(double)>& f, double narrow, double kappa, double theta) {
-  // The peak, and the tail that reaches to the horizon.
+  // Splits the integral into the peak and the tail up to the horizon.
   const double middle = std::min(narrow, 0.25 * kPi);
   return convolve(f, 0.0, middle, kappa, theta, 150) + convolve(f, middle, 0.5 * kPi, kappa, theta, 150);
 }
 
-// In polar coordinates around the mean of the product of both vMFs, within ten standard deviations of it.
+// Integrates in polar coordinates around the mean of the product of both vMFs, within ten standard deviations.
 Highlight highlight(const std::function<double(double)>& f, double facet_kappa, double kappa, const glm::dvec3& mu,
                     const glm::dvec3& h, const glm::dvec3& l) {
   constexpr int kCircles = 96, kSpokes = 96;
@@ -141,7 +141,7 @@ double convolved_ggx(double alpha, double kappa, double theta) {
 }
 
 double smith_visibility(double alpha, double n_l, double n_v) {
-  // Of each direction G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
+  // For each direction: G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
   const auto lambda = [alpha](double c) {
     return 0.5 * (std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * c * c) / c - 1.0);
   };

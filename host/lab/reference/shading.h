@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of a von Mises-Fisher lobe in double precision, written for being obviously right: no bake uses it.
+// Shades a von Mises-Fisher lobe in double, in the simplest form. No bake uses it.
 #pragma once
 
 #include <functional>
@@ -20,27 +20,26 @@ double vmf_density(double kappa, double theta);
 /// (s + 1) / (2 pi) max(cos theta, 0)^s
 double blinn_phong(double s, double theta);
 
-/// The spherical convolution of any f(angle, radians), 0 below the horizon, with a vMF; `narrow`: the angle within
+/// The spherical convolution of any f(angle in radians), 0 below the horizon, with a vMF; `narrow`: the angle within
 /// which f changes most.
 double convolved(const std::function<double(double)>& f, double narrow, double kappa, double theta);
-/// The spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature, theta = angle of w and mu.
+/// The spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature; theta is the angle between w and mu.
 double convolved_blinn_phong(double s, double kappa, double theta);
 double convolved_lambert(double kappa, double theta);
-/// The same above kappa 1e4 too, where the lobe is a normal distribution and the quadrature would need a point for
-/// every grain of it.
+/// convolved() for max(cos, 0), also above kappa 1e4, where the lobe is a normal distribution and quadrature would
+/// need too many points.
 double mean_cosine(double kappa, double theta);
 double convolved_vmf(double kappa_f, double kappa, double theta);
 
-/// A highlight over a vMF of normals, with its cosine and without: integral f(angle of n and h) vMF(n; mu, kappa)
-/// max(n . l, 0) dn, and the same without the last factor. f is 0 or small where a vMF of concentration `facet_kappa`
-/// about h is.
+/// A highlight over a vMF of normals. With its cosine: integral f(angle of n and h) vMF(n; mu, kappa) max(n . l, 0) dn;
+/// without it, the last factor is omitted. f is 0 or small where a vMF of concentration `facet_kappa` about h is small.
 struct Highlight {
   double with_cosine, without_cosine;
 };
 Highlight highlight(const std::function<double(double)>& f, double facet_kappa, double kappa, const glm::dvec3& mu,
                     const glm::dvec3& h, const glm::dvec3& l);
 
-/// GGX and what stands beside it in glTF and in Cook and Torrance 1982: V = G / (4 n.l n.v).
+/// GGX and its companion in glTF and in Cook and Torrance 1982: V = G / (4 n.l n.v).
 double ggx(double alpha, double theta);
 double convolved_ggx(double alpha, double kappa, double theta);
 double smith_visibility(double alpha, double n_l, double n_v);

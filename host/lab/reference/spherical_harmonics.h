@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical harmonics by their definition, in double: what kernels/sh_project.cl, kernels/sh_shade.cl and
-// sh_shading.glsl are held to.
+// Computes spherical harmonics by their definition, in double, to test kernels/sh_project.cl, kernels/sh_shade.cl and
+// sh_shading.glsl.
 #pragma once
 
 #include <functional>
@@ -13,10 +13,10 @@ namespace multum::reference {
 /// Real Y_lm of a direction of any length, from Legendre functions of its angles; no Condon-Shortley phase.
 double sh_basis(int l, int m, const glm::dvec3& n);
 
-/// All of them from l = 1 to `order`, at l*l + l + m - 1.
+/// All Y_lm from l = 1 to `order`, at index l*l + l + m - 1.
 std::vector<double> sh_basis_to(int order, const glm::dvec3& n);
 
-/// 2 pi integral f(t) P_l(t) dt by quadrature, l from 0 to `order`; f jumps at t = 0 at most.
+/// 2 pi integral f(t) P_l(t) dt by quadrature, for l from 0 to `order`; f may jump only at t = 0.
 std::vector<double> zonal_by_quadrature(int order, const std::function<double(double)>& f);
 
 /// sum a_l g_lm Y_lm(w), not clamped; `share` multiplies Y_00.

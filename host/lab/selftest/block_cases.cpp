@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks of BC4 and BC7 (kernels/block_encoding.cl): values at the limits, one value in all texels, indices whose
-// highest bit is not stored.
+// Tests blocks of BC4 and BC7 (kernels/block_encoding.cl): values at the limits, one value in all texels, indices
+// whose highest bit is not stored.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Values of 0 to 255 of one block, channel by channel; and texels as they are decoded, of 0 to 255.
+// Values of 0 to 255 of one block, channel by channel; and decoded texels of 0 to 255.
 using BlockInput = std::vector<float>;
 
 std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, const std::vector<BlockInput>& blocks) {
@@ -41,7 +41,7 @@ std::vector<BlockTexels> decoded_blocks(Device& device, TexelFormat format, cons
   return decoded;
 }
 
-// Root of the mean squared difference of a channel.
+// Root mean square difference of a channel.
 double rms_of(const BlockTexels& decoded, const BlockInput& block, int channel) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 16; ++i) {
@@ -52,7 +52,7 @@ double rms_of(const BlockTexels& decoded, const BlockInput& block, int channel) 
   return std::sqrt(sum / 16.0);
 }
 
-// Slopes that end at 0 and at 255, as occlusion and clamped roughness do.
+// Slopes that end at 0 and at 255, as in occlusion and clamped roughness.
 void values_at_the_limits(Device& device, WorstError& worst) {
   SplitMix64 random(71);
   std::vector<BlockInput> blocks;
@@ -72,7 +72,7 @@ void values_at_the_limits(Device& device, WorstError& worst) {
   }
 }
 
-// One value in all texels: no range, no axis, no slope to fit.
+// One value in all texels: without range, axis or slope.
 void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& worst) {
   std::vector<BlockInput> blocks;
   const std::size_t channels = format == TexelFormat::kBc7 ? 3 : 1;
@@ -87,7 +87,7 @@ void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& wor
       worst.add(rms_of(decoded[b], blocks[b], static_cast<int>(c)), fmt::format("block {}, channel {}", b, c));
 }
 
-// Slopes that fall from the first texel on, along every axis of colours, and two colours in two parts.
+// Slopes that decrease from the first texel on, along every axis of colours, and two colours in two parts.
 void indices_without_their_highest_bit(Device& device, WorstError& worst) {
   std::vector<BlockInput> blocks;
   for (const bool falls : {false, true})
@@ -109,7 +109,7 @@ void indices_without_their_highest_bit(Device& device, WorstError& worst) {
 }  // namespace
 
 std::vector<NumericalCase> block_cases() {
-  const std::string unit = "of 255, root of the mean square";
+  const std::string unit = "of 255, root mean square";
   const auto scalar = [](Device& device, WorstError& worst) {
     one_value_in_all_texels(device, TexelFormat::kBc4, worst);
   };
@@ -118,13 +118,12 @@ std::vector<NumericalCase> block_cases() {
   };
   return {
       {{"values-at-the-limits", "encode_scalar_blocks", "ends that reach 0 and 255 leave few values between them",
-        "blocks of six values and the limits are tried too", 0.3, unit + " over the least",
-        "the search's steps, a fraction of the values' own rounding"},
+        "blocks of six values with the limits are tried too", 0.3, unit + " over the least",
+        "the steps of the search, a fraction of the values' rounding"},
        values_at_the_limits,
        {{"block_encoding", "has_limits = other.error < ends.error;", ""}}},
-      {{"one-value-in-all-texels", "encode_scalar_blocks",
-        "ends that are equal, or change places, are those of six values",
-        "ends of eight values differ, and the higher one comes first", 1e-3, unit, "the value itself is an end"},
+      {{"one-value-in-all-texels", "encode_scalar_blocks", "equal or swapped ends select the six-value mode",
+        "ends of eight values differ, and the larger comes first", 1e-3, unit, "the value itself is an end"},
        scalar,
        {},
        {},
@@ -133,15 +132,15 @@ std::vector<NumericalCase> block_cases() {
         {"block_encoding", "put_bits(&bits, (uint)(has_limits ? ends.high : ends.low), 8);",
          "put_bits(&bits, (uint)ends.high, 8);"}}},
       {{"one-colour-in-all-texels", "encode_colour_blocks", "texels without a spread have no principal axis",
-        "any direction serves", 1.0, unit, "ends of mode 6 are odd: alpha is 255"},
+        "any direction is used", 1.0, unit, "ends of mode 6 are odd: alpha is 255"},
        colour,
        {},
        {},
        {{"block_encoding", "if (length < 1e-6f) return (float4)", "if (length < -1.0f) return (float4)"},
         {"block_encoding", "return length < 1e-6f ? (float4)", "return length < -1.0f ? (float4)"}}},
       {{"indices-without-their-highest-bit", "encode_colour_blocks",
-        "the first texel's index, and that of a second line, lose their highest bit", "such lines change their ends",
-        2.0, unit, "steps of eight indices, over 60 of 255"},
+        "the indices of the first texel and of a second line's first texel lose their highest bit",
+        "such lines change their ends", 2.0, unit, "steps of eight indices, over 60 of 255"},
        indices_without_their_highest_bit,
        {{"block_encoding", "if (indices[anchor] <= last / 2) return 0;", "return 0;"}}},
   };

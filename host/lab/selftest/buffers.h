@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists to and from a device's buffers. Private to host/lab/selftest.
+// Copies lists to and from a device's buffers. Private to host/lab/selftest.
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Fills what a kernel is to write: what it leaves shows.
+/// Fills outputs of kernels before a launch, so that unwritten values are visible.
 constexpr float kPoison = std::numeric_limits<float>::quiet_NaN();
 
 template <typename Element>

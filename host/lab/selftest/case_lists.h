@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of the registry, one a family of kernels. Private to host/lab/selftest.
+// Lists the parts of the registry, one per family of kernels. Private to host/lab/selftest.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ std::vector<NumericalCase> numerics_cases();  // kernels/device: exponentials, l
 std::vector<NumericalCase> em_cases();        // movmf_em_texels
 std::vector<NumericalCase> choose_cases();    // movmf_choose
 std::vector<NumericalCase> refine_cases();    // movmf_refine
-std::vector<NumericalCase> planar_cases();    // the same kernels and their rounding, of planar Gaussians
+std::vector<NumericalCase> planar_cases();    // the EM kernels and rounding for planar Gaussians
 std::vector<NumericalCase> level_cases();     // movmf_start, movmf_pack, movmf_level_zero
 std::vector<NumericalCase> sum_cases();       // movmf_em_chunks, movmf_em_mstep, movmf_features, movmf_binning
 std::vector<NumericalCase> shading_cases();   // movmf_shade
@@ -22,6 +22,6 @@ std::vector<NumericalCase> moment_cases();    // moments, moment_shade
 std::vector<NumericalCase> one_lobe_cases();  // one_lobe
 std::vector<NumericalCase> block_cases();     // block_encoding
 std::vector<NumericalCase>
-storage_cases();  // host/formats/asset/lobes/movmf_quantize: no kernel, but what kernels' results become
+storage_cases();  // host/formats/asset/lobes/movmf_quantize, which rounds the results of kernels
 
 }  // namespace multum

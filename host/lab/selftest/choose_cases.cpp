@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Four normals that are each given to a lobe (kernels/movmf_choose.cl), where nothing tells lobes apart or a lobe gets
-// none.
+// Tests the assignment of four normals to lobes (kernels/movmf_choose.cl) if lobes are equal or a lobe gets no normal.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,7 +24,8 @@ struct ChosenRow {
 
 constexpr std::size_t kChosenParents = kGroup, kChosenWidth = 2 * kGroup, kChosenMapWidth = 2 * kChosenWidth;
 
-// [lobe][texel]. `features`, where it is given, becomes [lobe][texel] of the normals as features, by the amplitude.
+// Returns [lobe][texel]. If `features` is given, it receives [lobe][texel] of the normals as features, divided by the
+// amplitude.
 std::vector<MultumVmfLobe> choose_row(Device& device, const ChosenRow& row, int vector_width,
                                       std::vector<glm::dvec3>* features = nullptr) {
   MultumMovmfFit fit = {};
@@ -82,7 +82,7 @@ std::vector<int> chosen_widths(const Device& device) {
   return device.kernels_are_edited() ? std::vector<int>{1} : std::vector<int>{1, device.shape().vector_width};
 }
 
-// All normals are one: it is its parent's lobe that takes them, though rounding says that they scatter by less than 0.
+// All normals are equal: the parent's lobe takes them, although rounding gives them a scatter below 0.
 void choice_of_equal_normals(Device& device, WorstError& worst) {
   const std::vector<MultumVmfLobe> lobes = {
       {0.6f, 0.0f, 0.8f, 0.25f}, {-0.6f, 0.0f, 0.8f, 0.25f}, {0.0f, 0.6f, 0.8f, 0.25f}, {0.0f, -0.6f, 0.8f, 0.25f}};
@@ -100,7 +100,7 @@ void choice_of_equal_normals(Device& device, WorstError& worst) {
   }
 }
 
-// More lobes than normals, and one normal that is not a number: every lobe is finite but that texel's.
+// More lobes than normals, and one NaN normal: every lobe is finite except in that texel.
 void choice_without_normals(Device& device, WorstError& worst) {
   constexpr std::size_t kBad = 5;
   for (const bool planar : {false, true}) {
@@ -122,7 +122,7 @@ void choice_without_normals(Device& device, WorstError& worst) {
         for (std::size_t j = 0; j < lobes.size(); ++j) {
           const glm::dvec4 moments = chosen_moments(found[j * kGroup + texel]);
           sum += moments;
-          // Normals as features are the lobe's first moment; of Gaussians in x and y.
+          // Normals as features give the lobe's first moment; for Gaussians in x and y.
           glm::dvec3 off = features[j * kGroup + texel] - glm::dvec3(moments);
           if (planar) off.z = 0.0;
           worst.add(glm::length(off), fmt::format("features of texel {}, lobe {}", texel, j));
@@ -143,12 +143,14 @@ void choice_without_normals(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> choose_cases() {
   return {
-      {{"choice-of-equal-normals", "movmf_choose", "sqrt of a scatter that rounding leaves below 0: no cost is less",
-        "a width that no highlight shows is added under every root", kNothingWrong, "amplitudes wrong", "none may be"},
+      {{"choice-of-equal-normals", "movmf_choose",
+        "square root of a scatter that rounding leaves below 0: NaN is never the lowest cost",
+        "a width that is invisible in highlights is added under every root", kNothingWrong, "amplitudes wrong",
+        "none is allowed"},
        choice_of_equal_normals,
        {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
-      {{"choice-without-normals", "movmf_choose, movmf_feature_chosen", "a lobe of no normals has 0/0 for a mean",
-        "it stays where the parent's is", 1e-6, "absolute, of the sum of a and a r, and of features", "four additions"},
+      {{"choice-without-normals", "movmf_choose, movmf_feature_chosen", "the mean of a lobe without normals is 0/0",
+        "it keeps the parent's mean", 1e-6, "absolute, for the sum of a and a r, and for features", "four additions"},
        choice_without_normals,
        {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EM inside one work-item (kernels/movmf_em_texels.cl) on samples that break what is not guarded. Han et al. 2007,
+// Tests EM in one work-item (kernels/movmf_em_texels.cl) on samples that break unguarded formulas. Han et al. 2007,
 // section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM".
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
 }
 
-// More lobes than directions, all lobes alike.
+// More lobes than directions, all lobes equal.
 void all_normals_equal(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0, 90.0})
     for (const int lobes : em_lobe_counts(device, {4, 1, 8})) {
@@ -30,7 +30,7 @@ void all_normals_equal(Device& device, WorstError& worst) {
     }
 }
 
-// Two directions, and lobes that find them: kappa has no bound of its own.
+// Two directions, and lobes that find them: kappa is unbounded without the cap.
 void kappa_to_the_cap(Device& device, WorstError& worst) {
   for (const double apart : {1.0, 10.0, 90.0, 179.8})
     for (const float cap : {500.0f, 1e5f}) {
@@ -44,7 +44,7 @@ void kappa_to_the_cap(Device& device, WorstError& worst) {
     }
 }
 
-// What kappa EM goes on with, of normals within `width` of their mean.
+// Tests the kappa with which EM continues, for normals within `width` of their mean.
 void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   for (const double width : {1.0, 0.5, 0.25}) {
     EmTexel texel{{}, equal_lobes({tilted(40.0)}, 100.0)};
@@ -81,7 +81,7 @@ void whole_sphere(Device& device, WorstError& worst) {
   }
 }
 
-// Normals as far from every lobe as can be, kappa at its largest: every density is 0 in float.
+// Normals as far as possible from every lobe, with the largest kappa: every density is 0 in float.
 void far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {1e3, 1e5, 1e6}) {
     EmTexel texel{repeated({tilted(60, 0.1), tilted(60, 1.4)}, 64),
@@ -92,7 +92,7 @@ void far_from_every_lobe(Device& device, WorstError& worst) {
   }
 }
 
-// A lobe that gets none of the normals, and one that gets one in a thousand.
+// A lobe that gets no normals, and a lobe that gets one in a thousand.
 void dying_lobes(Device& device, WorstError& worst) {
   EmTexel texel{repeated({tilted(5, 0.0), tilted(7, 2.0), tilted(6, 4.0)}, 999),
                 equal_lobes({tilted(5, 0.0), tilted(70, 1.0), tilted(80, 4.0)}, 300.0)};
@@ -116,7 +116,7 @@ void few_normals(Device& device, WorstError& worst) {
     }
 }
 
-// Means of rough places are shorter than 1; what is longer than 1, or nothing at all, only a caller's mistake can be.
+// Means of rough areas are shorter than 1; only a caller's mistake makes them longer than 1 or 0.
 void samples_of_any_length(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-20, 1e-3, 0.5, 0.999999, 1.000001, 1.5}) {
     EmTexel texel{{}, equal_lobes({tilted(10), tilted(50)}, 20.0)};
@@ -136,7 +136,7 @@ void samples_of_any_length(Device& device, WorstError& worst) {
   }
 }
 
-// NaN, Inf and huge normals in one texel of sixteen: the fifteen others must not change by a bit.
+// NaN, Inf and huge normals in one of sixteen texels: the other fifteen must not change by a bit.
 void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
   constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
   std::vector<EmTexel> good;
@@ -160,7 +160,7 @@ void a_bad_texel_stays_alone(Device& device, WorstError& worst) {
   }
 }
 
-// Components of -0, denormals and the least normal number.
+// Components that are -0, denormal, or the smallest normal number.
 void denormals_and_signed_zeros(Device& device, WorstError& worst) {
   for (const double tiny : {0.0, -0.0, 1e-45, -1e-40, 1.2e-38, 1e-30}) {
     EmTexel texel{repeated({{tiny, -0.0, 1.0}, {-0.0, tiny, 1.0}, {0.6, tiny, 0.8}}, 96),
@@ -170,7 +170,7 @@ void denormals_and_signed_zeros(Device& device, WorstError& worst) {
   }
 }
 
-// Shares of a texel from 2^-28 to 1, as a binned texel of 2^28 normals may have them.
+// Weights within a texel from 2^-28 to 1, as in a binned texel of 2^28 normals.
 void huge_and_tiny_weights(Device& device, WorstError& worst) {
   for (const double scale : {0x1p-30, 1.0, 0x1p28}) {
     EmTexel texel{{}, equal_lobes({tilted(10, 0.0), tilted(50, 2.0)}, 20.0)};
@@ -186,22 +186,22 @@ std::vector<NumericalCase> sharp_cases() {
   return {
       {{"all-normals-equal-and-all-lobes", "movmf_em_texels, movmf_em_team",
         "the spread is 0, kappa infinite, its product with 0 NaN",
-        "a floor of 1e-7 under the spread, a cap on kappa: 500 + 10 kappa_1", 4e-6, "absolute, of a and a r",
-        "256 equal additions round alike: 256 * 2^-25 at most"},
+        "a minimum spread of 1e-7, and a cap on kappa: 500 + 10 kappa_1", 4e-6, "absolute, of a and a r",
+        "256 equal additions round in the same direction: 256 * 2^-25 at most"},
        all_normals_equal,
        {},
        {},
        {no_floor, no_cap, no_least_share}},
-      {{"kappa-to-the-cap", "movmf_em_texels, movmf_em_team", "lobes of one direction each: kappa grows without bound",
+      {{"kappa-to-the-cap", "movmf_em_texels, movmf_em_team", "lobes of one direction each: kappa is unbounded",
         "the same", 4e-6, "absolute, of a and a r", "as above"},
        kappa_to_the_cap,
        {},
        {},
        {no_floor, no_cap}},
       {{"kappa-of-sharp-lobes", "movmf_em_texels, movmf_em_team",
-        "1 - |r| of an |r| that is the sum of a thousand normals: no digit of kappa 1e5 is right",
-        "the spread is a sum of 1 - n . mu, less what mu turned", 3e-7, "absolute, of 1/kappa",
-        "the length of mu as floats, 1 within 6e-8, and 1 - n . mu within 1.2e-7"},
+        "1 - |r|, where |r| is the sum of a thousand normals: no digit of kappa 1e5 is correct",
+        "the spread is a sum of 1 - n . mu, minus the effect of the rotation of mu", 3e-7, "absolute, of 1/kappa",
+        "the length of mu in float, 1 within 6e-8, and 1 - n . mu within 1.2e-7"},
        sharp_lobes_keep_their_kappa,
        {em_edit("const real_v spread = fma(-length, turn, d * inverse);", "const real_v spread = 1.0f - length;")}},
       {{"far-from-every-lobe", "movmf_em_texels, movmf_em_team", "every density is 0 in float: shares are 0 / 0",
@@ -221,8 +221,8 @@ std::vector<NumericalCase> wide_cases() {
        {em_edit("sqrt(MAX_V(squared, (real_v)(1e-30f)))", "sqrt(squared)"),
         em_edit("directed ? x * length_inverse : mu_x", "x * length_inverse")}},
       {{"the-equator-and-below", "movmf_em_texels, movmf_em_team",
-        "a lower half taken for the upper (planar coordinates) folds the sphere",
-        "directions are vectors; nothing asks for z > 0", 1e-5, "absolute, of a and a r", kEmBoundReason},
+        "planar coordinates take the lower hemisphere for the upper", "directions are vectors; z > 0 is not required",
+        1e-5, "absolute, of a and a r", kEmBoundReason},
        whole_sphere,
        {},
        {},
@@ -237,21 +237,21 @@ std::vector<NumericalCase> wide_cases() {
 
 std::vector<NumericalCase> input_cases() {
   return {
-      {{"one-two-three-normals", "movmf_em_texels, movmf_em_team", "more lobes than normals: spreads of 0",
-        "the floor under the spread and the cap", 1e-4, "absolute, of a and a r",
-        "eight lobes on two normals: those that compete evenly multiply a difference in each iteration"},
+      {{"one-two-three-normals", "movmf_em_texels, movmf_em_team", "more lobes than normals: spreads are 0",
+        "the minimum spread and the cap", 1e-4, "absolute, of a and a r",
+        "eight lobes on two normals: equal competitors multiply a difference in each iteration"},
        few_normals,
        {},
        {},
        {em_edit("MAX_V(m.spread, (real_v)(1e-7f))", "MAX_V(m.spread, (real_v)(1e-1f))")}},
       {{"normals-of-any-length", "movmf_em_texels, movmf_em_team",
-        "normals longer than 1 have a negative spread: |r| grows beyond 1", "the spread is held within 0 and 1", 1e-5,
+        "normals longer than 1 have a negative spread: |r| exceeds 1", "the spread is clamped to 0 and 1", 1e-5,
         "absolute, of a and a r, or |r| above 1", kEmBoundReason},
        samples_of_any_length,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
-        "a NaN, Inf or huge normal spreads to the texels beside it",
-        "lanes share nothing, not even when to stop (readers repair such normals: docs/reference/input_maps.md)",
+        "a NaN, Inf or huge normal affects neighbouring texels",
+        "lanes share no data and stop separately (readers repair such normals: docs/reference/input_maps.md)",
         kNothingWrong, "texels changed", "not a bit may change"},
        a_bad_texel_stays_alone,
        {},
@@ -259,15 +259,15 @@ std::vector<NumericalCase> input_cases() {
        {em_edit("moving = moving & (change > fit.convergence_tolerance_squared);",
                 "moving = moving & (change > fit.convergence_tolerance_squared); first_sample = samples;")}},
       {{"denormals-and-signed-zeros", "movmf_em_texels, movmf_em_team",
-        "a share of a denormal amplitude has a logarithm of -149 or none",
-        "an amplitude weighs at least 1e-6 in the E-step", 1e-5, "absolute, of a and a r", kEmBoundReason},
+        "the logarithm of a denormal amplitude is -149 or undefined",
+        "an amplitude counts as at least 1e-6 in the E-step", 1e-5, "absolute, of a and a r", kEmBoundReason},
        denormals_and_signed_zeros,
        {},
        {},
        {em_edit("#define AMPLITUDE_MIN 1e-6f", "#define AMPLITUDE_MIN 1e-1f")}},
       {{"weights-from-tiny-to-huge", "movmf_em_texels, movmf_em_team",
-        "a share under a fixed least weight counts for more than it is: means of its normals shrink",
-        "the least weight that is divided by is 1e-30", 1e-5, "absolute, of a and a r", kEmBoundReason},
+        "a weight below a fixed minimum is divided by that minimum: means of its normals become too short",
+        "the minimum divisor is 1e-30", 1e-5, "absolute, of a and a r", kEmBoundReason},
        huge_and_tiny_weights,
        {},
        {},

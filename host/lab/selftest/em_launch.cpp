@@ -21,7 +21,7 @@ namespace {
 double rounded(double value) { return static_cast<double>(static_cast<float>(value)); }
 glm::dvec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 
-// What both sides start from.
+// Rounds the inputs that both sides start from.
 EmTexel rounded(EmTexel texel) {
   for (reference::Sample& s : texel.samples) s = {rounded(s.normal), rounded(s.weight)};
   for (reference::Lobe& lobe : texel.lobes)
@@ -130,7 +130,7 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
   const std::vector<int> sample_counts = {static_cast<int>(texels.front().samples.size())};
   std::vector<int> list(kGroup);
   std::iota(list.begin(), list.end(), 0);
-  // Poison: what is not written shows.
+  // Poison makes unwritten values visible.
   std::vector<MultumVmfLobe> level(lobe_count * kGroup, MultumVmfLobe{NAN, NAN, NAN, NAN});
   const std::size_t level_bytes = level.size() * sizeof(MultumVmfLobe);
   const DeviceBuffer sample_buffer = device.wrap_buffer(samples.data(), samples.size() * sizeof(float), "samples");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What surrounds a launch of EM: starts from a parent's lobes and the packing of covered normals (movmf_start.cl) and
-// of binned ones (movmf_binning.cl), and the finest level (movmf_level_zero.cl).
+// Tests the kernels around EM: starts from a parent's lobes and the packing of covered normals (movmf_start.cl) and of
+// binned ones (movmf_binning.cl), and the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ MultumMovmfFit one_texel_fit() {
   return fit;
 }
 
-// The planes of a texel that starts from `parent`.
+// Returns the planes of a texel that starts from `parent`.
 std::vector<double> start_from(Device& device, const MultumVmfLobe& parent, int width) {
   const std::vector<int> list(kGroup, 0);
   const MultumVmfLobe nothing = {};
@@ -71,7 +71,7 @@ void add_start(Device& device, const MultumVmfLobe& parent, WorstError& worst) {
     const std::string input = fmt::format("|r| = {:.9g}, a = {:.3g}", length, parent.amplitude);
     for (int k = 0; k < 3; ++k) {
       worst.add(found[static_cast<std::size_t>(k)], mu[k], 1.0, input);
-      // A zero stays one: no prior of a lobe without a direction.
+      // Zero remains zero: a lobe without a direction has no prior.
       const double prior = length > 1e-12 ? 0.1 * static_cast<double>(parent.amplitude) * mu[k] : 0.0;
       worst.add(found[MULTUM_START_PRIOR + static_cast<std::size_t>(k)], prior, 1.0, input);
     }
@@ -93,7 +93,7 @@ void starts_from_degenerate_lobes(Device& device, WorstError& worst) {
   }
 }
 
-// The largest number of finest texels that a texel spans.
+// The largest number of finest texels that a texel overlaps along one axis.
 int span(int map_size, int level_size) {
   int most = 0;
   for (int t = 0; t < level_size; ++t)
@@ -101,7 +101,7 @@ int span(int map_size, int level_size) {
   return most;
 }
 
-// Weights of the samples of a level's texels: each texel's must sum to W H / (w h), or finest texels count twice.
+// Weights of the samples of a level's texels: the sum for each texel must be W H / (w h), or finest texels count twice.
 void add_coverage(Device& device, int map_width, int map_height, int level_number, WorstError& worst) {
   MultumMovmfFit fit = {};
   fit.map_width = map_width;
@@ -142,8 +142,8 @@ void strips_and_odd_sizes(Device& device, WorstError& worst) {
       add_coverage(device, width, height, level, worst);
 }
 
-// Normals that a BRDF's width has shortened, of no length and longer than 1 among them, as points of Gaussians and what
-// scatters about them: one texel each.
+// Converts normals that a BRDF's width has shortened, some of length 0 and some longer than 1, to points of Gaussians
+// with their scatter: one texel each.
 void shortened_normals_as_points(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-30, 1e-6, 0.5, 0.99, 1.0, 1.1}) {
     std::vector<float> planes[3];
@@ -164,7 +164,7 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
     const std::vector<float> found = downloaded<float>(device, samples);
     for (std::size_t i = 0; i < kGroup; ++i) {
       const glm::dvec3 n(planes[0][i], planes[1][i], planes[2][i]);
-      // Squares below 1e-38 are 0: of no direction then, and scattered all around.
+      // Squares below 1e-38 become 0: such normals have no direction and scatter all around.
       const glm::dvec3 exact = length > 1e-12 ? reference::planar_sample(n, true) : glm::dvec3(0.0, 0.0, 1.0);
       for (int k = 0; k < 3; ++k)
         worst.add(static_cast<double>(found[static_cast<std::size_t>(k) * kGroup + i]), exact[k], 1.0,
@@ -173,8 +173,8 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
   }
 }
 
-// Texels of very different numbers of cells side by side, one of none, and slots without a texel: what a texel lacks
-// weighs 0, and nothing behind its cells is read.
+// Adjacent texels with very different numbers of cells, one without cells, and slots without a texel. Missing cells
+// must weigh 0, and nothing after a texel's cells may be read.
 void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count) {
   constexpr int kCapacity = 40, kTexels = 20;
   MultumMovmfFit fit = {};
@@ -188,7 +188,7 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
       binned[static_cast<std::size_t>(t * kCapacity * MULTUM_CONDENSED_SAMPLE + i)] =
           static_cast<float>(std::pow(-10.0, i % 31 - 15));
     list[static_cast<std::size_t>(t == 0 ? 2 : 11 + t)] =
-        t;  // all but one in the second group and the end of the first
+        t;  // all but one in the second group and at the end of the first
   }
   const DeviceBuffer samples =
       uploaded(device, std::vector<float>(2 * kGroup * kCapacity * MULTUM_CONDENSED_SAMPLE, kPoison), "samples");
@@ -220,12 +220,12 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
   }
 }
 
-// By one work-item a group, and by some that share one.
+// Tests one work-item per group, and several.
 void uneven_cells_by_any_parts(Device& device, WorstError& worst) {
   for (const int part_count : {1, 3}) uneven_cells_side_by_side(device, worst, part_count);
 }
 
-// Numbers of the lobes that normals are given to.
+// Returns the numbers of the lobes to which normals are assigned.
 std::vector<int> nearest_lobes(Device& device, const std::vector<MultumVmfLobe>& parent,
                                const std::vector<glm::vec3>& normals) {
   MultumMovmfFit fit = {};
@@ -263,14 +263,13 @@ void a_dead_lobe_takes_nothing(Device& device, WorstError& worst) {
   }
 }
 
-// Beside a lobe of opposite normals, r = 0 but for a rounding or not even that, and a wide one: directions alone count.
+// A lobe of opposite normals (r = 0, exactly or except for rounding) next to a wide one: only directions count.
 void directions_of_short_means(Device& device, WorstError& worst) {
   const glm::vec3 mu(0.6f, 0.0f, 0.8f);
   for (const float length : {0.0f, 1e-6f, 0.05f, 0.3f}) {
-    const std::vector<MultumVmfLobe> parent = {
-        {0.0f, 0.0f, -length, 0.5f},  // points away from all normals but the last
-        {0.99f * mu.x, 0.0f, 0.99f * mu.z, 0.3f},
-        {0.0f, 0.6f, 0.6f, 0.2f}};
+    const std::vector<MultumVmfLobe> parent = {{0.0f, 0.0f, -length, 0.5f},  // opposite to all normals except the last
+                                               {0.99f * mu.x, 0.0f, 0.99f * mu.z, 0.3f},
+                                               {0.0f, 0.6f, 0.6f, 0.2f}};
     const std::vector<int> found = nearest_lobes(device, parent, {mu, {0.8f, 0.0f, 0.6f}, {0.0f, 0.8f, 0.6f}, -mu});
     const int expected[] = {1, 1, 2, 0};
     for (std::size_t i = 0; i < found.size(); ++i)
@@ -278,7 +277,7 @@ void directions_of_short_means(Device& device, WorstError& worst) {
   }
 }
 
-// A lobe without a direction is as far as one at right angles: nearer than those that point away.
+// A lobe without a direction counts as perpendicular: closer than lobes that point away.
 void a_lobe_of_no_direction(Device& device, WorstError& worst) {
   const glm::vec3 mu(0.6f, 0.0f, 0.8f);
   for (const float amplitude : {1e-5f, 0.5f}) {
@@ -291,7 +290,7 @@ void a_lobe_of_no_direction(Device& device, WorstError& worst) {
   }
 }
 
-// Whatever a normal is, the number of a lobe is written: an index beyond the lobes would be read later.
+// Any normal must give a valid lobe number: later code would use a larger one as an index.
 void any_normal_gets_a_lobe(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<MultumVmfLobe> parent = {{0.0f, 0.0f, 0.9f, 0.5f}, {0.9f, 0.0f, 0.0f, 0.5f}};
@@ -308,42 +307,42 @@ void any_normal_gets_a_lobe(Device& device, WorstError& worst) {
 std::vector<NumericalCase> level_cases() {
   return {
       {{"starts-from-degenerate-lobes", "movmf_start", "r = 0 is normalised: 0 / 0; |r| > 1 has a negative kappa",
-        "+z where r is 0; |r| at most 1, its spread at least 1e-6; amplitudes at least 0.02", 1e-4,
-        "absolute, of mu, of C a mu and of log2 of the weight; relative, of kappa",
-        "3.3e-5 of kappa's inverse; its logarithm"},
+        "+z if r is 0; |r| is at most 1, its spread at least 1e-6; amplitudes are at least 0.02", 1e-4,
+        "absolute, for mu, C a mu and log2 of the weight; relative, for kappa",
+        "3.3e-5 of the inverse of kappa, and its logarithm"},
        starts_from_degenerate_lobes,
        {{"movmf_start", "const int_v directed = squared > 1e-24f;", "const int_v directed = squared >= 0.0f;"}}},
-      {{"strips-and-odd-sizes", "movmf_pack", "finest texels on an edge count whole in both texels",
-        "fractional weights: each finest texel counts once a level", 1e-6, "relative, of a texel's weight",
-        "a rounding a sample"},
+      {{"strips-and-odd-sizes", "movmf_pack", "finest texels on a border count fully in both texels",
+        "fractional weights: each finest texel counts once per level", 1e-6, "relative, of a texel's weight",
+        "one rounding per sample"},
        strips_and_odd_sizes,
        {{"movmf_pack", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
       {{"shortened-normals-as-points", "movmf_pack (planar)",
-        "a normal of no length has no point: 0 / 0; its facets lie outside the circle",
-        "a length of at least 1e-6 divides; at most 1 - |p|^2 scatters", 1e-6, "absolute",
-        "a root, two quotients and the cancellation of 1 - |p|^2"},
+        "a normal of length 0 has no point: 0 / 0; its facets are outside the circle",
+        "the divisor is a length of at least 1e-6; the scatter is at most 1 - |p|^2", 1e-6, "absolute",
+        "a square root, two quotients and the cancellation of 1 - |p|^2"},
        shortened_normals_as_points,
        {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
-      {{"uneven-cells-side-by-side", "movmf_binned_pack", "what lies behind a texel's cells counts as its samples",
-        "samples of weight 0 up to the number of the texel that has most", kNothingWrong, "values wrong",
-        "none may be: copies"},
+      {{"uneven-cells-side-by-side", "movmf_binned_pack", "data after a texel's cells counts as its samples",
+        "samples of weight 0, up to the largest number of samples of a texel", kNothingWrong, "values wrong",
+        "values are only copied"},
        uneven_cells_by_any_parts,
        {{"movmf_pack", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},
-      {{"a-dead-lobe-takes-nothing", "movmf_level_zero", "a lobe of no normals, or of no direction, is the nearest",
-        "lobes of an amplitude up to 1e-6 are passed over", kNothingWrong, "texels wrong", "none may be"},
+      {{"a-dead-lobe-takes-nothing", "movmf_level_zero", "a lobe without normals or without direction is the closest",
+        "lobes of an amplitude up to 1e-6 are ignored", kNothingWrong, "texels wrong", "none is allowed"},
        a_dead_lobe_takes_nothing,
        {{"movmf_level_zero", "lobe.amplitude > 1e-6f && gap < least", "gap < least"}}},
       {{"directions-of-short-means", "movmf_level_zero",
-        "|r| - n . r = |r| (1 - cos) of a wide lobe is small: it is the nearest to normals far from it",
-        "cosines: divided by |r|", kNothingWrong, "texels wrong", "none may be"},
+        "for a wide lobe, |r| - n . r = |r| (1 - cos) is small: it is the closest even to distant normals",
+        "cosines: divided by |r|", kNothingWrong, "texels wrong", "none is allowed"},
        directions_of_short_means,
        {{"movmf_level_zero", "1.0f - along / max(length, 1e-12f)", "length - along"}}},
-      {{"a-lobe-of-no-direction", "movmf_level_zero", "r = 0 is divided by its length: 0 / 0 is never the nearest",
-        "a length of at least 1e-12 divides: a cosine of 0", kNothingWrong, "texels wrong", "none may be"},
+      {{"a-lobe-of-no-direction", "movmf_level_zero", "r = 0 is divided by its length: 0 / 0 is never the closest",
+        "the divisor is a length of at least 1e-12: the cosine is 0", kNothingWrong, "texels wrong", "none is allowed"},
        a_lobe_of_no_direction,
        {{"movmf_level_zero", "max(length, 1e-12f)", "length"}}},
-      {{"any-normal-gets-a-lobe", "movmf_level_zero", "no comparison with NaN holds: no number is written",
-        "lobe 0 unless another is nearer", kNothingWrong, "texels wrong", "none may be"},
+      {{"any-normal-gets-a-lobe", "movmf_level_zero", "comparisons with NaN are false: no number is written",
+        "lobe 0 unless another is closer", kNothingWrong, "texels wrong", "none is allowed"},
        any_normal_gets_a_lobe,
        {},
        {},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and by LEAN
-// (moment_shade.cl, device/moment_shading.clh): normals at the horizon, variances that are differences of near-equal
-// numbers, nothing to divide by.
+// Tests moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and by LEAN
+// (moment_shade.cl, device/moment_shading.clh): normals at the horizon, variances that are differences of nearly equal
+// numbers, divisions by 0.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ namespace {
 
 double wide(float value) { return static_cast<double>(value); }
 
-// Relative to values above 1, absolute below.
+// Relative errors above 1, absolute errors below.
 void add_finest(Device& device, const std::vector<glm::vec3>& normals, bool shortened, WorstError& worst) {
   const std::vector<std::vector<float>> found = finest_moments(device, normals, shortened);
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -85,7 +85,7 @@ void slopes_at_the_horizon(Device& device, WorstError& worst) {
   add_finest(device, normals, true, worst);
 }
 
-// From no normal at all to one that rounding left too long.
+// Lengths from 0 to slightly above 1, from rounding.
 void shortened_normals(Device& device, WorstError& worst) {
   std::vector<glm::vec3> normals = {{0.0f, 0.0f, 0.0f}, {-0.0f, 0.0f, -0.0f}, {1e-40f, 0.0f, -1e-40f}};
   for (const float length : {1e-30f, 1e-12f, 1e-3f, 0.5f, 1.0f - 0x1p-20f, 1.0f, 1.0f + 0x1p-20f, 1.25f})
@@ -93,7 +93,7 @@ void shortened_normals(Device& device, WorstError& worst) {
   add_finest(device, normals, true, worst);
 }
 
-// Of slopes with the mean (s, t) and second moments as given, share and all.
+// Moments of slopes with mean (s, t) and the given second moments, including the share.
 MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) {
   MultumFilteredMoments m{};
   m.normal_z = m.share = 1.0f;
@@ -101,7 +101,7 @@ MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) 
   return m;
 }
 
-// A half vector whose slope is (s, t), and the double of what the kernel sees.
+// A half vector with slope (s, t), in the precision of the kernel's input.
 glm::vec4 half_at(double s, double t) { return {glm::vec3(glm::normalize(glm::dvec3(-s, -t, 1.0))), 0.0f}; }
 
 double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) {
@@ -111,8 +111,8 @@ double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) 
   return reference::lean(wide_moments, glm::dvec3(h), s, false);
 }
 
-// Second moments that rounding left below the square of the mean, of slopes up to the largest, 20: no variance but the
-// BRDF's own, so that no value is above its peak.
+// Second moments that rounding left below the square of the mean, for slopes up to the largest, 20. Only the BRDF's
+// own variance remains, so no value exceeds its peak.
 void variance_below_0(Device& device, WorstError& worst) {
   for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
     for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f})
@@ -129,7 +129,7 @@ void variance_below_0(Device& device, WorstError& worst) {
       }
 }
 
-// Slopes along one line of the plane: Sigma has no determinant, and only the BRDF's own variance 1/s is across.
+// Slopes along one line of the plane: the determinant of Sigma is 0, and only the BRDF's own variance 1/s is across.
 void slopes_along_a_line(Device& device, WorstError& worst) {
   for (const float variance : {4.0f, 64.0f, 256.0f})
     for (const float sign : {1.0f, -1.0f})
@@ -142,8 +142,8 @@ void slopes_along_a_line(Device& device, WorstError& worst) {
       }
 }
 
-// Steep slopes nearly alike under a sharp highlight, a width of the highlight off its peak: what E[s^2] - E[s]^2 loses
-// in single precision, against the variance 1/s that is beside it.
+// Steep, nearly equal slopes under a sharp highlight, one highlight width away from its peak: tests the loss of E[s^2]
+// - E[s]^2 in single precision, compared with the variance 1/s.
 void steep_and_sharp(Device& device, WorstError& worst) {
   for (const double slope : {0.1, 1.0, 5.0, 20.0})
     for (const double variance : {0.0, 1e-6, 1e-4})
@@ -164,7 +164,7 @@ void steep_and_sharp(Device& device, WorstError& worst) {
       }
 }
 
-// Half vectors at and below the horizon, where a slope and the Jacobian have no bound.
+// Half vectors at and below the horizon, where slope and Jacobian are unbounded.
 void half_vectors_at_the_horizon(Device& device, WorstError& worst) {
   std::vector<glm::vec4> h;
   for (const float z : {1.1e-4f, 1e-4f, 1e-20f, 1e-40f, 0.0f, -0.0f, -1e-3f, -1.0f})
@@ -178,7 +178,7 @@ void half_vectors_at_the_horizon(Device& device, WorstError& worst) {
     }
 }
 
-// Mean normals of every length, none at all and longer than 1 among them.
+// Mean normals of every length, including 0 and more than 1.
 void toksvig_of_every_length(Device& device, WorstError& worst) {
   const glm::dvec3 up(0.0, 0.0, 1.0);
   for (const float length : {0.0f, 1e-40f, 1e-20f, 1e-6f, 0.5f, 1.0f - 0x1p-20f, 1.0f, 1.0f + 0x1p-20f, 1.001f})
@@ -198,7 +198,7 @@ void toksvig_of_every_length(Device& device, WorstError& worst) {
     }
 }
 
-// No share of the stored levels, or one that rounding left: the normal map's stays alone.
+// Stored levels with share 0, or with a share left by rounding: only the normal map's value remains.
 void no_share(Device& device, WorstError& worst) {
   for (const float share : {0.0f, 1e-45f, 1e-30f, 1e-8f})
     for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {
@@ -220,12 +220,12 @@ SourceEdit moment_shade_edit(const std::string& text, const std::string& replace
 std::vector<NumericalCase> finest_cases() {
   const char* const kUnit = "relative above 1, absolute below";
   return {
-      {{"slopes-at-the-horizon", "moment_finest", "a slope of x / 0, and a mean of it is infinite",
-        "n_z of at least 0.05: slopes of at most 20", 5e-7, kUnit, "a division, a square and a sum"},
+      {{"slopes-at-the-horizon", "moment_finest", "a slope of x / 0 is infinite, and so is its mean",
+        "n_z is at least 0.05: slopes are at most 20", 5e-7, kUnit, "a division, a square and a sum"},
        slopes_at_the_horizon,
        {{"moments", "z > z_min ? z : z_min", "z"}}},
-      {{"shortened-normals-to-0", "moment_finest", "a normal of no length has a slope of 0 / 0",
-        "the length that n_z is measured by is at least 1e-6; a variance below 0 is none", 5e-7, kUnit,
+      {{"shortened-normals-to-0", "moment_finest", "a normal of length 0 has a slope of 0 / 0",
+        "n_z is divided by a length of at least 1e-6; a variance below 0 counts as 0", 5e-7, kUnit,
         "a root, a division, a square and a sum"},
        shortened_normals,
        {{"moments", "slope_z_min * MAX_V(length, 1e-6f)", "slope_z_min * length"}}},
@@ -241,34 +241,34 @@ std::vector<NumericalCase> moment_cases() {
                        const std::vector<SourceEdit>& mutation = {}) {
     cases.push_back({{name, "moment_shade", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  add("slope-variance-below-0", "E[s^2] below the square of E[s]: a negative determinant has no root",
-      "variances of at least 0", 2e-6, "of the peak: how far above it, or below 0",
+  add("slope-variance-below-0", "E[s^2] is below the square of E[s]: a negative determinant has no square root",
+      "variances of at least 0", 2e-6, "of the peak: the excess over it, or the depth below 0",
       "a root, a division and an exponential", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
-  add("slopes-along-a-line", "the determinant of Sigma + I/s as a difference: s = 1e5 leaves nothing of it",
-      "1/s (1/s + trace) and the determinant of Sigma, held at 0 and above", 2e-6, "relative",
+  add("slopes-along-a-line", "the determinant of Sigma + I/s as a difference: with s = 1e5, no digit remains",
+      "1/s (1/s + trace) plus the determinant of Sigma, which is at least 0", 2e-6, "relative",
       "a root, a division and four products", slopes_along_a_line,
       {moment_shade_edit(
           "base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
           "0.0f)",
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
-  add("steep-slopes-under-sharp-highlights", "moments in half floats: 400 to the next 0.25, where s = 1e5 has 1e-5",
-      "32-bit moments; what they lose broadens the highlight by 2^-22 s b^2 of its width at most", 1.0,
-      "of the peak, over 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, b the slope",
+  add("steep-slopes-under-sharp-highlights", "moments in half floats: steps of 0.25 at 400, where s = 1e5 needs 1e-5",
+      "32-bit moments; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
+      "relative to the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
       "E[s^2] and E[s]^2 are rounded, 2^-24 b^2 each", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon: inf - inf",
-      "nothing at or below 1e-4 above it", kNothingWrong, "absolute, where nothing is to be; NaN anywhere",
-      "nothing may be", half_vectors_at_the_horizon,
+      "the result is 0 up to 1e-4 above the horizon", kNothingWrong,
+      "absolute, where the result must be 0; NaN anywhere", "no error is allowed", half_vectors_at_the_horizon,
       {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
-  add("mean-normals-of-every-length", "longer than 1: a gloss above 1 or below 0; of no length: 0 / 0",
-      "1 less the spread, which is held within 0 and 1; any direction where there is none", 1e-5, "of the peak",
-      "6e-8 of mu and h, by the angle that the exponent sees", toksvig_of_every_length,
+  add("mean-normals-of-every-length", "lengths above 1: a gloss above 1 or below 0; length 0: 0 / 0",
+      "1 minus the spread, which is clamped to 0 and 1; any direction if there is none", 1e-5, "of the peak",
+      "6e-8 of mu and h, divided by the angle that the exponent resolves", toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
-  add("moments-of-no-share", "moments of nothing shade as much as those of everything",
-      "no division by a share at or below 1e-6; what is shaded is multiplied by it", 1e-5, "relative",
+  add("moments-of-no-share", "moments with share 0 have the same brightness as with share 1",
+      "shares at or below 1e-6 are not divisors; the result is multiplied by the share", 1e-5, "relative",
       "a share of 1e-8 and 16/(2 pi)", no_share, {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});
   return cases;
 }

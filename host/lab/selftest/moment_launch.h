@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches moment_finest and moment_shade on what a case says. Private to host/lab/selftest and its tests.
+// Launches moment_finest and moment_shade on the inputs of a case. Private to host/lab/selftest and its tests.
 #pragma once
 
 #include <vector>
@@ -12,10 +12,10 @@
 
 namespace multum {
 
-/// Planes of each normal, [normal][plane].
+/// Returns the planes of each normal, [normal][plane].
 std::vector<std::vector<float>> finest_moments(Device& device, const std::vector<glm::vec3>& normals, bool shortened);
 
-/// Blinn-Phong of exponent s at each unit half vector, `shading` MULTUM_SHADE_...; last Lambert, of the first vector.
+/// Shades Blinn-Phong of exponent s at each unit half vector, then Lambert at the first; `shading`: MULTUM_SHADE_....
 std::vector<double> shade_moments(Device& device, const MultumFilteredMoments& moments, int shading, double s,
                                   const std::vector<glm::vec4>& half_vectors);
 

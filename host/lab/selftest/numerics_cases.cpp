@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The building blocks in kernels/device, each over its whole range and beyond, and what the driver makes of structs and
+// Tests the functions in kernels/device over their whole range and beyond, and the driver's handling of structs and
 // NaN. docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes", has the formulas.
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@
 namespace multum {
 namespace {
 
-// As kernels/probe_numerics.cl numbers them.
+// In the order of kernels/probe_numerics.cl.
 enum class Probe : int { kExp2, kLog2, kKappa, kIsNan, kLogPeak, kOneMinusLog, kShadingKappa, kVmfPeak, kVmfSpread };
 
 std::vector<double> probed(Device& device, const std::vector<float>& inputs, Probe function) {
@@ -33,7 +33,7 @@ std::vector<double> probed(Device& device, const std::vector<float>& inputs, Pro
   return {values.begin(), values.end()};
 }
 
-// `low` to `high`, each `factor` times the one before.
+// Numbers from `low` to `high`, each `factor` times the previous one.
 std::vector<float> decades(double low, double high, double factor) {
   std::vector<float> values;
   for (double x = low; x < high; x *= factor) values.push_back(static_cast<float>(x));
@@ -76,8 +76,8 @@ void log2_of_normals(Device& device, WorstError& worst) {
   }
 }
 
-// Spreads of kappa from 1e-6 to 1e6; below a spread of 0.5 kappa rises as its inverse, above it r falls as kappa / 3.
-// The probe's r is 1 - spread, exact in float where it is small.
+// Spreads for kappa from 1e-6 to 1e6. Below a spread of 0.5, kappa grows as its inverse; above, r falls as kappa / 3.
+// The probe's r is 1 - spread, which is exact in float for small spreads.
 void kappa_of_mean_length(Device& device, WorstError& worst) {
   std::vector<float> spreads = decades(1e-6, 0.5, 1.0117);
   for (double r = 0.5; r > 3e-7; r *= 0.97) spreads.push_back(static_cast<float>(1.0 - r));
@@ -108,7 +108,7 @@ void shading_kappa(Device& device, WorstError& worst) {
       [](double q) { return q < 0.05 ? 1.0 / q : reference::kappa_of_mean_length(1.0 - q); }, worst);
 }
 
-// A single direction under a BRDF of no width has q = 0.
+// A single direction under a BRDF of width 0 has q = 0.
 void shading_kappa_of_nothing(Device& device, WorstError& worst) {
   for (const double kappa : probed(device, {0.0f, -0.0f, 1e-40f}, Probe::kShadingKappa))
     worst.add(std::isfinite(kappa) && kappa > 0.0 ? 0.0 : std::numeric_limits<double>::quiet_NaN(), "q 0");
@@ -127,8 +127,8 @@ void vmf_spreads(Device& device, WorstError& worst) {
       [](double kappa) { return reference::vmf_spread(kappa); }, worst);
 }
 
-// Lobes from single directions to none, facets from mirrors to the whole sphere, half vectors along the lobe, across
-// and against it, where two equal vMFs leave no direction.
+// Lobes from single directions to none, facets from mirrors to the whole sphere, and half vectors along, across and
+// against the lobe. Opposite vMFs of equal kappa leave no direction.
 void highlight_cosines(Device& device, WorstError& worst) {
   const glm::dvec3 mu = glm::normalize(glm::dvec3(0.3, -0.2, 0.9)), across = glm::normalize(glm::dvec3(0.9, 0.0, -0.3));
   std::vector<glm::vec4> lobes, half_vectors, lights;
@@ -141,7 +141,7 @@ void highlight_cosines(Device& device, WorstError& worst) {
           half_vectors.emplace_back(glm::dvec4(h, facet_kappa));
           lights.emplace_back(glm::dvec4(light, 0.0));
         }
-  for (const float r : {0.5f, 0.9375f}) {  // of the very kappa that the device has of the lobe
+  for (const float r : {0.5f, 0.9375f}) {  // uses the device's kappa of the lobe
     const auto kappa = static_cast<float>(probed(device, {1.0f - r}, Probe::kShadingKappa)[0]);
     lobes.emplace_back(0.0f, 0.0f, r, 1.0f);
     half_vectors.emplace_back(0.0f, 0.0f, -1.0f, kappa);
@@ -161,7 +161,7 @@ void highlight_cosines(Device& device, WorstError& worst) {
         facet_kappa * glm::dvec3(half_vectors[i]) + (length > 0.0 ? kappa / length * r : glm::dvec3(0.0));
     const double size = glm::length(sum);
     const std::string input = fmt::format("|r| {:.9g}, kappa of the facets {:.3g}, number {}", length, facet_kappa, i);
-    // Where both cancel, rounding has the direction that is left, and any mean of a cosine may come of it.
+    // If both cancel, the remaining direction is due to rounding, so any mean cosine is possible.
     if (size < 1e-2 * facet_kappa) {
       worst.add(found[i] >= 0.0f && found[i] <= 1.0f ? 0.0 : std::numeric_limits<double>::quiet_NaN(), input);
       continue;
@@ -199,17 +199,18 @@ SourceEdit probe_edit(const std::string& text, const std::string& replacement) {
 std::vector<NumericalCase> exponential_cases() {
   return {
       {{"exp2-over-its-range", "device/numerics.clh",
-        "the remainder of x is taken towards zero and leaves the polynomial's range",
-        "x is rounded to the nearest integer by adding 1.5 * 2^23; signed zeros and denormals give 1", 3.5e-7,
-        "relative", "2.2e-7 of the polynomial and its rounding"},
+        "rounding x towards zero gives a remainder outside the polynomial's range",
+        "adding 1.5 * 2^23 rounds x to the nearest integer; signed zeros and denormals give 1", 3.5e-7, "relative",
+        "2.2e-7 for the polynomial and its rounding"},
        exp2_in_range,
        {probe_edit("const real_v f = x - (shifted - 12582912.0f);", "const real_v f = x - trunc(x);")}},
-      {{"exp2-far-below-its-range", "device/numerics.clh", "the exponent's bits run over: huge, negative, infinite",
-        "smaller x count as -126: tiny and never denormal", 3.5e-7, "relative to 2^-126", "as above"},
+      {{"exp2-far-below-its-range", "device/numerics.clh",
+        "the bits of the exponent overflow: huge, negative, infinite",
+        "smaller x count as -126: tiny, but never denormal", 3.5e-7, "relative to 2^-126", "as above"},
        exp2_below_range,
        {probe_edit("exp2_in_range_v(MAX_V(x, (real_v)(-126.0f)))", "exp2_in_range_v(x)")}},
-      {{"log2-of-every-normal", "device/numerics.clh", "a mantissa in [1, 2) leaves the series' range",
-        "the mantissa is taken from [sqrt(1/2), sqrt(2))", 1.0, "of 5e-7 + 6e-8 |log2 x|",
+      {{"log2-of-every-normal", "device/numerics.clh", "a mantissa in [1, 2) leaves the range of the series",
+        "the mantissa is in [sqrt(1/2), sqrt(2))", 1.0, "of 5e-7 + 6e-8 |log2 x|",
         "absolute error of the series, and half a unit in the last place"},
        log2_of_normals,
        {},
@@ -217,7 +218,7 @@ std::vector<NumericalCase> exponential_cases() {
        {probe_edit("0x3f3504f3", "0x3f800000")}},
       {{"log-of-one-minus-e", "device/vmf_shading.clh", "t = 1 - e is rounded to 6e-8, which s = 1e5 multiplies",
         "the series of -2 atanh(e / (2 - e)) below e = 0.1", 1e-6, "relative",
-        "3e-9 of the series left out; 4 roundings"},
+        "3e-9 for the omitted terms of the series; 4 roundings"},
        one_minus_log,
        {probe_edit("if (e > 0.1f) return", "if (true) return")}},
   };
@@ -226,8 +227,8 @@ std::vector<NumericalCase> exponential_cases() {
 std::vector<NumericalCase> kappa_cases() {
   return {
       {{"kappa-of-mean-length-12-decades", "device/vmf.clh",
-        "Banerjee's (3r - r^3)/(1 - r^2) is per cent off, and 1 - r^2 cancels",
-        "r G(r)/(1 - r), G of degree 10, and the caller forms 1 - r from small terms", 4e-5, "relative",
+        "Banerjee's (3r - r^3)/(1 - r^2) has an error of several per cent, and 1 - r^2 cancels",
+        "r G(r)/(1 - r), G of degree 10; the caller computes 1 - r from small terms", 4e-5, "relative",
         "3.3e-5 of the polynomial"},
        kappa_of_mean_length,
        {probe_edit("return r * g / spread;", "return r * (3.0f - r * r) / (1.0f - r * r);")}},
@@ -237,27 +238,29 @@ std::vector<NumericalCase> kappa_cases() {
        log_peak,
        {probe_edit("return log2_v(amplitude * kappa / (1.0f - exp2_v(kappa * (-2.0f * MULTUM_LOG2E))));",
                    "return log2(amplitude * kappa / (exp(kappa) - exp(-kappa))) + kappa * MULTUM_LOG2E;")}},
-      {{"shading-kappa-12-decades", "device/vmf_shading.clh", "Banerjee's factor 3 - A^2 alone is per cent off",
-        "the factor refined by a polynomial, 1 - A^2 = q (2 - q) without cancellation", 2.4e-4, "relative",
+      {{"shading-kappa-12-decades", "device/vmf_shading.clh",
+        "Banerjee's factor 3 - A^2 has an error of several per cent",
+        "a polynomial refines the factor; 1 - A^2 = q (2 - q) avoids cancellation", 2.4e-4, "relative",
         "2.3e-4 of the polynomial"},
        shading_kappa,
        {probe_edit("(3.0f - x + x * (1.0f - x) * p)", "(3.0f - x)")}},
       {{"shading-kappa-of-no-width", "device/vmf_shading.clh", "q = 0 divides by 0: kappa is infinite",
-        "the denominator is at least 1e-12", kNothingWrong, "0 or NaN", "finite is what is asked"},
+        "the denominator is at least 1e-12", kNothingWrong, "0 or NaN", "the result must be finite"},
        shading_kappa_of_nothing,
        {probe_edit("max(q * (2.0f - q), 1e-12f)", "(q * (2.0f - q))")}},
       {{"vmf-normaliser-12-decades", "device/vmf_shading.clh", "kappa / (1 - exp(-2 kappa)) is 0 / 0 at kappa 0",
-        "(1 + kappa) / 2 below kappa 1e-3", 1e-4, "relative", "exp2 rounds at 1: 6e-8 / 2e-3 where the branch begins"},
+        "(1 + kappa) / 2 below kappa 1e-3", 1e-4, "relative",
+        "exp2 is rounded at 1: 6e-8 / 2e-3 where the branch begins"},
        vmf_peak,
        {probe_edit("const float scale = kappa > 1e-3f ? kappa", "const float scale = true ? kappa")}},
-      {{"vmf-spread-12-decades", "device/vmf_shading.clh", "1/kappa - 2/(exp(2 kappa) - 1) cancels towards kappa 0",
+      {{"vmf-spread-12-decades", "device/vmf_shading.clh", "1/kappa - 2/(exp(2 kappa) - 1) cancels for kappa near 0",
         "two terms of the series below kappa 0.1", 2e-5, "relative",
-        "6e-8 of 1/kappa = 10, twice, and of exp's argument"},
+        "6e-8 of 1/kappa = 10, twice, and of the argument of exp"},
        vmf_spreads,
        {probe_edit("if (kappa < 0.1f) return", "if (false) return")}},
       {{"highlight-cosines-of-every-width", "device/vmf_shading.clh, probe_highlight_cosine",
-        "facets straight against a lobe as sharp as they: no direction is left, 0 / 0",
-        "a length of at least 1e-6 divides", 2.5e-3, "absolute", "0.22 % of the cosine's model"},
+        "facets opposite to a lobe of equal sharpness: no direction remains, 0 / 0",
+        "the divisor is a length of at least 1e-6", 2.5e-3, "absolute", "0.22 % of the cosine's model"},
        highlight_cosines,
        {probe_edit("max(size, 1e-6f)", "size")}},
   };
@@ -268,17 +271,17 @@ std::vector<NumericalCase> kappa_cases() {
 std::vector<NumericalCase> numerics_cases() {
   std::vector<NumericalCase> cases = exponential_cases();
   for (NumericalCase& c : kappa_cases()) cases.push_back(std::move(c));
+  cases.push_back({{"driver-keeps-nan", "probe_functions",
+                    "-cl-finite-math-only makes isnan() false for every NaN: guards are deleted",
+                    "no option that relaxes mathematics (host/formats/opencl/build_options)", kNothingWrong,
+                    "answers wrong", "none"},
+                   nan_guards,
+                   {},
+                   {},
+                   {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
   cases.push_back(
-      {{"driver-keeps-nan", "probe_functions", "-cl-finite-math-only answers no for every NaN: guards are deleted",
-        "no option that relaxes mathematics (host/formats/opencl/build_options)", kNothingWrong, "answers wrong",
-        "none"},
-       nan_guards,
-       {},
-       {},
-       {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
-  cases.push_back(
-      {{"driver-lays-structs-out-alike", "probe_layout", "every field after a hole is read from the wrong place",
-        "plain structs of ints and floats, no float3, no bool, no size_t", kNothingWrong, "bytes off", "none"},
+      {{"driver-lays-structs-out-alike", "probe_layout", "every field after a gap is read from the wrong position",
+        "structs of ints and floats only: no float3, no bool, no size_t", kNothingWrong, "bytes off", "none"},
        struct_layouts_agree,
        {},
        {},

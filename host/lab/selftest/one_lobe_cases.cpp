@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One GGX lobe fitted to a texel (kernels/one_lobe.cl): lobes of no width, normals of no direction, facets behind the
-// mean normal, and none to begin with.
+// Tests the fit of one GGX lobe to a texel (kernels/one_lobe.cl): lobes of width 0, normals of length 0, facets behind
+// the mean normal, and texels without facets.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,9 +19,9 @@
 namespace multum {
 namespace {
 
-constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // of one texel's planes
+constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // distance between the planes of a texel
 
-// Averages of the planes that one_lobe_finest makes of the map, by equal weights, and of alpha^2.
+// Averages, with equal weights, of the planes that one_lobe_finest makes of the map, and of alpha^2.
 std::vector<float> launched_averages(Device& device, const reference::OneLobeTexel& texel) {
   const NormalMap& map = *texel.map;
   const std::size_t texels = map.x.size();
@@ -91,7 +91,7 @@ namespace {
 
 constexpr int kGrid = 8;
 
-// Facets of alpha 1, along a spiral: evenly over GGX's distribution.
+// Facets of alpha 1 along a spiral, distributed evenly over GGX.
 std::vector<glm::vec2> spiral_facets() {
   std::vector<glm::vec2> facets;
   for (int i = 0; i < kGrid * kGrid; ++i) {
@@ -111,7 +111,7 @@ NormalMap map_of(const std::function<glm::dvec3(int)>& normal_at) {
   return map;
 }
 
-// Of alphas a tenth: they are squares of what files hold, and follow sums of squares.
+// Counts errors of alphas by a tenth: files hold square roots of alphas, and alphas come from sums of squares.
 void add_lobes(Device& device, const NormalMap& map, double alpha, const std::string& input, WorstError& worst) {
   const std::vector<glm::vec2> facets = spiral_facets();
   for (const bool is_anisotropic : {false, true})
@@ -182,29 +182,28 @@ std::vector<NumericalCase> one_lobe_cases() {
   const auto add = [&](const char* name, const char* without, const char* guard, void (*run)(Device&, WorstError&),
                        const std::vector<SourceEdit>& edits) {
     cases.push_back({{name, "one_lobe_finest, one_lobe_samples, one_lobe_fit", without, guard, 2e-4,
-                      "of the normal; of alpha, a tenth of relative",
-                      "EM by 5 steps in float: sums of 64 terms, some 1e-6 of the lobe's width a step"},
+                      "absolute, for the normal; a tenth of the relative error, for alpha",
+                      "5 steps of EM in float: sums of 64 terms, about 1e-6 of the lobe's width per step"},
                      run,
                      edits,
                      {},
                      {}});
   };
-  add("mirrors-of-one-normal", "no spread and no roughness: S has no inverse", "variances of at least 1e-8", mirrors,
+  add("mirrors-of-one-normal", "without spread and roughness, S has no inverse", "variances of at least 1e-8", mirrors,
       {edit("s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));", ""), edit("s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));", "")});
-  add("axes-of-round-lobes", "a lobe that is as wide as long has an axis of 0 / 0", "the x axis, where there is none",
-      mirrors,
+  add("axes-of-round-lobes", "the axis of a round lobe is 0 / 0", "the x axis, if there is none", mirrors,
       {edit("has_axis ? ax / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(1.0f)", "ax / axis_length"),
        edit("has_axis ? ay / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(0.0f)", "ay / axis_length")});
   add("facets-behind-the-mean-normal", "slopes behind the horizon change their sign", "slopes end at 20", facets_behind,
       {edit("MAX_V(fma(hx, mx, fma(hy, my, hz * mz)), least)", "fma(hx, mx, fma(hy, my, hz * mz))")});
-  add("normals-of-nothing-in-a-lobe", "one texel that is no direction makes all above it NaN", "it counts as flat",
+  add("normals-of-nothing-in-a-lobe", "one texel without a direction makes all coarser ones NaN", "it counts as flat",
       normals_of_nothing, {edit("(square > 1e-12f) & (square < 1e12f)", "(int_v)(-1)")});
-  add("slopes-along-one-line", "S is singular where all slopes lie on a line", "correlations of at most 0.996",
+  add("slopes-along-one-line", "S is singular if all slopes are on a line", "correlations of at most 0.996",
       slopes_of_a_line, {edit("s.xy = MIN_V(MAX_V(s.xy, -most), most);", "")});
   add("lobes-beyond-alpha-1", "files hold roughness to 1", "alpha of at most 1", lobes_beyond_1,
       {edit("MIN_V(MAX_V(sqrt(2.0f * (middle + radius)), least), (real_v)(1.0f))",
             "MAX_V(sqrt(2.0f * (middle + radius)), least)")});
-  add("a-lobe-of-opposite-normals", "a mean of no length is no direction: 0 / 0", "straight up", no_mean_normal,
+  add("a-lobe-of-opposite-normals", "a mean of length 0 has no direction: 0 / 0", "straight up", no_mean_normal,
       {edit("*z = usable ? *z * inverse : (real_v)(1.0f);", "*z = *z * inverse;")});
   return cases;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planar Gaussians (Tan et al. 2005): the kernels of lobes built with MULTUM_PLANAR, and their rounding, on what breaks
-// a Gaussian over (n_x, n_y): variances that are small differences near the rim, no variance at all, no normals.
+// Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR and their rounding, on inputs
+// that break a Gaussian over (n_x, n_y): variances that are small differences near the rim, variance 0, no normals.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -37,7 +37,7 @@ glm::dvec3 point(double degrees, double azimuth = 0.3) {
 
 constexpr double kTilts[] = {0.0, 30.0, 60.0, 80.0, 89.0, 90.0};
 
-// `width` degrees of normals about a tilt, a thousand of them.
+// A thousand normals within `width` degrees of a tilt.
 EmTexel narrow_texel(double degrees, double width) {
   EmTexel texel{{}, equal_lobes({point(degrees)}, 100.0)};
   for (int i = 0; i < 1000; ++i)
@@ -56,7 +56,7 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     }
 }
 
-// One point over and over, from a mean that is far away: D/S and Steiner's term are equal but for rounding.
+// One repeated point and a distant mean: D/S and Steiner's term are equal except for rounding.
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
@@ -74,7 +74,7 @@ void far_from_every_gaussian(Device& device, WorstError& worst) {
                   planar_settings(2), fmt::format("kappa {}", kappa), worst);
 }
 
-// A lobe that gets none of the normals, and one that gets one in a thousand.
+// A lobe that gets no normals, and a lobe that gets one in a thousand.
 void dying_gaussians(Device& device, WorstError& worst) {
   EmTexel texel{repeated({point(5, 0.0), point(7, 2.0), point(6, 4.0)}, 999),
                 equal_lobes({point(5, 0.0), point(70, 1.0), point(80, 4.0)}, 300.0)};
@@ -84,7 +84,7 @@ void dying_gaussians(Device& device, WorstError& worst) {
   add_em_errors(device, texel, planar_settings(8), "none", worst);
 }
 
-// More lobes than points; then one point over and over, and lobes that are all alike.
+// More lobes than points; then one repeated point with equal lobes.
 void few_points(Device& device, WorstError& worst) {
   for (const int count : {1, 2, 3})
     for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
@@ -99,7 +99,7 @@ void few_points(Device& device, WorstError& worst) {
     for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
       const std::vector<glm::dvec3> starts(static_cast<std::size_t>(lobes), point(degrees - 5.0));
       add_em_errors(device, {repeated({point(degrees)}, 256), equal_lobes(starts, 20.0)}, planar_settings(5),
-                    fmt::format("one point at {} degrees, {} lobes alike", degrees, lobes), worst);
+                    fmt::format("one point at {} degrees, {} equal lobes", degrees, lobes), worst);
     }
 }
 
@@ -148,7 +148,7 @@ void caps_of_narrow_texels(Device& device, WorstError& worst) {
       }
 }
 
-// Cells whose normals are one, at any tilt: what they scatter, as movmf_bin_means finds it.
+// Cells of equal normals at any tilt: tests their scatter from movmf_bin_means.
 void scatter_of_equal_normals(Device& device, WorstError& worst) {
   constexpr int kCells = 400;
   std::vector<std::int64_t> cells;
@@ -177,7 +177,7 @@ std::vector<glm::vec4> directions_around(double degrees) {
   return directions;
 }
 
-// Against the formula in double, by the peak of an upright lobe.
+// Compares with the formula in double, relative to the peak of an upright lobe.
 void add_density(Device& device, const glm::vec4& lobe, double s, const std::vector<glm::vec4>& directions,
                  const std::string& input, WorstError& worst) {
   const glm::dvec4 wide(lobe);
@@ -187,7 +187,7 @@ void add_density(Device& device, const glm::vec4& lobe, double s, const std::vec
     worst.add(values[i], reference::gmm_density(wide, s, glm::dvec3(directions[i])), peak, input);
 }
 
-// The third value as rounding and filtering may leave it: less than the square of the mean.
+// The third value is less than the square of the mean, as rounding and filtering may leave it.
 void filtered_variance_below_0(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0})
     for (const float missing : {0.0f, 1e-6f, 3e-5f, 5e-4f})
@@ -213,13 +213,13 @@ void vanishing_gaussian(Device& device, WorstError& worst) {
   }
 }
 
-// How lobes of amplitude 1 keep 2 sigma^2 at the limit of an encoding, and that single directions get none.
+// Tests how lobes of amplitude 1 keep 2 sigma^2 at the limit of an encoding, and that single directions get no spread.
 void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
   SplitMix64 random(2005);
   for (const double variance : {0.0, 1.0 / static_cast<double>(gmm_kappa_max(encoding))}) {
     MovmfLevel level{2000, 1, {{}}, {}};
     for (int i = 0; i < level.width; ++i) {
-      // Of unit vectors E|p|^2 is at most 1.
+      // For unit vectors, E|p|^2 is at most 1.
       const glm::dvec3 p = std::sqrt(1.0 - 2.0 * variance) * point(90.0 * random.uniform(), 6.28 * random.uniform());
       level.lobes[0].emplace_back(glm::dvec4(p.x, p.y, 2.0 * variance + p.x * p.x + p.y * p.y, 1.0));
     }
@@ -238,9 +238,9 @@ void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
 
 NumericalCase storage_case(StorageEncoding encoding, const std::string& name) {
   return {{"planar-variance-in-" + name, "gmm_quantize",
-           "2 sigma^2 is a difference of numbers near 1, each rounded: all of it is lost near the rim",
-           "the third value is rounded last, about the mean as it was rounded; of a single direction down", 0.251,
-           "relative, of sigma^2 at the encoding's limit; absolute, of single directions",
+           "2 sigma^2 is a difference of rounded numbers near 1: all digits are lost near the rim",
+           "the third value is rounded last, relative to the rounded mean; for a single direction it is rounded down",
+           0.251, "relative, for sigma^2 at the encoding's limit; absolute, for single directions",
            "half a step of the third value is a quarter of 2 sigma^2 there"},
           [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
           {},
@@ -253,15 +253,17 @@ std::vector<NumericalCase> fit_cases() {
   const char* const kFormula = "movmf_em_texels (planar)";
   const char* const kUnit = "absolute, of a, a mu and a sigma^2";
   return {
-      {{"planar-variance-at-the-rim", kFormula, "E|p|^2 - |E p|^2 of points near the rim: near-equal numbers",
-        "the mean squared distance from the last mean, less what that moved (Steiner)", 1e-4, "relative, of sigma^2",
-        "a thousand additions"},
+      {{"planar-variance-at-the-rim", kFormula,
+        "E|p|^2 - |E p|^2 for points near the rim: the numbers are nearly equal",
+        "the mean squared distance from the last mean, minus the square of its shift (Steiner)", 1e-4,
+        "relative, of sigma^2", "a thousand additions"},
        variance_at_the_rim,
        {em_edit("const real_v spread = fma(d, inverse, -half_square(m.x - mu_x, m.y - mu_y));",
                 "const real_v spread = (d * inverse + (m.x * mu_x + m.y * mu_y - half_square(mu_x, mu_y))) - "
                 "half_square(m.x, m.y);")}},
-      {{"planar-variance-never-negative", kFormula, "a difference of equal numbers is below 0: the density is none",
-        "held at 0 and above", kNothingWrong, "how far below 0", "never"},
+      {{"planar-variance-never-negative", kFormula,
+        "a difference of equal numbers is below 0: the density is undefined", "limited to 0 and above", kNothingWrong,
+        "how far below 0", "never"},
        variance_never_negative,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float: shares are 0 / 0",
@@ -274,19 +276,19 @@ std::vector<NumericalCase> fit_cases() {
        dying_gaussians,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
       {{"planar-one-two-three-points", kFormula, "more lobes than points: sigma^2 is 0, its inverse infinite",
-        "a floor of 1e-7 under sigma^2, a cap on its inverse: 500 + 10 kappa_1", 1e-4, kUnit,
-        "lobes that compete evenly multiply a difference in each iteration"},
+        "a minimum of 1e-7 for sigma^2, and a cap on its inverse: 500 + 10 kappa_1", 1e-4, kUnit,
+        "equal competitors multiply a difference in each iteration"},
        few_points,
        {},
        {},
        {no_floor, no_cap}},
-      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "a lobe of no points has a mean of 0 / 0",
-        "the least weight that is divided by is 1e-30; a variance of at least 1e-6", 2e-4, "relative, of the cap",
-        "1.2e-7 of a squared distance of 3 degrees, against the least variance"},
+      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "the mean of a lobe without points is 0 / 0",
+        "the minimum divisor is 1e-30; a variance is at least 1e-6", 2e-4, "relative, of the cap",
+        "1.2e-7 of a squared distance of 3 degrees, relative to the minimum variance"},
        caps_of_narrow_texels,
        {{"movmf_em_mstep", "1.0f / MAX_V(sum_s[j], (real_v)(1e-30f))", "1.0f / sum_s[j]"}}},
       {{"planar-scatter-of-equal-normals", "movmf_bin_means (planar)",
-        "E|p|^2 of a cell less the square of its mean is below 0", "held at 0 and above", kNothingWrong,
+        "E|p|^2 of a cell minus the square of its mean is below 0", "limited to 0 and above", kNothingWrong,
         "how far below 0", "never"},
        scatter_of_equal_normals,
        {{"movmf_binning", "MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f)",
@@ -298,15 +300,17 @@ std::vector<NumericalCase> fit_cases() {
 
 std::vector<NumericalCase> planar_cases() {
   std::vector<NumericalCase> cases = fit_cases();
-  cases.push_back({{"planar-filtered-variance-below-0", "movmf_shade (planar)",
-                    "rounding and filtering leave less than the square of the mean: the variance is negative",
-                    "no variance but the facets' own", 2e-3, "of an upright lobe's peak",
-                    "6e-8 of a mean near 1, twice, against a variance of 1e-4"},
-                   filtered_variance_below_0,
-                   {shade_edit("max(spread, 0.0f)", "spread")}});
   cases.push_back(
-      {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe of no normals is divided by its amplitude: 0 / 0",
-        "no lobe at or below 1e-6", 6e-4, "of an upright lobe's peak; 1 where there should be none", "as above"},
+      {{"planar-filtered-variance-below-0", "movmf_shade (planar)",
+        "after rounding and filtering the third value is below the square of the mean: the variance is negative",
+        "only the variance of the facets remains", 2e-3, "of an upright lobe's peak",
+        "6e-8 of a mean near 1, twice, relative to a variance of 1e-4"},
+       filtered_variance_below_0,
+       {shade_edit("max(spread, 0.0f)", "spread")}});
+  cases.push_back(
+      {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe without normals is divided by its amplitude: 0 / 0",
+        "no lobe at or below 1e-6", 6e-4, "relative to an upright lobe's peak; 1 where the result must be 0",
+        "as above"},
        vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});

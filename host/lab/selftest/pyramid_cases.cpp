@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages of every level (kernels/mip_box.cl) and the reflectance maps that they are of (reflectance_pyramid.cl,
-// Williams 1983): numbers that only copies keep, sums over more texels than a float can count, highlights narrower than
+// Tests averages of every level (kernels/mip_box.cl) and reflectance maps (reflectance_pyramid.cl, Williams 1983).
+// Inputs: numbers that arithmetic would change, sums over more texels than a float can count, highlights narrower than
 // a texel, light along and behind the surface.
 #include <fmt/format.h>
 
@@ -69,7 +69,7 @@ namespace {
 constexpr MultumBoxBand kOddBands[] = {
     {1, 1, 0, 1, 12, 1, 0, 0}, {37, 5, 0, 5, 48, 3, 0, 0}, {64, 1, 0, 1, 75, 8, 0, 0}, {1, 37, 0, 37, 9, 2, 0, 0}};
 
-// What arithmetic might change: signed zeros, denormal numbers, the ends of the range, what is no number.
+// Numbers that arithmetic might change: signed zeros, denormal numbers, the ends of the range, NaN.
 std::vector<float> odd_numbers(std::size_t count) {
   constexpr float kOdd[] = {0.0f,     -0.0f,   1e-45f,     -1e-40f,      0x1p-126f, 3.4028235e38f, -HUGE_VALF,
                             1.0f / 3, -1e-30f, 16777217.f, -16777216.0f, kPoison,   0.1f};
@@ -84,8 +84,8 @@ std::string text_of(const MultumBoxBand& band) {
 
 constexpr float kUntouched = -12345.0f;
 
-// Nodes, with room behind them for what a launch has too many, after `fill`; each bit by bit against `expected(plane,
-// row, column)` where there is a texel, and untouched elsewhere.
+// Runs `fill` on nodes with room for a launch's surplus work-items. Compares bit by bit with `expected(plane, row,
+// column)` where there is a texel; the rest must not change.
 void add_nodes(Device& device, const MultumBoxBand& band,
                const std::function<void(const DeviceBuffer& nodes, std::size_t items)>& fill,
                const std::function<float(int plane, int row, int column)>& expected, WorstError& worst) {
@@ -121,7 +121,7 @@ void texels_keep_their_bits(Device& device, WorstError& worst) {
   }
 }
 
-// Three planes behind `kBefore` others, which stay as they were.
+// Three planes after `kBefore` others, which must not change.
 void features_keep_their_bits(Device& device, WorstError& worst) {
   constexpr int kBefore = 5;
   for (MultumBoxBand band : kOddBands) {
@@ -159,7 +159,7 @@ std::vector<std::vector<float>> rows_to_sum(int width) {
   return rows;
 }
 
-// |found - exact sum| by the sum of magnitudes; what a device takes for 0 may go.
+// Adds |found - exact sum| relative to the sum of magnitudes; allows for values that a device treats as 0.
 void add_sum(double found, const float* begin, const float* end, const std::string& input, WorstError& worst) {
   double sum = 0.0, magnitude = 0.0;
   for (const float* x = begin; x != end; ++x) {
@@ -184,7 +184,7 @@ void blocks_of_32768(Device& device, WorstError& worst) {
   }
 }
 
-// From left to right instead of in pairs.
+// Adds from left to right instead of in pairs.
 void rows_from_left_to_right(WorstError& worst) {
   const std::vector<float> row = rows_to_sum(32768)[0];
   float sum = 0.0f;
@@ -192,8 +192,8 @@ void rows_from_left_to_right(WorstError& worst) {
   add_sum(static_cast<double>(sum), row.data(), row.data() + row.size(), "equal texels", worst);
 }
 
-// A map of 2^30 texels, the largest there may be: each row's sum is one node, and a column of the coarsest level goes
-// down all of them.
+// A map of 2^30 texels, the largest possible: each row's sum is one node, and a column of the coarsest level adds all
+// of them.
 void average_of_2_30(Device& device, WorstError& worst) {
   constexpr int kSide = 32768;
   SplitMix64 random(30);
@@ -234,7 +234,8 @@ MultumReflectanceLight device_light(const reference::DistantLight& light) {
   return {l.x, l.y, l.z, 0.0f, h.x, h.y, h.z, 0.0f, e.x, e.y, e.z, 0.0f};
 }
 
-// Rows from `first_row` on of a reflectance map, against the mean over the normals of a texel; errors of the brightest.
+// Compares rows of a reflectance map, from `first_row` on, with the mean over the normals of a texel; errors are
+// relative to the brightest.
 void add_reflectance(Device& device, const ReflectanceTest& test, int first_row, WorstError& worst) {
   std::vector<MultumReflectanceLight> lights;
   for (const reference::DistantLight& light : test.lights) lights.push_back(device_light(light));
@@ -295,7 +296,7 @@ void highlights_of_1e5(Device& device, WorstError& worst) {
     add_reflectance(device, {64, 8, exponent, {light_from(20.0, 0.4, glm::dvec3(1.0))}}, 16, worst);
 }
 
-// One texel, and odd sizes: thousands of normals a texel, lights of 1e-6 to 1e6.
+// One texel, and odd sizes: thousands of normals per texel, lights of 1e-6 to 1e6.
 void normals_of_a_texel(Device& device, WorstError& worst) {
   const std::vector<reference::DistantLight> lights = {light_from(0.0, 0.0, {1e-6, 1.0, 1e6}),
                                                        light_from(40.0, 1.0, {1e6, 1e-6, 1.0}),
@@ -305,7 +306,8 @@ void normals_of_a_texel(Device& device, WorstError& worst) {
   add_reflectance(device, {5, 32, 10.0, lights}, 2, worst);
 }
 
-// A light along the surface and one from behind: only what faces them is lit. Nothing shines from straight behind.
+// A light along the surface and one from behind: only surfaces that face them are lit. Light from straight behind has
+// no effect.
 void light_from_behind(Device& device, WorstError& worst) {
   for (const double degrees : {89.9, 90.0, 90.1, 179.0})
     for (const double exponent : {1.0, 50.0})
@@ -313,22 +315,23 @@ void light_from_behind(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> box_cases() {
-  const std::string same = "values wrong", none = "none may be: copies";
+  const std::string same = "values wrong", none = "values are only copied";
   return {
-      {{"texels-keep-their-bits", "mip_texels", "items behind the last texel write into other memory",
-        "the bounds are checked first; nothing but a copy", kNothingWrong, same, none},
+      {{"texels-keep-their-bits", "mip_texels", "work-items after the last texel write to other memory",
+        "bounds are checked first; values are only copied", kNothingWrong, same, none},
        texels_keep_their_bits,
        {{"mip_box", "if (item >= band.plane_count * band.row_count * band.map_width) return;", ""}}},
-      {{"features-keep-their-bits", "mip_features", "items behind the last texel write into the next plane",
-        "the bounds are checked first; nothing but a copy", kNothingWrong, same, none},
+      {{"features-keep-their-bits", "mip_features", "work-items after the last texel write to the next plane",
+        "bounds are checked first; values are only copied", kNothingWrong, same, none},
        features_keep_their_bits,
        {{"mip_box", "if (item >= band.row_count * band.map_width) return;", ""}}},
-      {{"blocks-of-32768-texels", "mip_blocks", "32768 equal texels from left to right round alike",
+      {{"blocks-of-32768-texels", "mip_blocks",
+        "32768 equal texels, added from left to right, round in the same direction",
         "sums of two, of four, ...: 15 roundings", 1e-6, "of the sum of magnitudes", "15 * 6e-8"},
        blocks_of_32768,
        {},
        rows_from_left_to_right},
-      {{"average-of-2-30-texels", "mip_levels", "32768 roundings of a sum, each of half a unit in the last place",
+      {{"average-of-2-30-texels", "mip_levels", "32768 roundings of a sum, each by half a unit in the last place",
         "a compensated sum down the rows", 1.2e-7, "relative", "the last rounding, and that of the share"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
@@ -346,16 +349,16 @@ std::vector<NumericalCase> pyramid_cases() {
         {{name, "reflectance_texels", without, guard, bound, "of the brightest texel", reason}, run, edits});
   };
   add("highlights-narrower-than-texels", "1 - n . h is rounded to 6e-8, which s = 1e5 multiplies",
-      "1 - n . h = |n - h|^2 / 2", 2e-5, "6e-8 of n and of h, by |n - h|, of which s = 1e5 sees 0.004",
-      highlights_of_1e5,
+      "1 - n . h = |n - h|^2 / 2", 2e-5,
+      "6e-8 of n and of h, relative to |n - h|, which is about 0.004 in a highlight of s = 1e5", highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
-  add("thousands-of-normals-a-texel", "49152 additions of like numbers round alike", "compensated sums", 5e-7,
-      "some roundings of a sample, whatever their number", normals_of_a_texel,
+  add("thousands-of-normals-a-texel", "49152 additions of similar numbers round in the same direction",
+      "compensated sums", 5e-7, "a few roundings of a sample, for any number of samples", normals_of_a_texel,
       {{"reflectance_pyramid", "const float total = *sum + value;",
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
-  add("light-from-behind", "what is turned away from a light is darkened by it", "nothing where n . l <= 0", 1e-5,
-      "6e-8 of n and of h, by |n - h|, of which s = 50 sees 0.2", light_from_behind,
+  add("light-from-behind", "a surface that faces away from a light is darkened by it", "nothing where n . l <= 0", 1e-5,
+      "6e-8 of n and of h, relative to |n - h|, which is about 0.2 in a highlight of s = 50", light_from_behind,
       {{"reflectance_pyramid", "if (cosine <= 0.0f) continue;", ""}});
   return cases;
 }

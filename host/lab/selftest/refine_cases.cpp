@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refinement of lobes (kernels/movmf_refine.cl) on texels that break what is not guarded.
+// Tests the refinement of lobes (kernels/movmf_refine.cl) on texels that break unguarded formulas.
 #include <cmath>
 #include <numeric>
 
@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// A texel of a level of one row, with at most one texel beside it, on its right.
+// Refines a texel of a level of one row, with at most one neighbour, on its right.
 std::vector<MultumVmfLobe> refine_texel(Device& device, const reference::RefinedTexel& texel, int vector_width) {
   const std::vector<reference::Sample>& samples = texel.samples;
   const std::size_t width = 1 + texel.beside.size();
@@ -71,7 +71,7 @@ void lobe_without_direction(Device& device, WorstError& worst) {
   compare(device, {repeated({{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}}, 64), lobes, {}}, worst);
 }
 
-// Lobes that point away from those beside: pooled they have no length, and no lobe turns them.
+// Lobes opposite to those of the neighbour: mixed with them they have length 0, and no lobe may turn.
 void opposite_lobes_beside(Device& device, WorstError& worst) {
   const std::vector<reference::MeanLobe> lobes = {{{0.0, 0.0, 0.75}, 0.5}, {{0.5, 0.0, 0.5}, 0.5}};
   const std::vector<reference::MeanLobe> beside = {{{0.0, 0.0, -0.75}, 0.5}, {{-0.5, 0.0, -0.5}, 0.5}};
@@ -82,13 +82,13 @@ void opposite_lobes_beside(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> refine_cases() {
   return {{{"refined-lobes-without-direction", "movmf_refine", "kappa 0: its peak is 0/0", "kappa is at least 0.05",
-            2e-3, "absolute, of a and a r", "kappa's polynomial, 3e-5, over ten damped steps"},
+            2e-3, "absolute, of a and a r", "the polynomial for kappa, 3e-5, over ten damped steps"},
            lobe_without_direction,
            {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",
              "kappa_of_mean_length(mean, spread)"}}},
-          {{"refined-beside-opposite-lobes", "movmf_refine", "pooled lobes of length 0: a turn of them is 1/0",
+          {{"refined-beside-opposite-lobes", "movmf_refine", "mixed lobes of length 0: their rotation is 1/0",
             "their length is at least 0.02", 2e-3, "absolute, of a and a r",
-            "kappa's polynomial, 3e-5, over ten damped steps"},
+            "the polynomial for kappa, 3e-5, over ten damped steps"},
            opposite_lobes_beside,
            {{"movmf_refine", "1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN))", "1.0f / length"}}}};
 }

@@ -17,7 +17,7 @@ bool is_wanted(const NumericalCase& c, const std::string& filter) {
   return c.text.name.find(filter) != std::string::npos || c.text.formula.find(filter) != std::string::npos;
 }
 
-// A case that compares nothing would hold whatever the kernels do.
+// A case that compares nothing must fail, since it would pass for any kernel.
 double worst_of(const WorstError& worst) {
   return worst.count() > 0 ? worst.value() : std::numeric_limits<double>::quiet_NaN();
 }
@@ -84,7 +84,7 @@ NumericalRun run_selftest(Device& device, const SelftestOptions& options, Progre
     if (is_wanted(c, options.filter)) wanted.push_back(&c);
   if (wanted.empty())
     throw Error(ErrorCode::kUsage, fmt::format("no case or kernel has '{}' in its name; expected a part of one of the "
-                                               "{} that docs/contributing/STABILITY.md lists",
+                                               "{} names in docs/contributing/STABILITY.md",
                                                options.filter, numerical_cases().size()));
   NumericalRun run{"OpenCL",
                    device.info().name,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical harmonics (kernels/sh_project.cl, sh_shade.cl) at order 20, at the poles, of vectors that are not unit.
+// Tests spherical harmonics (kernels/sh_project.cl, sh_shade.cl) at order 20, at the poles, and for vectors that are
+// not unit vectors.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -80,7 +81,7 @@ std::vector<double> shade_sh(Device& device, int order, const std::vector<float>
 
 namespace {
 
-// What |Y_lm| is at most for any m, summed up over m: the unit of every error of a coefficient.
+// Square root of the sum of Y_lm^2 over m, the bound of |Y_lm| for every m: the unit of every coefficient's error.
 double bound_of_band(int l) { return std::sqrt((2.0 * l + 1.0) / (4.0 * std::numbers::pi)); }
 
 glm::vec3 random_direction(SplitMix64& random) {
@@ -89,7 +90,7 @@ glm::vec3 random_direction(SplitMix64& random) {
   return glm::vec3(side * std::cos(phi), side * std::sin(phi), z);
 }
 
-// Each coefficient of each normal against the definition at `meant` (of any length).
+// Compares each coefficient of each normal with the definition at `meant`, which may have any length.
 void add_basis(Device& device, int order, const std::vector<glm::vec3>& normals, const std::vector<glm::dvec3>& meant,
                WorstError& worst) {
   const std::vector<std::vector<float>> found = project_sh(device, order, normals);
@@ -122,7 +123,7 @@ void basis_to_order_20(Device& device, WorstError& worst) {
 
 constexpr double kMeanCosines[] = {0.5, 0.51, 0.6, 0.8, 0.95, 0.99, 0.9999, 0.999999};
 
-// Normals that a BRDF's width has shortened, from the widest to the sharpest that is no single direction.
+// Normals that a BRDF's width has shortened, from the widest to the sharpest that is not a single direction.
 void rough_normals(Device& device, WorstError& worst) {
   constexpr int kOrder = 20;
   SplitMix64 random(21);
@@ -140,7 +141,7 @@ void rough_normals(Device& device, WorstError& worst) {
   }
 }
 
-// a_(l+1) = a_(l-1) - (2l + 1) / kappa a_l, from a_0 = 1 and a_1 = c upwards, in float.
+// a_(l+1) = a_(l-1) - (2l + 1) / kappa a_l, upwards from a_0 = 1 and a_1 = c, in float.
 void upward_zonal(WorstError& worst) {
   for (const double c : kMeanCosines) {
     const ZonalCoefficients exact = zonal_vmf(20, c);
@@ -156,7 +157,7 @@ void upward_zonal(WorstError& worst) {
   }
 }
 
-// P_lm by its textbook recurrence, and then sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!), all in float.
+// P_lm by the textbook recurrence, then sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!), all in float.
 void textbook_basis(WorstError& worst) {
   for (const glm::vec3& n : all_directions())
     for (int m = 0; m <= 20; ++m) {
@@ -221,7 +222,7 @@ void no_direction(Device& device, WorstError& worst) {
   add_basis(device, 8, normals, std::vector<glm::dvec3>(normals.size(), glm::dvec3(0.0, 0.0, 1.0)), worst);
 }
 
-// A single tilt at order 4 rings: what the series has below 0 is no light.
+// A single tilt at order 4 rings: negative values of the series must not become light.
 void ringing(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 4, 8, 20}) {
@@ -232,7 +233,7 @@ void ringing(Device& device, WorstError& worst) {
   }
 }
 
-// Two opposite tilts in equal shares: no mean direction to speak of, and a highlight on both sides all the same.
+// Two opposite tilts with equal shares: the mean direction is almost undefined, but there is a highlight on both sides.
 void opposite_tilts(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 8, 20})
@@ -264,41 +265,43 @@ SourceEdit direction_edit(const std::string& text, const std::string& replacemen
 }  // namespace
 
 std::vector<NumericalCase> sh_cases() {
-  const std::string unit = "of the largest in its band";
-  const std::string reason = "1 - z^2 near a pole loses 6e-8 l^2 / 2; 20 steps of the recurrence";
+  const std::string unit = "relative to the largest in its band";
+  const std::string reason = "1 - z^2 near a pole has an error of 6e-8 l^2 / 2; 20 steps of the recurrence";
   return {
-      {{"harmonics-to-order-20", "sh_project", "(l + m)! and P_lm run over: 40! is no float",
-        "normalised on the way, with constants from double", 1e-5, unit, reason},
+      {{"harmonics-to-order-20", "sh_project", "(l + m)! and P_lm overflow: 40! exceeds a float",
+        "normalised in each step, with constants from double", 1e-5, unit, reason},
        basis_to_order_20,
        {},
        textbook_basis},
-      {{"harmonics-at-the-poles", "sh_project", "x / sin theta is 0 / 0", "sin^m lies within (x + iy)^m", 1e-5, unit,
+      {{"harmonics-at-the-poles", "sh_project", "x / sin theta is 0 / 0", "sin^m is part of (x + iy)^m", 1e-5, unit,
         reason},
        poles,
        {},
        divided_by_sine},
-      {{"harmonics-of-vectors-not-unit", "sh_project", "(x + iy)^20 runs away, squares of 1e-30 are 0",
-        "scaled by the largest, then made unit", 1e-5, unit, reason},
+      {{"harmonics-of-vectors-not-unit", "sh_project", "(x + iy)^20 overflows, squares of 1e-30 are 0",
+        "scaled by the largest component, then normalised", 1e-5, unit, reason},
        not_unit,
        {direction_edit("const float3 scaled = (float3)(x / largest, y / largest, z / largest);",
                        "return (float3)(x, y, z);\n  const float3 scaled = (float3)(x, y, z);")}},
-      {{"harmonics-of-no-direction", "sh_project", "0 / 0, and NaN in every coarser texel", "what has none points up",
-        1e-6, unit, "a pole: z and 1 are exact"},
+      {{"harmonics-of-no-direction", "sh_project", "0 / 0, and NaN in every coarser texel",
+        "normals of length 0 point up", 1e-6, unit, "a pole: z and 1 are exact"},
        no_direction,
        {direction_edit("if (!(largest > 0.0f && largest < INFINITY) || isnan(x + y + z))", "if (0)")}},
       {{"harmonics-of-rough-normals", "sh_project",
-        "the vMF's zonal coefficients from the first two upwards: they cancel",
-        "ratios, from an asymptotic one well above downwards", 5e-5, unit, "kappa of a mean cosine is within 3.3e-5"},
+        "the vMF's zonal coefficients by upward recurrence from the first two: they cancel",
+        "ratios, downwards from an asymptotic one at a much higher order", 5e-5, unit,
+        "kappa of a mean cosine is correct within 3.3e-5"},
        rough_normals,
        {},
        upward_zonal},
-      {{"harmonics-ring-below-0", "sh_shade", "a series that ends rings: light below 0 darkens what is beside it",
-        "clamped at 0", kNothingWrong, "absolute, of what is below 0", "nothing may be"},
+      {{"harmonics-ring-below-0", "sh_shade", "a truncated series rings: negative light darkens its surroundings",
+        "clamped at 0", kNothingWrong, "absolute, of values below 0", "no error is allowed"},
        ringing,
        {{"sh_shade", "return max(sum, 0.0f);", "return sum;"}}},
-      {{"harmonics-of-opposite-tilts", "sh_shade", "a direction that is not made unit, or a mean of none, has no lobes",
-        "none is needed: the series has both", 2e-5, "of the peak of one tilt",
-        "that of the basis, twice, in proportion to a_l"},
+      {{"harmonics-of-opposite-tilts", "sh_shade",
+        "without normalisation, or with a mean direction of length 0, there are no highlights",
+        "no guard is needed: the series represents both", 2e-5, "relative to the peak of one tilt",
+        "the error of the basis, twice, in proportion to a_l"},
        opposite_tilts,
        {},
        {},

@@ -10,13 +10,13 @@
 
 namespace multum {
 
-/// Coefficients of each normal [normal][l*l + l + m - 1], as sh_project writes them; `shortened`: lengths are a BRDF's
-/// width.
+/// Coefficients of each normal, [normal][l*l + l + m - 1], in the order of sh_project; `shortened`: lengths contain a
+/// BRDF's width.
 std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals,
                                            bool shortened = false);
 
-/// Blinn-Phong of exponent s at each of the unit half vectors, or Lambert at lights where s is 0, of the same
-/// coefficients: [direction]. `share` is that of stored levels; no level is left to the normal map.
+/// Shades the same coefficients with Blinn-Phong of exponent s at each unit half vector or, if s is 0, with Lambert at
+/// lights: [direction]. `share` belongs to stored levels; the normal map contributes nothing.
 std::vector<double> shade_sh(Device& device, int order, const std::vector<float>& coefficients, float share, float s,
                              const std::vector<glm::vec3>& directions);
 

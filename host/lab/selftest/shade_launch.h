@@ -14,19 +14,18 @@
 
 namespace multum {
 
-/// The lobe (a r, a) at unit `directions` (w unused): half vectors of Blinn-Phong of exponent s >= 1, or lights of
-/// Lambert where s is 0. Amplitude included.
-/// `planar`: a Gaussian (a mu, a (2 sigma^2 + |mu|^2), a).
+/// Shades the lobe (a r, a), including the amplitude, at unit `directions` (w unused): half vectors of Blinn-Phong of
+/// exponent s >= 1, or lights of Lambert if s is 0. `planar`: the lobe is a Gaussian (a mu, a (2 sigma^2 + |mu|^2), a).
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
                                bool planar = false);
-/// Half vectors of any highlight.
+/// Shades any highlight at half vectors.
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const MultumHighlight& highlight,
                                const std::vector<glm::vec4>& directions);
 
 /// An edit of the kernel.
 SourceEdit shade_edit(const std::string& text, const std::string& replacement);
 
-/// The angle from mu to the vector that the kernel sees, which is not quite of length 1: |mu - w|^2 / 2 = 1 - cos.
+/// The angle between mu and the kernel's vector, whose length is not exactly 1: |mu - w|^2 / 2 = 1 - cos.
 double angle_seen(const glm::dvec3& mu, const glm::vec4& w);
 
 }  // namespace multum

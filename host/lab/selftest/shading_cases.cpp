@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) where something is 0, 1 or as far as it
-// goes. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe". Lobes lie along +z, so that (a r, a) is exact in
-// float and the error is the formula's own.
+// Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) for parameters that are 0, 1 or
+// extreme. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe". Lobes point along +z, so that (a r, a) is exact
+// in float and only the formula causes an error.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ glm::vec4 lobe_of(double amplitude, double spread) {
 
 constexpr double kSpreads[] = {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.5, 0.875, 1.0 - 0x1p-20, 1.0};
 
-// Against the formula in double, by the peak of the lobe.
+// Compares with the formula in double, relative to the peak of the lobe.
 void add_blinn_phong(Device& device, const glm::vec4& lobe, double spread, double s,
                      const std::vector<glm::vec4>& directions, WorstError& worst) {
   const double amplitude = static_cast<double>(lobe.w), peak = reference::product_blinn_phong(s, spread, 0.0);
@@ -96,7 +96,7 @@ void exponents_to_1e5(Device& device, WorstError& worst) {
                       worst);
 }
 
-// Not at 90 degrees itself, where the power 0 is a step.
+// 90 degrees itself is omitted, because the power 0 is a step there.
 void horizon_and_below(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = {direction(0.5 * std::numbers::pi - 1e-4),
                                              direction(0.5 * std::numbers::pi + 1e-4),
@@ -122,7 +122,7 @@ void no_mean_direction(Device& device, WorstError& worst) {
   }
 }
 
-// Amplitudes that filtering leaves: relative to the amplitude; none at all below 1e-6.
+// Amplitudes that filtering leaves: errors are relative to the amplitude; below 1e-6 the result must be 0.
 void vanishing_amplitude(Device& device, WorstError& worst) {
   for (const double amplitude : {0.5, 1e-3, 1.0 / 32767.0, 2e-6, 1.01e-6, 1e-6, 1e-8, 1e-30, 1e-40, 0.0}) {
     const glm::vec4 lobe = lobe_of(amplitude, 0.125);
@@ -137,7 +137,7 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
   }
 }
 
-// GGX as vMFs, some of them negative, against the same sum in double.
+// GGX as a sum of vMFs, some of them negative, compared with the same sum in double.
 void terms_of_either_sign(Device& device, WorstError& worst) {
   Highlight ggx;
   ggx.brdf.kind = BrdfKind::kGgx;
@@ -178,24 +178,25 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> lobe_cases() {
-  const char* kReason = "2.3e-4 of kappa's inverse, in the peak and in the exponent";
+  const char* kReason = "2.3e-4 of the inverse of kappa, in the peak and in the exponent";
   return {
       {{"exponents-to-1e5", "movmf_shade", "1 - mu . h is rounded to 6e-8, which s = 1e5 multiplies",
-        "1 - mu . h = |mu - h|^2 / 2; q = 1 - A as a sum of what is small", 6e-4, "of the peak", kReason},
+        "1 - mu . h = |mu - h|^2 / 2; q = 1 - A as a sum of small terms", 6e-4, "of the peak", kReason},
        exponents_to_1e5,
        {shade_edit("return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
                    "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));")}},
-      {{"the-horizon-and-below", "movmf_shade", "the cosine power of a negative cosine lights what is turned away",
+      {{"the-horizon-and-below", "movmf_shade", "the power of a negative cosine lights surfaces that face away",
         "0 where 1 - t >= 1", 6e-4, "of the peak", kReason},
        horizon_and_below,
        {shade_edit("return e < 1.0f ?", "return true ?")}},
-      {{"longer-than-its-amplitude", "movmf_shade", "rounding leaves |a r| > a: the spread is negative, so is kappa",
-        "the spread is held within 0 and 1", 6e-4, "of the peak", kReason},
+      {{"longer-than-its-amplitude", "movmf_shade",
+        "rounding leaves |a r| > a: the spread is negative, and so is kappa", "the spread is clamped to 0 and 1", 6e-4,
+        "of the peak", kReason},
        longer_than_one,
        {shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                    "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")}},
-      {{"no-direction", "movmf_shade", "r = 0 is normalised: 0 / 0", "any direction: nothing depends on it", 6e-4,
-        "of the peak", kReason},
+      {{"no-direction", "movmf_shade", "r = 0 is normalised: 0 / 0", "any direction: the result does not depend on it",
+        6e-4, "of the peak", kReason},
        no_mean_direction,
        {shade_edit("const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;",
                    "const float inverse = 1.0f / length;")}},
@@ -208,20 +209,20 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "a lobe of no normals is divided by its amplitude: 0 / 0, or light of a direction that rounding made",
-        "no lobe at or below an amplitude of 1e-6, a thirtieth of the least stored", 6e-4,
-        "of the peak times the amplitude; 1 where there should be none", "as above"},
+        "a lobe without normals is divided by its amplitude: 0 / 0, or light from a direction that is rounding error",
+        "lobes with an amplitude of at most 1e-6, a thirtieth of the smallest stored, are ignored", 6e-4,
+        "relative to the peak times the amplitude; 1 where the result must be 0", "as above"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
+  cases.push_back({{"terms-of-either-sign", "movmf_shade",
+                    "a sum of vMFs of either sign can be below 0: negative light darkens its surroundings",
+                    "no lobe's sum is below 0", 6e-4, "relative to the sum of the terms' peaks",
+                    "2.3e-4 of the inverse of kappa, for every term"},
+                   terms_of_either_sign,
+                   {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
   cases.push_back(
-      {{"terms-of-either-sign", "movmf_shade",
-        "a sum of vMFs of either sign is below 0 where f is: light that darkens what is beside it",
-        "no lobe's sum is below 0", 6e-4, "of the sum of the terms' peaks", "2.3e-4 of kappa's inverse, of every term"},
-       terms_of_either_sign,
-       {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
-  cases.push_back(
-      {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, knows no spread",
+      {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the shortcut of the paper, ignores the spread",
         "the mean of a folded normal, exact at |r| = 1 and r = 0", 2.5e-3, "absolute",
         "0.22 % of the model (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,

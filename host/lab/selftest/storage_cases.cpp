@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rounding to the file's encodings does to a lobe's spread (host/formats/asset/lobes/movmf_quantize.cpp;
-// docs/reference/file_format.md, "Rounding"). No kernel runs: what kernels found is lost here or nowhere.
+// Tests the effect of rounding to the file's encodings on a lobe's spread
+// (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs: rounding
+// is the last step that can lose a kernel's result.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -36,7 +37,7 @@ Texels as_stored(const Texels& texels, StorageEncoding encoding) {
   return result;
 }
 
-// Each channel to its nearest value.
+// Rounds each channel to its nearest value.
 Texels by_channel(const Texels& texels, StorageEncoding encoding) {
   Texels result = texels;
   for (auto& lobes : result)
@@ -51,7 +52,7 @@ Rounding rounding(StorageEncoding encoding, bool naive) {
   return [=](const Texels& texels) { return naive ? by_channel(texels, encoding) : as_stored(texels, encoding); };
 }
 
-// Four lobes of one direction each: what spread they get, 1 - |r| of the stored.
+// Four lobes of one direction each: tests their stored spread, 1 - |r|.
 void single_directions(const Rounding& rounded, WorstError& worst) {
   SplitMix64 random(32767);
   Texels texels;
@@ -73,7 +74,7 @@ void single_directions(const Rounding& rounded, WorstError& worst) {
     }
 }
 
-// One lobe of amplitude 1, ever sharper, up to where the encoding says that it ends.
+// One lobe of amplitude 1, with increasing sharpness up to the limit of the encoding.
 void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstError& worst) {
   for (const double share : {0.1, 0.5, 1.0}) {
     const double kappa = share * static_cast<double>(storage_kappa_max(encoding));
@@ -90,7 +91,7 @@ void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstEr
   }
 }
 
-// Against rounding in the words of docs/reference/file_format.md.
+// Compares with rounding as described in docs/reference/file_format.md.
 void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, WorstError& worst) {
   SplitMix64 random(7);
   Texels texels;
@@ -108,23 +109,24 @@ void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, Worst
 
 std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string& name) {
   const Rounding stored = rounding(encoding, false), naive = rounding(encoding, true);
-  const std::string formula = "movmf_quantize", lost = "each channel to its nearest value moves |r| by up to 1/a steps";
+  const std::string formula = "movmf_quantize",
+                    lost = "rounding each channel to its nearest value changes |r| by up to 1/a steps";
   return {
       {{name + "-single-directions", formula, lost + ": a highlight is blurred",
-        "the four rounded together; of a single direction never to a shorter r", 1e-7, "absolute, of 1 - |r|",
-        "no spread at all, but for the float that holds it"},
+        "the four values are rounded together; for a single direction, r never becomes shorter", 1e-7,
+        "absolute, of 1 - |r|", "no spread, except for the rounding of the float that holds it"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
        [=](WorstError& worst) { single_directions(naive, worst); }},
       {{name + "-sharpest-spreads", formula, lost + ": more than the spread itself",
-        "the corner whose projection is nearest; kappa above the encoding's limit is counted and warned of", 0.09,
-        "relative, of 1 - |r|, mean over directions",
-        "at the limit a direction loses a quarter at most (storage_kappa_max)"},
+        "the corner with the closest projection; lobes with kappa above the encoding's limit are counted and reported",
+        0.09, "relative, of 1 - |r|, mean over directions",
+        "at the limit, a direction loses a quarter at most (storage_kappa_max)"},
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
-      {{name + "-as-the-format-says", formula, "another texel than docs/reference/file_format.md says",
-        "every way to round is tried, as its words are", kNothingWrong, "texels wrong", "not a bit may differ"},
+      {{name + "-as-the-format-says", formula, "the texel differs from the rule of docs/reference/file_format.md",
+        "every way to round is tried, as the rule says", kNothingWrong, "texels wrong", "not a bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },
        {},
        [=](WorstError& worst) { as_the_format_says(encoding, naive, worst); }},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks that host and device lay the structs of kernels/shared out alike.
+// Checks that host and device use the same layout for the structs in kernels/shared.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Sizes and offsets in bytes, in the order of probe_layout (kernels/probe_numerics.cl); -1: one that it does not know.
+/// Sizes and offsets in bytes, in the order of probe_layout (kernels/probe_numerics.cl); -1: unknown to the device.
 struct StructLayout {
   std::vector<int> host, device;
 };

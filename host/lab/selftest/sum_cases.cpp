@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums over as many texels as a level may cover, 2^28, from a stream that repeats one band of normals: its exact sum is
-// known. By chunks (movmf_em_chunks.cl, movmf_em_mstep.cl), of colours (movmf_features.cl) and into cells
+// Tests sums over as many texels as a level may cover, 2^28. The stream repeats one band of normals, so its exact sum
+// is known. Sums are by chunks (movmf_em_chunks.cl, movmf_em_mstep.cl), of colours (movmf_features.cl) and into cells
 // (movmf_binning.cl).
 //
-// Why a float does not do: it counts no further than 2^24, where a sum stands still when its last place is twice what
-// is added; and 2^16 partial sums, each right, lose half a unit in the last place of the total an addition, always the
-// same way where a pattern repeats.
+// A float is not sufficient. A float counts only to 2^24: there a sum stops growing, because half its last place
+// exceeds the increment. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the
+// total, and always in the same direction if a pattern repeats.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,10 +29,10 @@
 namespace multum {
 namespace {
 
-constexpr int kWidth = 32768, kHeight = 8192;  // 2^28 texels, one of the coarsest level
+constexpr int kWidth = 32768, kHeight = 8192;  // 2^28 texels under one texel of the coarsest level
 constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;
-constexpr int kChunks = 1 << 16;  // of 4096 normals each
+constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 
 // 64 rows of normals around a tilt, and their sum in double.
 struct Band {
@@ -91,7 +91,7 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
   MultumMovmfFit fit = coarsest_fit();
   fit.map_width = map.width, fit.map_height = fit.map_window_rows = map.height;
   fit.width = map.level_width, fit.height = fit.window_rows = map.level_height;
-  // What the widest texel may touch.
+  // The most that a texel may overlap.
   fit.sample_columns = (map.width + map.level_width - 1) / map.level_width + 1;
   fit.sample_rows = (map.height + map.level_height - 1) / map.level_height + 1;
   fit.chunk_rows = map.chunk_rows, fit.chunk_count = map.chunk_count;
@@ -120,7 +120,7 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
 
 namespace {
 
-// The M-step of the chunks in `partial`; (r, a) of each lobe.
+// Runs the M-step on the chunks in `partial`; returns (r, a) of each lobe.
 std::vector<MultumVmfLobe> lobes_of_chunks(Device& device, const DeviceBuffer& partial, const EmTexel& texel,
                                            const MultumMovmfFit& fit) {
   const std::vector<float> start = packed_start({texel});
@@ -163,7 +163,7 @@ void texels_2_28_by_chunks(Device& device, WorstError& worst) {
   worst.add(glm::length(glm::dvec3(lobe.mean_x, lobe.mean_y, lobe.mean_z) - mean), "r");
 }
 
-// Partial sums of 2^16 chunks, each rounded to float as it stands.
+// Partial sums of 2^16 chunks, each rounded to float.
 void many_partial_sums(Device& device, WorstError& worst) {
   EmTexel texel{{}, {{tilted(20.0), 100.0, 0.5}, {tilted(60.0, 2.0), 100.0, 0.5}}};
   MultumMovmfFit fit = coarsest_fit();
@@ -212,7 +212,7 @@ void many_partial_colours(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(colours[c]), sum[c], sum[c], fmt::format("channel {}", c));
 }
 
-// z of the first of two lobes that are as sharp and as large.
+// z of the first of two lobes with equal sharpness and amplitude.
 double share_of_first(const EmTexel& texel, const glm::dvec3& n) {
   const auto exponent = [&](std::size_t j) {
     return texel.lobes[j].kappa * glm::dot(glm::dvec3(glm::vec3(texel.lobes[j].mu)), n);
@@ -225,9 +225,9 @@ EmTexel two_lobes(double kappa) { return {{}, {{tilted(10.0, 0.0), kappa, 0.5}, 
 glm::dvec3 far_normal(int i) { return glm::dvec3(glm::vec3(tilted(60.0, i % 2 == 0 ? 0.1 : 1.4))); }
 glm::dvec3 colour_of_contrast(int i) { return glm::dvec3(glm::vec3(glm::dvec3(1e-6, 1.0, 1e6) * (0.5 + 0.01 * i))); }
 
-// Partial sums of two texels of a map of 37 x 21: a column that both share, a chunk of fewer rows than the others, one
-// of none, and slots without a texel, of which nothing is written. The second has the first one's lobes in other
-// places.
+// Partial sums of two texels of a map of 37 x 21. Both share a column, one chunk has fewer rows than the others, and
+// one has none. Nothing may be written for slots without a texel. The second texel has the lobes of the first in
+// another order.
 void colours_of_uneven_chunks(Device& device, WorstError& worst) {
   FeatureMap map{37, 21, 2, 1, 4, 7, {}, {}};
   for (int i = 0; i < map.width * map.height; ++i) {
@@ -316,7 +316,7 @@ std::vector<float> even_axes() {
   return axes;
 }
 
-// By chunks with tables of their own, or all into one table.
+// Tests chunks with their own tables, and all chunks with one table.
 void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
   const Band& b = band();
   MultumMovmfFit fit = coarsest_fit();
@@ -343,7 +343,7 @@ void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
     else add.launch({static_cast<std::size_t>(chunk_count)}, x, y, z, x, y, z, axes, out, fit, 0, chunk_count, 1);
     device.read(out, cells.data(), out.byte_count());
   };
-  // The bands are the same, and so are the whole numbers that each adds: all but the last are the first's, multiplied.
+  // The bands are equal, and so are the integers that each adds: all but the last equal the first, multiplied.
   constexpr int kBands = kHeight / kBandRows;
   add_band(0);
   for (std::int64_t& cell : cells) cell *= kBands - 1;
@@ -361,7 +361,7 @@ void texels_2_28_by_any_way(Device& device, WorstError& worst) {
   if (device.info().has_atomic_longs) texels_2_28_into_cells(device, worst, true);
 }
 
-// The same by one float a sum.
+// The same sums with one float per sum.
 void floats_stand_still(WorstError& worst) {
   const Band& b = band();
   constexpr std::size_t kCount = static_cast<std::size_t>(kWidth) * kBandRows;
@@ -371,7 +371,7 @@ void floats_stand_still(WorstError& worst) {
   worst.add(static_cast<double>(sum), b.sum.z * (static_cast<double>(kHeight) / kBandRows), kTexels, "component 2");
 }
 
-// Cells of 2^28 normals in all: whole numbers of 2^-30 up to 2^58.
+// Cells of 2^28 normals in total: integers in units of 2^-30 up to 2^58.
 void means_of_2_58(Device& device, WorstError& worst, bool by_team) {
   const int chunk_count = 4;
   std::vector<std::int64_t> cells(static_cast<std::size_t>(chunk_count) * 3 * MULTUM_CELL_SUMS, 0);
@@ -407,7 +407,7 @@ void means_of_2_58_by_any_form(Device& device, WorstError& worst) {
   for (const bool by_team : {false, true}) means_of_2_58(device, worst, by_team);
 }
 
-// Probes that all lie at one place, or nowhere: straight down is the rim of the disc all around.
+// All probes at one position, or at none: straight down maps to the whole rim of the disc.
 void axes_of_no_extent(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const glm::vec3& n :
@@ -429,7 +429,7 @@ void axes_of_no_extent(Device& device, WorstError& worst) {
     device.read(axis_buffer, axes.data(), axis_buffer.byte_count());
     for (std::size_t i = 0; i < axes.size(); ++i) {
       const double value = static_cast<double>(axes[i]);
-      // Cells at the bins' edges rise from 0 to the side; the scale is finite.
+      // Cells at the bins' edges increase from 0 to the side; the scale is finite.
       const bool sane = i % MULTUM_AXIS_FLOATS < 2 ? std::isfinite(value) : value >= 0.0 && value <= kSide * 1.00001;
       worst.add(sane ? 0.0 : 1.0,
                 fmt::format("normal ({}, {}, {}), value {} of the axes: {}", n.x, n.y, n.z, i, value));
@@ -443,14 +443,14 @@ std::vector<NumericalCase> sum_cases() {
   const std::string plain = "*sum = *sum + value;\n  return;", compensated = "const float total = *sum + value;";
   return {
       {{"texels-2-to-28-by-chunks", "movmf_em_partial",
-        "one float stops at 2^24 (0.94 of it lost); plain sums of chunks round alike, always the same way",
-        "16 lanes, added as a tree, a chunk; compensated sums of the chunks", 1e-6, "absolute, of a and r",
-        "2048 additions a lane: 2048 * 2^-25 / 16 at random"},
+        "one float stops at 2^24 (0.94 of it is lost); plain sums of chunks all round in the same direction",
+        "16 lanes per chunk, added as a tree; compensated sums of the chunks", 1e-6, "absolute, of a and r",
+        "2048 additions per lane: 2048 * 2^-25 / 16 at random"},
        texels_2_28_by_chunks,
        {{"movmf_em_mstep", compensated, plain + compensated}}},
       {{"sums-of-65536-partial-sums", "movmf_em_mstep",
-        "half a unit in the last place an addition, always the same way", "Neumaier's compensated sum", 3e-7,
-        "absolute, of a and r", "some roundings at the end, whatever the number"},
+        "half a unit in the last place per addition, always in the same direction", "Neumaier's compensated sum", 3e-7,
+        "absolute, of a and r", "a few roundings at the end, for any number"},
        many_partial_sums,
        {{"movmf_em_mstep", compensated, plain + compensated}}},
       {{"colours-of-65536-partial-sums", "movmf_feature_sum", "the same", "the same", 3e-7, "relative", "the same"},
@@ -461,26 +461,27 @@ std::vector<NumericalCase> sum_cases() {
        colours_far_from_every_lobe,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"colours-of-uneven-chunks", "movmf_feature_partial",
-        "shares of 0 / 0; a finest texel on a border counts whole in both texels",
-        "logarithms, the largest subtracted; fractional weights; a chunk of no rows is 0", 1e-4,
-        "of the chunk's total of the channel", "exponents of 1e6 carry 6e-8 each"},
+        "shares of 0 / 0; a finest texel on a border counts fully in both texels",
+        "logarithms, with the largest subtracted; fractional weights; a chunk without rows is 0", 1e-4,
+        "relative to the chunk's total of the channel", "exponents of 1e6 carry 6e-8 each"},
        colours_of_uneven_chunks,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"texels-2-to-28-into-cells", "movmf_bin_cells, movmf_bin_add", "one float stops at 2^24",
-        "whole numbers of 2^-30 in 64 bits: 2^58 at most, in any order", 2e-9, "absolute, of means",
-        "2^-30 a normal, rounded towards 0"},
+        "integers in units of 2^-30 with 64 bits: 2^58 at most, in any order", 2e-9, "absolute, of means",
+        "2^-30 per normal, rounded towards 0"},
        texels_2_28_by_any_way,
        {},
        floats_stand_still},
       {{"means-of-sums-to-2-to-58", "movmf_bin_means, movmf_bin_team_means", "32 bits overflow at two normals",
-        "64 bits", 2e-7, "absolute, of means; relative, of weights", "two conversions and a division"},
+        "64 bits", 2e-7, "absolute, for means; relative, for weights", "two conversions and a division"},
        means_of_2_58_by_any_form,
        {{"movmf_binning", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"},
         {"movmf_binning_team", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"}}},
-      {{"axes-of-no-extent", "movmf_bin_probe, movmf_bin_axes", "bins a unit of 63 / 0; straight down lies at 0 / 0",
-        "an extent of 1e-6 at least, 1 + z of 1e-6 at least", kNothingWrong, "values that are no axis", "none may be"},
+      {{"axes-of-no-extent", "movmf_bin_probe, movmf_bin_axes", "bins per unit are 63 / 0; straight down is at 0 / 0",
+        "an extent of at least 1e-6, and 1 + z of at least 1e-6", kNothingWrong, "values that are not valid axes",
+        "none is allowed"},
        axes_of_no_extent,
        {{"movmf_binning", "MAX_V(high - low, 1e-6f)", "(high - low)"},
         {"movmf_binning", "sqrt(MAX_V(1.0f + z, 1e-6f))", "sqrt(1.0f + z)"}}},

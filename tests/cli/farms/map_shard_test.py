@@ -102,7 +102,7 @@ class MapShardTest(unittest.TestCase):
         shutil.copy(self.maps / "map250_normal.png", source)
         done = farm_programs.run("bake", source, *words, "2/2")
         self.assertEqual(done.returncode, 4)
-        self.assertIn("is of another map", done.stderr)
+        self.assertIn("belongs to another map", done.stderr)
         done = farm_programs.run("bake", source, "-o", self.output, "--merge", 2)
         self.assertEqual(done.returncode, 4)
         for index in (0, 1):
@@ -120,7 +120,7 @@ class MapShardTest(unittest.TestCase):
         self.succeed(output=self.folder / "whole.ndf.exr")
         done = self.bake("--shard", "1/3")  # before the coarse levels
         self.assertEqual(done.returncode, 4)
-        self.assertIn("shared.ndf.exr.shard-0-of-3: is not there", done.stderr)
+        self.assertIn("shared.ndf.exr.shard-0-of-3: does not exist", done.stderr)
         self.assertIn("--shard 0/3 makes it", done.stderr)
         for index in (0, 1, 3):
             self.succeed("--shard", f"{index}/3")
@@ -128,7 +128,7 @@ class MapShardTest(unittest.TestCase):
         done = self.bake("--merge", 3)
         self.assertEqual(done.returncode, 4)
         self.assertIn("--shard 1/3 makes it", done.stderr)
-        self.assertIn("shared.ndf.exr.shard-2-of-3: is not there", done.stderr)
+        self.assertIn("shared.ndf.exr.shard-2-of-3: does not exist", done.stderr)
         self.assertFalse(self.output.exists())
         for index in (1, 2):
             self.succeed("--shard", f"{index}/3")
@@ -149,7 +149,7 @@ class MapShardTest(unittest.TestCase):
         for words, size in ((("--lobes", 3), 256), ((), 250)):
             done = self.bake(*words, "--merge", 2, size=size)
             self.assertEqual(done.returncode, 4, done.stdout + done.stderr)
-            self.assertIn("is of another map, other settings, or another version", done.stderr)
+            self.assertIn("belongs to another map, other settings, or another version", done.stderr)
 
     def test_a_share_is_whole_or_not_there(self):
         self.succeed("--shard", "0/2")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of `multum tradeoff`: plots, commands, sortable tables and pictures of the rows of its JSON.
+// Draws the page of `multum tradeoff`: plots, commands, sortable tables and pictures for the rows of its JSON.
 
 const MIB = 1 << 20;
 const percent = (share) => (share === undefined ? "-" : (100 * share).toFixed(2));
@@ -7,14 +7,14 @@ const milliseconds = (seconds) => (1000 * seconds).toFixed(0);
 const mebibytes = (bytes) => (bytes / MIB).toFixed(2);
 const frameTime = (ms) => (ms === undefined ? "-" : ms.toFixed(1));
 
-// A cost, as a plot and the fronts have it: its key in `fronts`, and what a row costs, > 0 where that is known.
+// Costs in plots and fronts: the key in `fronts`, and the cost of a row, > 0 if it is known.
 const COSTS = [
   { title: "Work of a bake", unit: "milliseconds", front: "bake_work", of: (row) => 1000 * row.bake_work_seconds },
   { title: "Memory on the GPU", unit: "MiB", front: "gpu_bytes", of: (row) => row.gpu_bytes / MIB },
   { title: "Work of a frame", unit: "milliseconds", front: "frame_work", of: (row) => row.frame_work_ms ?? -1 },
 ];
 
-// Others, drawn alone, have no fronts.
+// Rows that are only drawn have no fronts.
 const isMeasured = (row) => row.fronts !== undefined;
 const isOnFront = (row) => isMeasured(row) && Object.values(row.fronts).includes(true);
 const fits = (row) => row.fits !== false;
@@ -29,11 +29,11 @@ const octaveText = (octave) => `${2 ** octave} to ${2 ** (octave + 1)} texels`;
 function budgetText() {
   const { gpu_bytes, frame_ms, bake_seconds } = data.budget;
   return [gpu_bytes !== undefined && `${general(gpu_bytes / MIB, 4)} MiB on the GPU`,
-    frame_ms !== undefined && `${general(frame_ms, 4)} ms a frame`,
+    frame_ms !== undefined && `${general(frame_ms, 4)} ms per frame`,
     bake_seconds !== undefined && `${general(1000 * bake_seconds, 4)} ms of baking`].filter(Boolean).join(", ");
 }
 
-/** What settings were asked for, and those that were chosen. */
+/** The requested target, and the settings chosen for it. */
 function choice() {
   const { error, bake_seconds } = data.asked;
   const parts = [];
@@ -45,15 +45,15 @@ function choice() {
   if (data.chosen === undefined) return [node("p", {}, node("b", {}, `No settings reach ${asked}.`))];
   const row = data.rows[data.chosen];
   return [node("h2", {}, `For ${asked}`),
-    node("p", {}, `${errorText(row)} (95 % of pixels within ${percent(row.percentile_95)} %; the worst, ` +
-      `${percent(row.worst_octave_relative_l1)} %, cover ${octaveText(row.worst_octave)}) in ` +
+    node("p", {}, `${errorText(row)} (95 % of pixels within ${percent(row.percentile_95)} %; worst: ` +
+      `${percent(row.worst_octave_relative_l1)} % for pixels that cover ${octaveText(row.worst_octave)}) in ` +
       `${milliseconds(row.bake_seconds)} ms, ` +
       `${mebibytes(row.gpu_bytes)} MiB on the GPU: the ` +
       `${error !== undefined ? "cheapest" : "most accurate"} settings that meet this.`),
     node("pre", {}, row.command)];
 }
 
-// Shapes tell the groups apart on paper too: corners around the mark's middle, none of a circle.
+// Shapes distinguish the groups on paper too: corners around the mark's centre; a circle has none.
 const SHAPES = [
   null,
   [[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],
@@ -74,7 +74,7 @@ function mark(shape, x, y, classes, title) {
   return svgNode("polygon", { class: classes, points }, titled);
 }
 
-// 1, 2 and 5 times powers of ten that lie in the range: ticks of a logarithmic axis; over many decades powers alone.
+// Ticks of a logarithmic axis: 1, 2 and 5 times powers of ten within the range; over many decades only powers.
 function ticks(low, high) {
   const all = [];
   for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; ++decade)
@@ -89,7 +89,7 @@ function ticks(low, high) {
 
 const WIDTH = 400, HEIGHT = 300, LEFT = 46, TOP = 26, RIGHT = WIDTH - 12, BOTTOM = HEIGHT - 40;
 
-/** Where values lie on a logarithmic axis whose ends are drawn at `from` and `to`. */
+/** Positions of values on a logarithmic axis whose ends are drawn at `from` and `to`. */
 function axis(values, margin, from, to) {
   const low = Math.min(...values) / margin, high = Math.max(...values) * margin;
   return { low, high, at: (value) => from + (to - from) * Math.log(value / low) / Math.log(high / low) };
@@ -112,7 +112,7 @@ function axes(x, y, unit) {
   ].flat(2);
 }
 
-/** Error against a cost, as a scatter plot with its front; null: no row has that cost. */
+/** Plots error against a cost, with the front; null if no row has that cost. */
 function plot(cost) {
   const rows = data.rows.filter((row) => isMeasured(row) && cost.of(row) > 0 && rankedError(row) > 0)
     .sort((a, b) => cost.of(a) - cost.of(b));
@@ -140,24 +140,24 @@ function legend() {
   if (data.budget) lines.push([null, "mark over", "beyond the budget", "pale: beyond the budget"]);
   lines.push([null, "mark onfront", "on the front", "filled: on the front"]);
   const height = 22 * lines.length + 12;
-  const attributes = { viewBox: `0 0 360 ${height}`, role: "img", "aria-label": "what marks stand for" };
+  const attributes = { viewBox: `0 0 360 ${height}`, role: "img", "aria-label": "meaning of the marks" };
   return node("figure", {}, svgNode("svg", attributes, lines.flatMap(([shape, classes, title, text], i) => [
     mark(shape, 14, 14 + 22 * i, classes, title), label(30, 18 + 22 * i, null, text)])));
 }
 
-/** Rows that `row` stands for, since nothing tells them apart. */
+/** Rows that `row` represents, because they are indistinguishable from it. */
 const sameAs = (row) => data.rows.filter((other) => other.same_as === data.rows.indexOf(row));
 
-/** A row on a front, its figures, warnings and command. */
+/** A row on a front: its errors and costs, warnings and command. */
 function frontEntry(row) {
   const fronts = COSTS.filter((cost) => row.fronts[cost.front]).map((cost) => cost.title).join(", ");
   const bake = `${milliseconds(row.bake_work_seconds)} ms of work (${milliseconds(row.bake_seconds)} elapsed) to bake`;
-  const frame = row.frame_ms === undefined ? "" : `, ${frameTime(row.frame_work_ms)} ms of work a frame`;
+  const frame = row.frame_ms === undefined ? "" : `, ${frameTime(row.frame_work_ms)} ms of work per frame`;
   const figures = `; ${bake}, ${mebibytes(row.gpu_bytes)} MiB on the GPU${frame}; front of: ${fronts}` +
     (fits(row) ? "" : "; beyond the budget");
   const warnings = (row.warnings ?? []).flatMap((warning) => [node("br"), `Warning: ${warning}`]);
   const same = sameAs(row).flatMap((other, i) => [i === 0 ? null : ", ", code(nameOf(other))].filter(Boolean));
-  if (same.length > 0) same.unshift(node("br"), "Cannot be told apart from it: ");
+  if (same.length > 0) same.unshift(node("br"), "Indistinguishable from it: ");
   return [node("p", { class: "soft" }, node("b", {}, errorText(row)), figures, same, warnings),
     node("pre", {}, row.command)];
 }
@@ -193,7 +193,7 @@ function picture(png, ...caption) {
     node("figcaption", {}, caption));
 }
 
-/** A click on a head sorts by that column, another the other way; cells without a number come last. */
+/** Makes a click on a head sort by that column; another click reverses the order. Cells without a number come last. */
 function makeSortable(sorted) {
   const heads = [...sorted.rows[0].cells];
   heads.forEach((head, column) => {
@@ -228,7 +228,7 @@ if (data.has_others) byId("others").append(othersTable());
 if (data.reference_picture) {
   byId("pictures").append(picture(data.reference_picture, node("b", {}, "reference")));
   for (const row of data.rows.filter((one) => one.picture))
-    byId("pictures").append(picture(row.picture, node("b", {}, `${percent(row.rendered_relative_l1)} % off`),
+    byId("pictures").append(picture(row.picture, node("b", {}, `error ${percent(row.rendered_relative_l1)} %`),
       `: ${nameOf(row)}`));
 }
 for (const sortable of document.querySelectorAll("table.sortable")) makeSortable(sortable);

@@ -63,11 +63,12 @@ TEST(AccuracyTable, ErrorsOfPixelsComeFirst) {
   ASSERT_TRUE(parsed.has_value());
   EXPECT_EQ(parsed->rows.size(), some_rows().size());
   EXPECT_EQ(measured_error_json(parsed->rows, parsed->footprint_errors), json);
-  EXPECT_EQ(
-      footprint_error_text(errors),
-      "error of pixels, relative L1 with its 95 % interval\n"
-      "  blinn-phong:100  9.12 +- 0.22 %; 95 % of pixels within 21.35 %; the worst, 30.12 %, cover 2 to 4 texels\n"
-      "  lambert          1.00 +- 0.00 %; 95 % of pixels within 2.00 %; the worst, 3.00 %, cover 1 to 2 texels\n");
+  EXPECT_EQ(footprint_error_text(errors),
+            "error of pixels, relative L1 with its 95 % interval\n"
+            "  blinn-phong:100  9.12 +- 0.22 %; 95 % of pixels within 21.35 %; worst: 30.12 % for pixels that cover 2 "
+            "to 4 texels\n"
+            "  lambert          1.00 +- 0.00 %; 95 % of pixels within 2.00 %; worst: 3.00 % for pixels that cover 1 to "
+            "2 texels\n");
   EXPECT_EQ(footprint_error_text(parsed->footprint_errors), footprint_error_text(errors)) << "from bake and file";
   EXPECT_EQ(footprint_error_text({}), "");
 }

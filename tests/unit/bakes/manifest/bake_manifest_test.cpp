@@ -242,7 +242,7 @@ TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
   refused("target_error = 0", "6", {"map.target_error", "0"});
   refused("brdf = \"lambert\"", "6", {"map.brdf", "target_error", "budget_ms", "neither"});
   refused("target_error = 0.1\nbrdf = \"phong:3\"", "7", {"map.brdf", "phong:3"});
-  refused("target_error = 0.1\nbrdf = \"ggx:0.4\"\nndf = \"gmm\"", "3", {"shaded with"});
+  refused("target_error = 0.1\nbrdf = \"ggx:0.4\"\nndf = \"gmm\"", "3", {"cannot shade"});
 }
 
 TEST_F(BakeManifestTest, ATileIsAMap) {

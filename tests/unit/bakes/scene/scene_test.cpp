@@ -153,11 +153,11 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
        {"object.material", "\"gold\"", "not the name of a [[material]]"}},
       {"material = \"paint\"", "materials = [\"paint\", \"paint\"]", 17, {"has 2 materials", "no weights"}},
       {"width = 2.0", "width = 2.0\ntexels_per_metre = 3", 14, {"both", "texels_per_metre", "width"}},
-      {"distance = [1, 20]", "distance = [20, 1]", 19, {"object.distance is [20, 1]", "nearest first"}},
+      {"distance = [1, 20]", "distance = [20, 1]", 19, {"object.distance is [20, 1]", "smaller distance first"}},
       {"distance = [1, 20]", "distance = [0, 1]", 19, {"object.distance[0]", "0", "1e-6 to 1e9"}},
       {"direction = [0.3, 0.8, 0.5]", "direction = [0, 0, 0]", 21, {"light.direction", "0"}},
       {"direction = [0.3, 0.8, 0.5]", "direction = [0.3, 0.8]", 21, {"light.direction", "3 numbers"}},
-      {"direction = [0.3, 0.8, 0.5]", "position = [0, 0, 1]\nirradiance = 3", 22, {"irradiance", "not go with"}},
+      {"direction = [0.3, 0.8, 0.5]", "position = [0, 0, 1]\nirradiance = 3", 22, {"irradiance", "does not fit"}},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.to);
@@ -512,9 +512,9 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     EXPECT_GT(found.cost_max.bytes, found.cost.bytes);
     expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes, to be chosen by trials"});
     // The time that is said is without them: both places say how many there may be, and how long they take.
-    const std::string in_all = text.substr(text.rfind("in all: "));
+    const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"and the trials (up to 24 a map, seconds in all)"});
+      expect_says(part, {"and the trials (up to 24 per map, some seconds in total)"});
     EXPECT_GE(map.stated_difference, std::stod(target)) << "what is chosen need be no nearer than the target";
   }
 }
