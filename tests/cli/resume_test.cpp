@@ -123,7 +123,7 @@ TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   }
 }
 
-// What a farm does before it kills: docs/how-to/farms.md, "Exit codes".
+// What a farm does before it kills: docs/reference/exit_codes.md.
 TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   make_map("map", 512);
   const auto bake = [&](const std::vector<std::string>& more) {

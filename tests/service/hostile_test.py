@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """The service attacked: by what clients send, by files and folders that change under it, by its own settings. Each test
-is of a kind of attack in docs/reference/service.md, "Who is trusted with what". MULTUM names the program.
+is of a kind of attack in docs/contributing/HOSTILE.md, "The service". MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill hostile_test.py [-v] [HostileTest.test_...]
 """

@@ -361,15 +361,16 @@ class JobFilesTest(ClientCase):
     def test_the_commands_of_the_page_run_as_they_stand(self):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("rock")], check=True, capture_output=True)
-        page = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/reference/service.md")
+        page = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/how-to/service_behind_proxy.md")
         with open(page, encoding="utf-8") as file:
-            commands = re.search(r"\n### With curl\n.*?```bash\n(.*?)```", file.read(), re.DOTALL)[1]
+            commands = re.search(r"\n## Submit a job with curl\n.*?```bash\n(.*?)```", file.read(), re.DOTALL)[1]
         here = os.path.join(self.folder, "client")
         os.makedirs(here)
         shutil.copy(self.output("rock_normal.png"), here)
         done = subprocess.run(["bash", "-e", "-o", "pipefail", "-c", commands], cwd=here, capture_output=True,
                               text=True, check=False, timeout=120,
-                              env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}"))
+                              env=dict(os.environ, MULTUM_SERVER=f"http://127.0.0.1:{service.port}",
+                                       MULTUM_TOKEN_FILE="/dev/null"))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("event: job", done.stdout)
         self.assertEqual(sorted(os.listdir(here)), ["rock.ndf.exr", "rock_normal.png"])

@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// The table of docs/how-to/farms.md, "Exit codes".
+// The table of docs/reference/exit_codes.md.
 constexpr char kExitCodes[] =
     "\nExit codes:\n"
     "  0    done: the output is complete on disk\n"

@@ -37,7 +37,7 @@ struct Options {
   int maps = 1000000, nodes = 1000, jobs_max = 10000;
   double map_seconds = 20.0;  // median; the logarithm's deviation is kSpread
   double chunk_seconds = SlurmSettings{}.chunk_seconds;
-  double sbatch_seconds = 0.031;  // docs/reference/service.md, "Measured": four nodes on one machine
+  double sbatch_seconds = 0.031;  // docs/evidence/SERVICE.md, "Slurm": four nodes on one machine
   double file_seconds = 0.0005;   // a look at a file of the shared folder: a round trip to its server
   double fail_share = 0.01;       // of attempts: worth trying again
   double refuse_share = 0.001;    // of maps: cannot be baked

@@ -185,7 +185,7 @@ void add_bake_command(CLI::App& app, int* exit_code) {
   bake->add_option(
       "--shard", options->shard,
       "bake share I of N of several maps or a scene alone, I/N, or shares I to J, I-J/N; of one map: 0/N its "
-      "coarse levels, then 1/N to N/N, bands of the others: for farms (docs/how-to/farms.md)");
+      "coarse levels, then 1/N to N/N, bands of the others: for farms (docs/how-to/clusters.md)");
   bake->add_option("--merge", options->merged_shards,
                    "write the file of one map from its shares 0/N to N/N; of a scene, check what shares 1/N to N/N "
                    "baked, and write its plan and report")

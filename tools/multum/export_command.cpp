@@ -259,7 +259,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
   command->add_flag("--dry-run", o.dry_run, "export nothing, only list; with --check")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export share I of N of several maps alone, I/N, or shares I to J, I-J/N: for farms "
-                      "(docs/how-to/farms.md)");
+                      "(docs/how-to/clusters.md)");
   add_parameter_options(*command, o.values);
   check->excludes("--force");
   add_common_options(*command, o.common);

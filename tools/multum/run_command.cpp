@@ -161,7 +161,7 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_flag("-v,--verbose", options.verbose, "print plans, caches and timings too");
   command.add_flag("-q,--quiet", options.quiet, "print nothing but errors and results");
   command.add_flag("--openjd", options.openjd,
-                   "print openjd_progress, openjd_status and openjd_fail lines (docs/how-to/farms.md)");
+                   "print openjd_progress, openjd_status and openjd_fail lines (docs/how-to/clusters.md)");
 }
 
 }  // namespace multum

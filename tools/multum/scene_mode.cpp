@@ -58,7 +58,7 @@ void check_is_scene(const std::string& path) {
         ErrorCode::kUsage,
         path +
             ": is an image; plan takes a scene.toml (docs/reference/scenes.md), or an image with --shards N for a farm "
-            "(docs/how-to/farms.md). What accuracy costs of one map: multum tradeoff " +
+            "(docs/how-to/clusters.md). What accuracy costs of one map: multum tradeoff " +
             path + " -o costs.html");
 }
 
@@ -199,7 +199,7 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       ->required();
   plan->add_option(
           "--shards", options->shares,
-          "of one map: predict the processor time of its shares 0/N to N/N and their merge (docs/how-to/farms.md), "
+          "of one map: predict the processor time of its shares 0/N to N/N and their merge (docs/how-to/clusters.md), "
           "e.g. multum plan cliff.png --shards 8")
       ->type_name("N")
       ->check(CLI::Range(2, 4096));

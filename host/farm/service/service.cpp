@@ -252,7 +252,7 @@ void run_service(const ServiceOptions& options) {
   if (!can_confine())
     service_log(LogSeverity::kWarning, 0,
                 "this kernel has no Landlock: workers are not shut off from files outside of the roots "
-                "(docs/reference/service.md, \"Who is trusted with what\")");
+                "(docs/contributing/HOSTILE.md, \"The service\")");
   Service(options).run();
 }
 

@@ -15,7 +15,7 @@
 // twice as far as its level's texel is wide, so along the axis a finer level serves: of 0, 0.5, 0.75 and 1 octave 0.75
 // came nearest to references of six real maps (2 taps, bias -0.25: 8.5 % where the example has 9.9 %).
 // u_level_bias < 0 sharpens: at -0.79 one tap on a square footprint has the variance of the pixel's own box
-// (docs/how-to/plain_pyramids.md, "The factor").
+// (docs/evidence/WILLIAMS.md, "The factor").
 //
 // MULTUM_DRIVER_FILTER leaves all of this to the driver's sampler instead.
 #ifndef MULTUM_TAPS

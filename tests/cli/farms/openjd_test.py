@@ -331,10 +331,10 @@ class MergedBundleTest(FarmTest):
 
 
 class DocumentTest(unittest.TestCase):
-    """docs/how-to/farms.md: its example for Kubernetes, by what the API's reference says of batch/v1 Jobs."""
+    """docs/how-to/clusters.md: its example for Kubernetes, by what the API's reference says of batch/v1 Jobs."""
 
     def test_the_indexed_job(self):
-        text = (ROOT / "docs/how-to/farms.md").read_text()
+        text = (ROOT / "docs/how-to/clusters.md").read_text()
         [block] = re.findall(r"^```yaml\n(apiVersion: batch/v1\n.*?)^```", text, re.MULTILINE | re.DOTALL)
         job = yaml.safe_load(block)
         closed = openjd_schema.closed

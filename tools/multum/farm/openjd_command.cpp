@@ -114,7 +114,7 @@ void check_path_count(const FarmCommand& command, const std::string& kind) {
   throw Error(ErrorCode::kUsage, message);
 }
 
-// What merging shares of one map has no part in (docs/how-to/farms.md, "Shares of one map").
+// What merging shares of one map has no part in (docs/how-to/clusters.md, "One large map on many machines").
 void check_can_be_divided(const std::vector<std::string>& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& value = i + 1 < words.size() ? words[i + 1] : words[i];
@@ -254,7 +254,7 @@ void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   auto options = std::make_shared<OpenJdOptions>();
   CLI::App* openjd = app.add_subcommand(
       "openjd",
-      "write another command as a job bundle of Open Job Description, for render farms (docs/how-to/farms.md)\n"
+      "write another command as a job bundle of Open Job Description, for render farms (docs/how-to/clusters.md)\n"
       "  multum openjd -o bundle bake --manifest maps.toml\n"
       "  multum openjd -o bundle --shards 8 bake cliff.png -o cliff.ndf.exr\n"
       "  multum openjd -o bundle --shards 16 infer animation.toml -o inferred");

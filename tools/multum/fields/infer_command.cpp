@@ -129,7 +129,7 @@ void add_infer_command(CLI::App& app, int* exit_code) {
   infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
   infer->add_option("--shard", o.shard,
                     "infer the textures of share I of N alone, I/N, or of shares I to J, I-J/N, into the same folder: "
-                    "for farms (docs/how-to/farms.md)");
+                    "for farms (docs/how-to/clusters.md)");
   infer
       ->add_option("--merge", o.merged_shards,
                    "check what shares 1/N to N/N inferred, and write the manifest, frames and report")
