@@ -209,6 +209,12 @@ class CommandLineTest(Pages):
         self.assertEqual(code, 0)
         self.assertRegex(printed, r"3  docs/how-to\n +3  page.md\n")
 
+    def test_a_folder_without_programs_is_refused(self):
+        done = subprocess.run([ROOT / "tools/site", "--check", "--bin", self.root], capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("has no multum", done.stderr)
+
     @unittest.skipUnless(pathlib.Path("/usr/share/mkdocs/themes/material").exists(), "no mkdocs-material here")
     def test_a_folder_with_other_files_is_not_overwritten(self):
         self.write("out/precious.txt", "x")

@@ -7,11 +7,11 @@ import shlex
 import subprocess
 
 PROGRAMS = ("multum", "multum-view", "multum-decode", "multum-bench", "multum-drill", "multum-farm-simulation")
-# Words that stand before the command that they run.
+# Each of these words runs the command that follows.
 BEFORE = {"sudo", "time", "env", "nohup", "exec", "do", "then", "else", "if", "while", "until", "!", "{", "python3",
           "bash", "node"}
 END = re.compile(r"[;|&()]+|\}")
-# Its further words are a command line of multum.
+# The words after this command are a command line of multum.
 RUNS_MULTUM = ("multum", "openjd")
 HELP_TIMEOUT_S = 60
 OPTION_LINE = re.compile(r" {1,8}(-[^\s]+)")
@@ -19,15 +19,15 @@ HEREDOC = re.compile(r"(?<!<)<<(?!<)-?\s*['\"]?(\w+)['\"]?")
 
 
 def words_of(line):
-    """The words of a line of shell, with `;`, `|` and the like as words. Raises ValueError within a quotation."""
+    """Splits a shell line into words; operators such as `;` are words. Raises ValueError for an open quotation."""
     lexer = shlex.shlex(line, posix=True, punctuation_chars=True)
     lexer.whitespace_split = True
     return list(lexer)
 
 
 def shell_lines(lines):
-    """(offset, words) of each command line in a block: joined over backslashes and quotations, without here documents.
-    The words are None if a quotation does not end."""
+    """Yields (offset, words) of each command line in a block. Joins lines at backslashes and within quotations, and
+    skips here documents. The words are None if a quotation does not end."""
     offset = 0
     while offset < len(lines):
         begin, line = offset, lines[offset]
@@ -56,7 +56,7 @@ def shell_lines(lines):
 
 
 def simple_commands(words):
-    """The commands of a line, each a list of words without redirections and settings of the environment."""
+    """Yields the commands of a line as lists of words, without redirections and variables."""
     command, is_target = [], False
     for word in [*words, ";"]:
         if END.fullmatch(word):
@@ -74,7 +74,7 @@ def simple_commands(words):
 
 
 def listed_options(help_text):
-    """The options that --help lists at the beginning of lines."""
+    """Returns the options that --help lists at the beginning of lines."""
     found = set()
     for line in help_text.splitlines():
         match = OPTION_LINE.match(line)
@@ -92,7 +92,7 @@ class Programs:
 
     @functools.lru_cache(maxsize=None)
     def help_text(self, path):
-        """The help of a command, such as ("multum", "bake"); None if there is no such command."""
+        """Returns the help of a command, such as ("multum", "bake"), or None for an unknown command."""
         done = subprocess.run([self.folder / path[0], *path[1:], "--help"], capture_output=True, text=True,
                               check=False, timeout=HELP_TIMEOUT_S, stdin=subprocess.DEVNULL)
         usage = re.search(r"^Usage: \S*?([\w-]+(?: [\w-]+)*)(?= \[| [^\w-]|$)", done.stdout, re.MULTILINE)
@@ -119,13 +119,13 @@ def is_placeholder(word):
 
 
 def option_name(word):
-    """--lobes of --lobes=4, -o of -ofile; "" for a word that is not an option, such as -1,2,3."""
+    """Returns --lobes for --lobes=4, -o for -ofile, and "" for a word that is not an option, such as -1,2,3."""
     found = re.match(r"--[A-Za-z][\w-]*|-[A-Za-z]", word)
     return found[0] if found else ""
 
 
 def program_faults(programs, words):
-    """Why a command line of a program cannot work, in words."""
+    """Says why a command line of a program cannot work."""
     path = (words[0],)
     if not programs.has(path[0]) or programs.help_text(path) is None:
         return
@@ -157,7 +157,7 @@ def program_faults(programs, words):
 
 @functools.lru_cache(maxsize=None)
 def script_text(path):
-    """The text of a script; of one in Python, with the modules next to it."""
+    """Returns the text of a script; the text of a Python script includes the modules of its folder."""
     text = path.read_text(errors="replace")
     if "python" in text.partition("\n")[0]:
         text += "".join(module.read_text(errors="replace") for module in sorted(path.parent.glob("*.py")))
@@ -165,7 +165,7 @@ def script_text(path):
 
 
 def script_faults(root, words):
-    """Why a command line of a script in tools/ cannot work, in words."""
+    """Says why a command line of a script in tools/ cannot work."""
     name = words[0].removeprefix("./")
     path = pathlib.Path(root) / name
     if not path.is_file():

@@ -25,7 +25,7 @@ class Block:
 
 
 def blanked(text):
-    """Spaces in the place of `text`, with its line breaks."""
+    """Replaces everything except for line breaks by spaces."""
     return re.sub(r"[^\n]", " ", text)
 
 
@@ -51,7 +51,7 @@ def split_fences(text):
 
 
 def changed_outside_fences(text, change):
-    """The text with `change` applied to each part between fenced blocks."""
+    """Applies `change` to each part of the text that is outside fenced blocks."""
     parts, part, mark = [], [], ""
     for line in text.split("\n"):
         found = FENCE.match(line)
@@ -70,13 +70,13 @@ def changed_outside_fences(text, change):
 
 
 def plain_heading(text):
-    """A heading without its marks: code, links and emphasis."""
+    """Returns a heading without the marks of code, links and emphasis."""
     text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text)
     return re.sub(r"`|\*\*|(?<!\w)[*_]|[*_](?!\w)", "", text).strip()
 
 
 def slug(heading):
-    """The anchor that GitHub gives to a heading."""
+    """Returns the anchor that GitHub gives to a heading."""
     return re.sub(r"[^\w\- ]", "", plain_heading(heading).lower()).replace(" ", "-")
 
 
@@ -108,7 +108,7 @@ class Page:
         return self.visible.count("\n", 0, position) + 1
 
     def headings(self):
-        """(line, level, text, anchor) of each heading."""
+        """Yields (line, level, text, anchor) of each heading."""
         anchors = Anchors()
         for number, line in enumerate(self.visible.split("\n"), start=1):
             found = HEADING.match(line)
@@ -122,18 +122,18 @@ class Page:
         return {anchor for *_, anchor in self.headings()} | set(ANCHOR.findall(self.prose))
 
     def links(self):
-        """(line, target) of each link and picture."""
+        """Yields (line, target) of each link and picture."""
         for pattern in (LINK, REFERENCE, ATTRIBUTE):
             for found in pattern.finditer(self.prose):
                 yield self.line_at(found.start(1)), found[1]
 
     def code_spans(self):
-        """(line, text) of each code span; line breaks in it are spaces."""
+        """Yields (line, text) of each code span, with spaces in the place of line breaks."""
         for found in CODE_SPAN.finditer(self.visible):
             yield self.line_at(found.start()), " ".join(found[2].split()).replace("\\|", "|")
 
     def indented_blocks(self):
-        """Blocks that are code because of their four spaces. Lists that indent their text so are among them."""
+        """Yields blocks of lines with four spaces before them: code, and text of nested lists."""
         lines = self.visible.split("\n")
         block = None
         for number, line in enumerate(lines, start=1):
@@ -149,16 +149,12 @@ class Page:
 
 
 def page_names(root):
-    """README.md and all pages of docs/, as paths from the root."""
+    """Returns README.md and all pages of docs/, as paths from the root."""
     root = pathlib.Path(root)
     return ["README.md", *sorted(path.relative_to(root).as_posix() for path in (root / "docs").rglob("*.md"))]
 
 
-def read_pages(root):
-    return [Page(root, name) for name in page_names(root)]
-
-
 def folder_of(name):
-    """The folder of docs/ that a page is in; "" for README.md."""
+    """Returns the folder of a page in docs/, and "" for README.md."""
     parts = name.split("/")
     return parts[1] if len(parts) > 2 else ""

@@ -13,16 +13,16 @@ from markdown_pages import FOLDERS, Page, folder_of, page_names
 LANGUAGES = {"sh", "bash", "text", "c", "cpp", "css", "csharp", "cmake", "diff", "dockerfile", "glsl", "hlsl", "html",
              "http", "ini", "java", "js", "json", "lua", "makefile", "metal", "nginx", "opencl", "python", "rust",
              "toml", "ts", "wgsl", "xml", "yaml"}
-# Tables that scripts read.
+# Languages of tables that scripts read.
 TABLES = {"docs/contributing/ARCHITECTURE.md": {"districts", "layers", "headers", "programs", "folders"}}
-# It names commands that earlier versions had.
+# These pages name commands of earlier versions.
 PAST_COMMANDS = {"docs/reference/changelog.md"}
 # Each limit holds for the sum of its folders.
 WORDS_MAX = {("tutorials", "how-to", "explanation"): 20_000, ("reference",): 30_000}
 
 
 def link_faults(page, pages):
-    """`pages`: all pages by name, for their anchors."""
+    """Finds dead links. `pages` has all pages by name, for their anchors."""
     for line, target in page.links():
         if re.match(r"[a-z][a-z+.-]*:", target):
             continue
@@ -38,7 +38,7 @@ def link_faults(page, pages):
 
 
 def json_fault(text):
-    """Why a block is neither one JSON document nor one per line; None if it is."""
+    """Says why a block is neither one JSON document nor one document per line, else returns None."""
     try:
         json.loads(text)
         return None

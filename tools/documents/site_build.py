@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds the site with mkdocs-material: rewrites the pages for Python-Markdown, writes the configuration, and removes
-from the theme everything that a network would be needed for.
+the parts of the theme that need a network.
 
-The pages are written for GitHub's Markdown. Python-Markdown differs: it wants blank lines before lists and tables, four
-spaces within lists, and it names headings differently. So the pages are rewritten, and each heading gets its anchor.
+The pages are written for GitHub. Python-Markdown differs: lists and tables need a blank line before them, the text of
+list items needs four spaces, and headings get other anchors. So the pages are rewritten, and each heading names its
+anchor.
 """
 import json
 import os
@@ -19,7 +20,7 @@ from markdown_pages import (ATTRIBUTE, CODE_SPAN, COMMENT, FENCE, FOLDERS, HEADI
 HERE = pathlib.Path(__file__).resolve().parent
 TITLES = {"tutorials": "Tutorials", "how-to": "How to", "reference": "Reference", "explanation": "Explanation",
           "evidence": "Evidence", "contributing": "Contributing"}
-# Pages in the order in which they are read. Pages of these folders without a place here follow by title.
+# The order of pages in the navigation. Other pages follow, sorted by title.
 ORDER = {
     "tutorials": ("engine_mips", "gltf_model", "lobes_in_three", "ci_job", "farm", "ray_traced_textures"),
     "how-to": ("green_is_wrong", "choose_lobes", "does_my_map_gain", "reduce_memory", "terrain_and_udim",
@@ -30,11 +31,11 @@ ORDER = {
                   "changelog"),
     "explanation": ("how_it_works", "accuracy", "limits"),
 }
-# Its presence allows a later build to replace the folder.
+# A build replaces a folder only if the folder has this file.
 MARK = ".multum_site"
 LIST_ITEM = re.compile(r"( *)([-*+]|\d{1,9}[.)])( +)(?=\S)")
 TABLE_RULE = re.compile(r" *\|?[ :|-]*-{3,}[ :|-]*$")
-# Addresses in the theme's scripts that only pages with diagrams or with a repository use. This site has neither.
+# The theme's scripts use these addresses only for diagrams and repositories. This site has neither.
 FOREIGN_ADDRESSES = re.compile(r"https://(?:unpkg\.com|api\.github\.com|\$\{e\}/api)[^\"'`]*")
 
 
@@ -93,7 +94,7 @@ class ListIndents:
         self.is_loose = False
 
     def of(self, line, is_after_blank):
-        """The line with its new indent. Text without an indent ends a list only after a blank line."""
+        """Returns the line with its new indent. Text without an indent ends a list only after a blank line."""
         item = LIST_ITEM.match(line)
         indent = len(line) - len(line.lstrip(" "))
         is_new = item is not None or is_after_blank or HEADING.match(line) or FENCE.match(line)
@@ -170,7 +171,7 @@ def staged_pages(root, folder):
 
 
 def navigation(titles):
-    """The six folders with their pages, behind the first page."""
+    """Returns the first page, then the six folders with their pages."""
     found = [{"Start": "index.md"}]
     for folder in FOLDERS:
         order = ORDER.get(folder, ())
@@ -185,7 +186,7 @@ def navigation(titles):
 
 
 def configuration(source, output, titles):
-    """The configuration of mkdocs, as JSON, which is YAML too."""
+    """Returns the configuration of mkdocs. Written as JSON, the configuration is also YAML."""
     def palette(scheme, icon, name):
         return {"media": f"(prefers-color-scheme: {'dark' if scheme == 'slate' else 'light'})", "scheme": scheme,
                 "primary": "blue-grey", "accent": "teal", "toggle": {"icon": icon, "name": name}}
@@ -200,13 +201,13 @@ def configuration(source, output, titles):
         "extra_css": ["assets/site.css"],
         "plugins": [{"search": {"lang": "en"}}],
         "markdown_extensions": ["attr_list", "md_in_html", "sane_lists", "tables", {"toc": {"permalink": True}},
-                                "pymdownx.highlight", "pymdownx.superfences"],
+                                {"pymdownx.highlight": {"pygments_lang_class": True}}, "pymdownx.superfences"],
         "nav": navigation(titles)}
 
 
 def remove_foreign_addresses(output):
-    """Removes addresses, languages and source maps of the theme that this site does not use, and writes the index of
-    the search as a script: pages that are opened from a disk may load scripts, but no JSON."""
+    """Removes addresses, languages and source maps of the theme that this site does not use. Writes the index of the
+    search also as a script, because pages that are opened from a disk cannot load JSON."""
     scripts = output / "assets/javascripts"
     shutil.rmtree(scripts / "lunr", ignore_errors=True)
     for file in output.rglob("*.map"):

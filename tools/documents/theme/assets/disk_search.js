@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets pages that are opened from a disk be searched. Browsers refuse such pages two things that the theme's search
-// uses: reading JSON, and workers. So the index comes as a script, and the worker's script runs in a hidden frame.
+// Makes the search work on pages that are opened from a disk. Browsers do not let such pages read JSON or start
+// workers, and the theme's search does both. So the index comes as a script, and the worker's script runs in a hidden
+// frame.
 if (location.protocol === "file:") {
   const base = new URL("..", document.currentScript.src);
 
   /** A Worker whose script runs in a frame of this page. */
   class FrameWorker extends EventTarget {
     #frame = document.createElement("iframe");
-    #waiting = []; // messages from before the script was loaded
+    #waiting = []; // messages that were sent before the script was loaded
 
     constructor(url) {
       super();
