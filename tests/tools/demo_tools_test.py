@@ -45,7 +45,8 @@ class ScriptsTest(unittest.TestCase):
         self.assertEqual(run("shellcheck", *SHELL_SCRIPTS).stdout, "")
 
     def test_help(self):
-        for name in ("demo", "test", "lab/demo_page.py", "torus_mesh.py", "terrain_height.py", "lab/reproduce"):
+        for name in ("demo", "test", "lab/demo_page.py", "torus_mesh.py", "terrain_height.py", "lab/reproduce",
+                     "site"):
             with self.subTest(script=name):
                 done = run(TOOLS / name, "--help")
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
