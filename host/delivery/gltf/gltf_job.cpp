@@ -92,7 +92,7 @@ class GltfConversion {
     folder_ = WorkFolder::take(partial_folder_of(job_.output));
     if (folder_ == nullptr) throw Error(ErrorCode::kEnvironment, job_.output + ": another process is writing it");
     folder_->clear();
-    if (has_uastc() && !plan.sources.empty()) check_uastc_encoder(uastc());
+    if (has_uastc() && !plan.sources.empty()) find_encoder();
     std::vector<PreparedSource> prepared;
     for (std::size_t s = 0; s < plan.sources.size(); ++s) {
       prepared.push_back(prepare_source(asset, plan.sources[s], fit_settings()));
@@ -119,7 +119,18 @@ class GltfConversion {
   }
 
  private:
-  bool has_uastc() const { return job_.format == GltfTextureFormat::kUastc || job_.format == GltfTextureFormat::kAuto; }
+  bool has_uastc() const { return format_ == GltfTextureFormat::kUastc || format_ == GltfTextureFormat::kAuto; }
+  // Falls back to RGBA8 if nobody asked for UASTC or named an encoder, so that the first call on a machine works.
+  void find_encoder() {
+    try {
+      check_uastc_encoder(uastc());
+    } catch (const Error& error) {
+      if (format_ != GltfTextureFormat::kAuto || !job_.encoder.empty() || error.code() != ErrorCode::kEnvironment)
+        throw;
+      format_ = GltfTextureFormat::kRgba8;
+      warn(std::string("new textures are RGBA8, not UASTC, and larger: ") + error.what());
+    }
+  }
   void warn(const std::string& what) {
     report_.warnings.push_back(what);
     log_warning(job_.input, what);
@@ -155,7 +166,7 @@ class GltfConversion {
                       "whose name they are loaded; ",
                       plain_count, count) +
           engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
-    if (job_.format == GltfTextureFormat::kPng && count > 0)
+    if (format_ == GltfTextureFormat::kPng && count > 0)
       warn(
           "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
           "them");
@@ -307,7 +318,7 @@ class GltfConversion {
     std::optional<EncodedTexture> made;
     if (levels != nullptr) {
       const MaterialLevels exact{fitted.normal.get(), fitted.surface.get()};
-      TextureEncoding how{job_.format, job_.has_fallback, false, uastc(), [&](const LevelFile& decoded) {
+      TextureEncoding how{format_, job_.has_fallback, false, uastc(), [&](const LevelFile& decoded) {
                             MaterialLevels stored = exact;
                             if (&levels == &fitted.normal) stored.normal = &decoded;
                             if (&levels == &fitted.surface) stored.surface = &decoded;
@@ -324,6 +335,7 @@ class GltfConversion {
   }
 
   const GltfJob& job_;
+  GltfTextureFormat format_ = job_.format;  // that is written; without an encoder kAuto becomes kRgba8
   Device& device_;
   const DeviceCounts counts_;
   Progress* const progress_;

@@ -11,6 +11,7 @@
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/formats/asset/textures/lobe_texture.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/log.h"
 #include "host/foundation/base/size_of.h"
 
 namespace multum {
@@ -29,6 +30,18 @@ double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const Lo
   return lobe_storage_error(levels_of(exact), levels_of(stored), surface).error;
 }
 
+// Keeps a bake of an image that is already reported from reporting it again, by its name in the work folder.
+class QuietBake {
+ public:
+  QuietBake() : level_(log_level()) { set_log_level(LogLevel::kQuiet); }
+  ~QuietBake() { set_log_level(level_); }
+  QuietBake(const QuietBake&) = delete;
+  QuietBake& operator=(const QuietBake&) = delete;
+
+ private:
+  const LogLevel level_;
+};
+
 }  // namespace
 
 std::string bake_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
@@ -36,6 +49,7 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
   const LobeSource& source = prepared.source;
   return of_image(asset, source.normal_image, prepared.normal_file, [&] {
     Progress cancelling = cancel_only(progress);
+    const QuietBake quiet;
     BakeJob bake;
     bake.input = prepared.normal_file;
     bake.output = fmt::format("{}/lobes_{}.ndf.exr", settings.folder, number);

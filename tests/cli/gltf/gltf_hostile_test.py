@@ -152,11 +152,16 @@ class HostileTest(unittest.TestCase):
         self.assertEqual(run.returncode, ENVIRONMENT)
         for word in ("ktx2-encoder", "npm install", "rgba8", "Node.js"):
             self.assertIn(word, run.stderr)
-        run = subprocess.run(command, capture_output=True, text=True, check=False,
-                             env={**os.environ, "PATH": self.folder})
+        without_node = {**os.environ, "PATH": self.folder}
+        run = subprocess.run([*command, "--format", "uastc"], capture_output=True, text=True, check=False,
+                             env=without_node)
         self.assertEqual(run.returncode, ENVIRONMENT)
         self.assertIn("Node.js", run.stderr)
         self.assertEqual(sorted(os.listdir(self.folder)), ["in.glb", "model"])
+        run = subprocess.run(command, capture_output=True, text=True, check=False, env=without_node)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        for word in ("new textures are RGBA8", "Node.js", "npm install"):
+            self.assertIn(word, run.stderr)
 
     def test_broken_at_random(self):
         seed = 7
