@@ -17,18 +17,18 @@ ROUGHNESS = 0.25
 PREFILTER = "roughness-prefilter"  # of Debian's libfilament-tools
 # Name, options of multum export.
 WAYS = (("KTX2, `--format ktx2`", ["--format", "ktx2"]),
-        ("the same, `--fast`", ["--format", "ktx2", "--fast"]),
-        ("PNG, an image a level", ["--format", "png"]))
+        ("KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
+        ("PNG, one image per level", ["--format", "png"]))
 FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter, of which the quickest is what the others are divided by
 
-HEAD = """## What it takes
+HEAD = """## Time and memory
 
-{side} x {side} texels, `{map}` repeated, as PNG of 8 bits: `multum export` writes normals, occlusion, roughness and
-metalness of all levels, without measuring its error; roughness-prefilter ({version}) roughness alone. Rounds of all
-in turns, {rounds} of them: medians, in brackets their range; ratios are within a round, over the quickest format of
-roughness-prefilter.
+The input is `{map}`, repeated to {side} x {side} texels, as a PNG with 8 bits per channel. `multum export` writes
+normals, occlusion, roughness and metalness for all levels and does not measure its error. roughness-prefilter
+({version}) writes only roughness. All programs ran alternately in {rounds} rounds. The table has medians, with ranges
+in brackets. Ratios compare runs of the same round with the fastest format of roughness-prefilter.
 
-| | processor, s | ratio | memory, MiB |
+| | processor time, s | ratio | memory, MiB |
 |---|---|---|---|
 """
 
