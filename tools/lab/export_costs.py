@@ -15,11 +15,11 @@ SIDE = 4096
 ROUNDS = 5
 ROUGHNESS = 0.25
 PREFILTER = "roughness-prefilter"  # of Debian's libfilament-tools
-# Name, options of multum export.
-WAYS = (("KTX2, `--format ktx2`", ["--format", "ktx2"]),
-        ("KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
-        ("PNG, one image per level", ["--format", "png"]))
-FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter, of which the quickest is what the others are divided by
+# Name of the runs in the file of --state, title, options of multum export.
+WAYS = (("KTX2, `--format ktx2`", "KTX2, `--format ktx2`", ["--format", "ktx2"]),
+        ("the same, `--fast`", "KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
+        ("PNG, an image a level", "PNG, one image per level", ["--format", "png"]))
+FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter; ratios divide by the fastest one
 
 HEAD = """## Time and memory
 
@@ -52,7 +52,7 @@ def measure(multum, source, folder):
     large = folder / "large.png"
     write_repeated(source, large)
     commands = {name: [multum, "export", large, "-o", folder / "large", "--base-roughness", ROUGHNESS, "--no-measure",
-                       "--quiet", *options] for name, options in WAYS}
+                       "--quiet", *options] for name, _, options in WAYS}
     for kind in FORMATS:
         commands[kind] = [PREFILTER, "-r", ROUGHNESS, "-f", kind, large, folder / f"filament.{kind}"]
     runs = {name: [] for name in commands}
@@ -74,7 +74,7 @@ def section(costs):
     runs = costs["runs"]
     seconds = {name: [run[0] for run in rounds] for name, rounds in runs.items()}
     quickest = min(FORMATS, key=lambda kind: statistics.median(seconds[kind]))
-    names = {**{name: f"`multum export`, {name}" for name, _ in WAYS},
+    names = {**{name: f"`multum export`, {title}" for name, title, _ in WAYS},
              quickest: f"Filament's roughness-prefilter, {quickest.upper()}"}
     lines = []
     for name, title in names.items():
