@@ -92,7 +92,7 @@ The simulated farm bakes {maps} maps of {last['map_s']:g} s (median; two thirds 
 
 A *scan* is the service's search for news in the shared folder.
 
-| settings | maps | busy nodes | service in `sbatch` | service in scans | longest scan, s | ledger: time, processor time |
+| settings | maps | busy nodes | in `sbatch` | in scans | longest scan, s | ledger: time, processor time |
 |---|---|---|---|---|---|---|
 {chr(10).join(rows)}
 
