@@ -74,5 +74,6 @@ def byte_text(report):
                        ("lobes", "lobes")):
         texts.append(f"{name} {megabytes(sum(one['bytes'].get(kind, 0) for one in report['textures']))}")
     fitted = sum(one["fitted"] for one in report["materials"])
-    return (f"{megabytes(report['bytes_before'])} before, {megabytes(report['bytes_after'])} after. Fitted materials: "
-            f"{fitted} of {len(report['materials'])}; sets of textures: {len(report['textures'])}; {', '.join(texts)}.")
+    return (f"{megabytes(report['bytes_before'])} before and {megabytes(report['bytes_after'])} after the conversion. "
+            f"Fitted materials: {fitted} of {len(report['materials'])}; sets of textures: "
+            f"{len(report['textures'])}; {', '.join(texts)}.")
