@@ -170,7 +170,7 @@ Json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progr
 }
 
 ResultView view_frames(const Json& result) {
-  MarkdownTable table({"what is drawn", "anisotropy", "textures, MiB", "a frame, ms", "to Toksvig's"});
+  MarkdownTable table({"method", "anisotropy", "textures, MiB", "time per frame, ms", "ratio to Toksvig"});
   for (const Json& row : result.at("rows"))
     table.add({row.at("name").get<std::string>(), fmt::format("{:.0f}", row.at("anisotropy").get<double>()),
                rounded_text(row.at("gpu_bytes").get<double>() / (1 << 20)),
@@ -178,12 +178,14 @@ ResultView view_frames(const Json& result) {
   return {
       "Frames",
       fmt::format(
-          "Pictures of {} x {} of the four-quarter map of {} x {}, all levels, {:.0f} times across a plane "
-          "that runs to the horizon, Blinn-Phong with s = 100, one light. Times by the driver's clock "
-          "(GL_TIME_ELAPSED), {} of each in turns after one that does not count. Averaged normals are drawn from two "
-          "RGBA32F textures, where engines keep a BC5 normal and a BC4 roughness: the memory named is theirs, and "
-          "their "
-          "frames are faster.",
+          "Pictures of {} x {} pixels show the four-quarter map of {} x {} texels with all levels, repeated {:.0f} "
+          "times "
+          "across a plane that runs to the horizon, with Blinn-Phong, s = 100, and one light. Times come from the "
+          "driver's "
+          "clock (GL_TIME_ELAPSED). Each method ran {} times, alternately, after one run that does not count. Averaged "
+          "normals are drawn from two RGBA32F textures. Engines use a BC5 normal and a BC4 roughness instead: the "
+          "table has "
+          "the memory of the engines' textures, and their frames are faster.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
           result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
       table.text()};

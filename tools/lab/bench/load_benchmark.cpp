@@ -143,16 +143,17 @@ ResultView view_load(const Json& result) {
       row.push_back(spread_text(parse_spread(file.at(key))));
     table.add(row);
   }
-  return {
-      "Files: size, writing, reading, upload",
-      fmt::format(
-          "The four-quarter map of {0} x {0}, {1} lobes, all levels. Write: checksum, compression and sync "
-          "to disk ({2}) with {3} threads. Read: to floats, from the page cache, by one thread and by {3}, "
-          "multum-view by all that there are. Upload: converted and handed to GL as textures until GL has finished, as "
-          "multum-view does. Figures of {4} runs, in turns.",
-          result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("file_system").get<std::string>(),
-          threads, result.at("repetitions").get<int>()),
-      table.text()};
+  return {"Files: size, writing, reading, upload",
+          fmt::format(
+              "The file has the four-quarter map of {0} x {0} texels with {1} lobes and all levels. *Write* includes "
+              "checksum, compression and sync to disk ({2}) with {3} threads. *Read* decodes to floats from the page "
+              "cache, with "
+              "one thread and with {3}; multum-view uses all threads. *Upload* converts the data and gives it to GL as "
+              "textures, "
+              "as multum-view does, until GL has finished. All encodings ran alternately, {4} times each.",
+              result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("file_system").get<std::string>(),
+              threads, result.at("repetitions").get<int>()),
+          table.text()};
 }
 
 }  // namespace multum::bench

@@ -194,9 +194,9 @@ std::string default_text(const Json& result, const Figures& errors) {
                        median_of(times, timed, method));
   };
   return fmt::format(
-      "**Default**: {} taps, averaged and shaded once, at a bias of {:g}, as an anisotropic sampler does. With 4 "
-      "lobes: "
-      "{}. Two taps that are each shaded, at the same bias: {}.\n\n",
+      "**Default**: {} taps at a bias of {:g}, averaged and shaded once, like an anisotropic sampler. With 4 lobes: "
+      "{}. "
+      "Two taps at the same bias, each shaded: {}.\n\n",
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
@@ -206,13 +206,18 @@ std::string evaluations_text(const Json& result, const std::vector<std::string>&
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**At equal evaluations** of a pixel's light, {} taps for each (`multum-view --evaluations`): lobes by the rule, "
-      "the others at as many points of the pixel. Error in %, each method with the bias that is best for it:\n\n",
+      "**At equal evaluations** of light per pixel, with {} taps per evaluation (`multum-view --evaluations`): lobes "
+      "follow "
+      "multum's rule, and other methods are shaded at as many points per pixel. Errors in %, each method at its best "
+      "bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);
-  text += "\nFlicker in %, as below:\n\n";
+  text += "\nFlicker in % at equal evaluations:\n\n";
   text += table_of(with_budget(figures_of(result, "motions", "flicker"), true), moving, percent_text);
-  text += "\nProcessor time of a frame over that of the same method with one tap at bias 0, as below:\n\n";
+  text +=
+      "\nProcessor time of a frame at equal evaluations, divided by the time of the same method with one tap at "
+      "bias "
+      "0:\n\n";
   text += table_of(with_budget(time_ratios(result), true), methods,
                    [](double ratio) { return fmt::format("{:.2f}", ratio); });
   return text + "\n";
@@ -227,29 +232,33 @@ ResultView view_filters(const Json& result) {
   std::string tables = default_text(result, errors) + evaluations_text(result, methods, moving) +
                        "Error of pictures, relative L1 in %, medians over the maps:\n\n";
   tables += table_of(errors, methods, percent_text);
-  tables += "\nEach method with the bias that is best for it, error in % at the bias:\n\n";
+  tables += "\nEach method at its best bias, error in % at the bias:\n\n";
   tables += best_bias_table(errors, methods);
-  tables += "\nFlicker in %, the mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
+  tables += "\nFlicker in %, mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
   tables += table_of(flicker, moving, percent_text);
-  tables += "\nFlicker of 4 lobes in %, each motion by itself:\n\n" + motion_table(result);
+  tables += "\nFlicker of 4 lobes in %, for each motion:\n\n" + motion_table(result);
   tables +=
-      "\nProcessor time of a frame over that of the same method with one tap at bias 0, medians over the maps (GL in "
-      "software, bias -0.5):\n\n";
+      "\nProcessor time of a frame, divided by the time of the same method with one tap at bias 0; medians over the "
+      "maps "
+      "(GL in software, bias -0.5):\n\n";
   tables += table_of(with_budget(time_ratios(result), false), methods,
                      [](double ratio) { return fmt::format("{:.2f}", ratio); });
   tables +=
-      "\nError in % against a reference that blends the light of the four finest texels around a point, so that "
-      "magnification is not charged to the bake:\n\n";
+      "\nError in % against a reference that blends the light of the four finest texels around a point. This reference "
+      "does not count magnification as an error of the bake:\n\n";
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
       fmt::format(
-          "The oblique plane of `tools/lab/reproduce maps`, {} x {} pixels, Blinn-Phong with s = 100, {} maps ({}); "
-          "flicker on "
-          "pictures of half the size. Every method is drawn with the same filter (`multum-view --taps --level-bias`). "
-          "Reference: {} samples per pixel of the finest map, box filter, noise at most {} of itself (blended: {}). "
-          "Flicker: sum |(f' - f) - (t' - t)| / sum t of neighbouring frames f, f' and their references t, t'. LEAN is "
-          "with the Jacobian.",
+          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels, Blinn-Phong with s = "
+          "100, and {} "
+          "maps ({}). Flicker is measured on pictures of half the size. Every method uses the same filter "
+          "(`multum-view "
+          "--taps --level-bias`). The reference has {} samples per pixel of the finest map and a box filter; its "
+          "noise is at "
+          "most {} (blended reference: {}). *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
+          "f' and "
+          "their references t, t'. LEAN uses its Jacobian.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
           sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
       tables};

@@ -143,7 +143,7 @@ Brdf ggx_of(double alpha, int terms) {
 }
 
 std::vector<std::string> kappa_head() {
-  std::vector<std::string> head = {"on a von Mises-Fisher lobe of kappa"};
+  std::vector<std::string> head = {"von Mises-Fisher lobe with kappa"};
   for (const double kappa : kKappas) head.push_back(fmt::format("{:g}", kappa));
   return head;
 }
@@ -183,7 +183,7 @@ void add_lambert(MarkdownTable& table, ShadingKernels& kernels, const std::vecto
   const auto reference = [&](double kappa) {
     return each(directions, [&](double theta) { return reference::convolved_lambert(kappa, theta); });
   };
-  add_row(table, "Lambert, folded normal's mean", [&](double kappa) {
+  add_row(table, "Lambert, mean of the folded normal", [&](double kappa) {
     return relative_l1(directions, kernels.lobe(upright_lobe(kappa), false, directions, 0.0), reference(kappa));
   });
   add_row(table, "Lambert, the paper's max(mu . l, 0)", [&](double kappa) {
@@ -334,7 +334,7 @@ Values shaded(const Normals& normals, const std::vector<Direction>& directions, 
 
 // Gaussians on the plane and of slopes, at some tilts.
 std::string tilted_table(ShadingKernels& kernels, const std::vector<Direction>& directions) {
-  std::vector<std::string> head = {"a Gaussian, tilted by degrees"};
+  std::vector<std::string> head = {"Gaussian, tilt in degrees"};
   for (const double tilt : kTilts) head.push_back(fmt::format("{:g}", tilt));
   MarkdownTable table(head);
   const auto add = [&](const std::string& name, const std::function<std::string(double tilt)>& error) {
@@ -391,17 +391,23 @@ std::string formula_section(Device& device, const std::string& brdfs) {
   add_blinn_phong(lobes, kernels, round);
   add_lambert(lobes, kernels, round);
   add_facets(lobes, round, brdfs);
-  return "Each formula on a distribution of the very shape that it is for, so that only the formula is off: relative "
-         "L1 over the hemisphere against quadrature in double, in %. The shape of the convolution is what is compared, "
-         "without n . l, Fresnel and visibility. Rows of Blinn-Phong, Lambert, Gaussians and moments are computed by "
-         "the kernels that measure a bake (the runtime's GLSL equals them, tests/agreement), the others in "
-         "double.\n\n" +
+  return "Each formula is applied to a distribution of exactly the shape that it assumes, so that the formula causes "
+         "the whole "
+         "error. Errors are relative L1 over the hemisphere in %, against quadrature in double precision. The "
+         "comparison "
+         "covers the shape of the convolution, without n . l, Fresnel and visibility. The kernels that measure a bake "
+         "compute "
+         "the rows of Blinn-Phong, Lambert, Gaussians and moments; tests/agreement shows that the runtime's GLSL "
+         "equals "
+         "these kernels. The other rows are computed in double precision.\n\n" +
          lobes.text() +
-         "\nHarmonics are exact up to where they end; here of a lobe, clamped at 0 as the runtime does:\n\n" +
-         harmonics_table(round) +
-         "\nPlanar Gaussians (sigma 0.1 in n_x, n_y) and Gaussians of slopes (0.1 in each), tilted towards the rim; "
+         "\nHarmonics are exact up to their order. The next table applies them to a lobe and clamps them at 0, like "
          "the "
-         "spread of BRDFs is added to that of normals:\n\n" +
+         "runtime.\n\n" +
+         harmonics_table(round) +
+         "\nThe next table has planar Gaussians (sigma 0.1 in n_x, n_y) and Gaussians of slopes (sigma 0.1 in each), "
+         "tilted "
+         "towards the rim. The spread of the BRDF is added to the spread of the normals.\n\n" +
          tilted_table(kernels, all);
 }
 

@@ -98,8 +98,8 @@ class ThreeColumnsYardstick : public InferenceYardstick {
 }  // namespace
 
 std::string yardstick_name(const YardstickWay& way) {
-  const char* form = way.form == YardstickForm::kRowMajor      ? "LSCG a colour, row-major"
-                     : way.form == YardstickForm::kColumnMajor ? "LSCG a colour, column-major"
+  const char* form = way.form == YardstickForm::kRowMajor      ? "LSCG per colour, row-major"
+                     : way.form == YardstickForm::kColumnMajor ? "LSCG per colour, column-major"
                                                                : "LSCG's iteration on three columns";
   return std::string(form) + ", " + std::to_string(way.threads) + (way.threads == 1 ? " thread" : " threads");
 }
