@@ -85,16 +85,17 @@ def draw_every_map(study):
                 [["median", *[percent(e) for e in np.median([row for _, row in errors], axis=0)]]])
     counts = [one["samples"] for one in references]
     study.paragraph(f"References have {min(counts)} to {max(counts)} samples per pixel; their noise is at most",
-                    f"{percent(max(one['noise_relative_l1'] for one in references))} of themselves.")
+                    f"{percent(max(one['noise_relative_l1'] for one in references))}.")
     if guessed:
-        study.paragraph(f"Read with --green up, which their statistics do not tell: {', '.join(guessed)}.")
+        study.paragraph("Read with --green up, because their statistics do not show green's direction:",
+                        f"{', '.join(guessed)}.")
     study.heading("Frame times")
-    study.paragraph("One frame of 320 x 240 over Toksvig's of the same run: medians over the maps, and the least and",
-                    "the most.")
+    study.paragraph("The table has the time of a frame of 320 x 240 pixels, divided by the time of Toksvig in the",
+                    "same run: medians over the maps, and the lowest and the highest ratio.")
     low, middle, high = (np.percentile(ratios, q, axis=0) for q in (0, 50, 100))
     study.table(["", *labels], [["ms", *[f"{value:.1f}" for value in np.median(milliseconds, axis=0)]],
-                                ["over Toksvig's", *[f"{value:.2f}" for value in middle]],
-                                ["least to most", *[f"{a:.2f} to {b:.2f}" for a, b in zip(low, high)]]])
+                                ["ratio to Toksvig", *[f"{value:.2f}" for value in middle]],
+                                ["lowest to highest", *[f"{a:.2f} to {b:.2f}" for a, b in zip(low, high)]]])
 
 
 def draw_every_material(study):
@@ -130,8 +131,9 @@ def draw_every_material(study):
                 row.append("refused")
         rows.append(row)
     study.heading("Frame times of materials")
-    study.paragraph("One frame of 320 x 240, grooves, 256 x 256, over one of Toksvig's averaged normal with the same",
-                    f"BRDF and light, in the same run: the medians of {MATERIAL_RUNS} runs.")
+    study.paragraph("The table has the time of a frame of 320 x 240 pixels with the map of grooves, 256 x 256 texels.",
+                    "This time is divided by the time of Toksvig's averaged normal with the same BRDF and light in",
+                    f"the same run. Numbers are medians of {MATERIAL_RUNS} runs.")
     study.table(["", *[label for label, _, _ in kinds]], rows)
 
 
@@ -149,17 +151,18 @@ def draw_same_filter(study):
                               "--reference-of", of, compare=("reference", *[name for _, name in methods[1:]]))
             columns.append((f"s = {exponent}, {'same filter' if of == 'texels' else 'pixel'}",
                             {name: relative_l1(view[name], view["reference"]) for _, name in methods}))
-    study.heading("What the picture's filter costs")
-    study.paragraph("Highlights alone on the four-quarter map, against a reference that averages over the texels that",
-                    "the filter takes, and against one that averages over the pixel: the difference is the filter's.")
+    study.heading("Error of the picture's filter")
+    study.paragraph("The table has errors of highlights on the four-quarter map. One reference averages over the",
+                    "texels that the filter takes, and the other reference averages over the pixel. The difference",
+                    "between both errors comes from the filter.")
     study.table(["", *[words for words, _ in columns]],
                 [[label, *[percent(errors[name]) for _, errors in columns]] for label, name in methods])
 
 
 def reproduce(study):
     study.samples = None  # as many as the reference's noise takes
-    study.paragraph("The oblique plane under one light, Blinn-Phong of s = 100, all by multum-view's own filter:",
-                    "relative L1 of each picture against samples of the map itself.")
+    study.paragraph("The scene is the oblique plane under one light, with Blinn-Phong and s = 100. multum-view's own",
+                    "filter draws all pictures. Errors are relative L1 errors against samples of the map itself.")
     draw_every_map(study)
     draw_every_material(study)
     draw_same_filter(study)

@@ -244,7 +244,7 @@ class Study:
 
     def section(self):
         """What docs/evidence/PAPERS.md has of this page."""
-        of_maps = f"Maps that are made: {self.size} x {self.size}. " if self.has_made_maps else ""
+        of_maps = f"Generated maps have {self.size} x {self.size} texels. " if self.has_made_maps else ""
         # What leads to a picture of the page alone says nothing here.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
                  if not part.endswith(":") or behind.startswith(("|", "!"))]
