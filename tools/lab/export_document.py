@@ -86,7 +86,7 @@ search found.
 """
 
 FORMS = """
-## Which form the levels get
+## Forms of the levels
 
 `--form` decides what each level from 1 on stores:
 
@@ -213,7 +213,7 @@ October 2026), so that their lobe follows the geometry's normal. The sign of a d
 need the same sign for filtering. All directions of a map are therefore in one half plane, and its border is where the
 fewest axes are.
 
-## Which programs load the files
+## Programs that load the files
 
 Every export prints the row of its format.
 

@@ -43,7 +43,7 @@ pixels and colours of |picture - reference|, divided by the sum of the reference
 of the picture, divided by the sum of the reference. Errors of edges, and of parts that are smaller than a pixel, are in
 all pictures and do not depend on the textures.
 
-Of {views} views:
+Counts over {views} views:
 
 * *One lobe* needs as many evaluations as plain mips. In {one} views, its error is at most 0.2 points higher than the
   error of plain mips.

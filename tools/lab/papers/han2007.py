@@ -126,7 +126,7 @@ def draped_cloth(study):
     source = weave if has_weave else study.path("quarters_normal.png")
     study.paragraph("tools/lab/papers/cloth.py simulates the cloth. The normals are harmonics of order 8 of a",
                     "woven map." if has_weave else "generated map (MULTUM_SHARED_DATA has a woven one).",
-                    "From near, the middle is hardly filtered, but the corners are.")
+                    "From near, the filter changes the middle little and the corners much.")
     study.bake("cloth", source, *(() if has_weave else ("--green", "up")), "--ndf", "sh", "--sh-order", "8")
     material = ("--brdf", fabric if has_fabric else "blinn-phong:12", "--source", source, "--light", "0.3,-0.5,0.8,3",
                 "--up", "0,0,1", "--repeat", "1", *FRAME)
