@@ -25,7 +25,7 @@
 namespace multum::bench {
 namespace {
 
-// One level, ready to be fitted by either program: all texels in one launch.
+// One level, ready for both programs, with all texels in one launch.
 class LevelBench {
  public:
   LevelBench(Device& device, const NormalMap& map, const LevelSchedule& level, const std::vector<MultumVmfLobe>& parent,
@@ -130,7 +130,7 @@ class LevelBench {
     return result_;
   }
 
-  // Mean |difference| of a r and a between the two programs: both did the same work.
+  // Mean |difference| of a r and a between the two programs, to check that both did the same work.
   double mean_difference() {
     const std::vector<MultumVmfLobe>& found = kernel_result();
     const std::size_t texels = found.size() / lobes_;
@@ -163,7 +163,7 @@ class LevelBench {
 
 using Json = nlohmann::ordered_json;
 
-// All cores, half of them or a quarter: where work is little, waking threads costs more than they do.
+// Tries all cores, half and a quarter of them: with little work, waking threads costs more than it saves.
 int fastest_threads(LevelBench& bench, Instructions instructions) {
   int best = core_count();
   double least = 0.0;
@@ -235,9 +235,9 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   Json levels = Json::array();
   ContentHash hash;
   for (const LevelSchedule& level : schedule.levels) {
-    if (level.fit.parent_width == 0) continue;  // the coarsest has no parent: its start is another program
+    if (level.fit.parent_width == 0) continue;  // the coarsest level has no parent, so another program starts it
     progress_advance(progress, 0);              // a chance to cancel
-    // Each level starts from the level above it as the kernels fitted it.
+    // Each level starts from the level above it, as fitted by the kernels.
     LevelBench bench(device, map, level, parent, options);
     levels.push_back(run_level(bench, level.level, options, instructions));
     parent = bench.kernel_result();

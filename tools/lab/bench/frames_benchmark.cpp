@@ -30,14 +30,14 @@ using Json = nlohmann::ordered_json;
 constexpr int kLobesMax = 8;
 constexpr float kAnisotropies[] = {1.0f, 16.0f};
 
-// The picture of `multum-view` untold: the map sixty times across a plane seen at a glancing angle.
+// The default picture of `multum-view`: the map sixty times across a plane at a glancing angle.
 constexpr float kRepeats = 60.0f;
 
 gl::RenderScene plane_scene() {
   gl::RenderScene scene;
   scene.uv_scale = kRepeats;
   scene.brdf.exponent = 100.0f;
-  scene.filter.is_drivers = true;  // whose anisotropy is what is timed
+  scene.filter.is_drivers = true;  // the benchmark times the driver's anisotropy
   return scene;
 }
 
@@ -63,7 +63,7 @@ std::unique_ptr<gl::Material> read_harmonics(const gl::GlFunctions& functions, c
   return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(file), anisotropy);
 }
 
-// Something to draw, with how long it took.
+// A method to draw, and its times.
 struct Subject {
   std::string name;
   float anisotropy;
@@ -119,7 +119,7 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
   return subjects;
 }
 
-// All of one anisotropy, in turns; the first is what the others are compared with.
+// Times all subjects of one anisotropy alternately. Ratios compare with the first subject.
 void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOptions& options,
                           std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
   const gl::Mesh mesh(functions, horizon_plane(kRepeats));

@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr StorageEncoding kEncodings[] = {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat};
-// Every one that a file may have; of the levels of zip the fastest, the one that OpenEXR 3.1 takes untold, the last.
+// Every compression of a file. For zip: the fastest level, the default level of OpenEXR 3.1, and the highest.
 constexpr const char* kCompressions[] = {"none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz"};
 
 double seconds_of(const std::function<void()>& body) {
@@ -45,7 +45,9 @@ struct Workplace {
   int threads;
 };
 
-// From the page cache. OpenEXR's pool of threads only grows by itself: without any, calls do their work themselves.
+// Reads from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows; with 0 threads, calls
+// do
+// the work themselves.
 MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& times) {
   Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
   MovmfMipmap mipmap;
@@ -53,7 +55,7 @@ MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& ti
   return mipmap;
 }
 
-// One file once: written and synced, read, handed to GL until GL says that it is done. Returns the checksum of what was
+// Writes and syncs a file, reads it, and uploads it until GL has finished. Returns the checksum of the pixels that were
 // read.
 std::string measure_once(const Workplace& at, const MovmfMipmap& mipmap, const char* compression, FileTimes& times) {
   const BakedWriteOptions options{compression, BakedWriteOptions().tile_size, at.threads};
@@ -95,7 +97,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
   const ScratchFolder folder(options.folder);
   const MovmfMipmap baked = bake_as_floats(options, folder, progress);
   const Workplace at{*context, folder / "rounded.ndf.exr", threads};
-  FileTimes cold;  // the first file pays for starting threads and for memory that the system has not given yet
+  FileTimes cold;  // the first file pays for starting threads and for new memory
   measure_once(at, baked, kCompressions[0], cold);
   Json files = Json::array();
   ContentHash all;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-bench: two programs in one run, in turns, ratios with their spread; and the documents made of such figures.
+// multum-bench: runs two programs alternately and reports ratios with their spread, and writes documents of such
+// figures.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -41,7 +42,7 @@ constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
 
 const Choices<Instructions> kInstructions = {{"avx2", Instructions::kAvx2}, {"avx512", Instructions::kAvx512}};
 
-// The line that was typed, without the file that the result went to: that says nothing of how it was measured.
+// The command line without the file of the result, which does not affect the measurement.
 std::string command_line(int argc, char** argv) {
   std::vector<std::string> command = {"multum-bench"};
   for (int i = 1; i < argc; ++i) {
@@ -52,7 +53,7 @@ std::string command_line(int argc, char** argv) {
   return command_text(command);
 }
 
-// A subcommand, the file that its result goes to (empty: none), and what runs it once its options are known.
+// A subcommand, the file of its result (empty: none), and the function that runs it with its options.
 struct Benchmark {
   CLI::App* command;
   std::string json;
@@ -261,7 +262,7 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
 
 int run_benchmark(const Benchmark& benchmark, const std::string& command) {
   if (!benchmark.json.empty()) check_writable(benchmark.json);
-  const auto progress = make_terminal_progress(false);  // for its Ctrl-C: files that were made go away
+  const auto progress = make_terminal_progress(false);  // handles Ctrl-C and removes files
   const Json result = make_result(benchmark.command->get_name(), command, benchmark.run(progress.get()));
   const ResultView view = view_of(result);
   fmt::print("{}, on {}\n\n{}\n\n{}\nresult hash {}\n", view.title, result.at("device").get<std::string>(), view.method,

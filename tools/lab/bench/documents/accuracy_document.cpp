@@ -32,7 +32,7 @@ namespace {
 constexpr AccuracyPoint kPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY,
                                      AccuracyPoint::kBetween};
 
-// What a bake reached: errors in %, looked up by level, point and BRDF.
+// Errors of a bake in %, looked up by level, point and BRDF.
 class Errors {
  public:
   explicit Errors(const std::vector<AccuracyRow>& rows) {
@@ -94,7 +94,7 @@ Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, co
   return Errors(measure_accuracy(device, mipmap, map, albedo, every_texel(threads), nullptr));
 }
 
-// Fits of all variants, whose kernels have been compiled.
+// Times fits of all variants after their kernels were compiled.
 std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::vector<Variant>& variants) {
   std::printf("times, %d rounds\n", kTimedRounds);
   std::vector<std::function<void()>> runs;
@@ -109,7 +109,7 @@ std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::
 MovmfSettings with_lobes(int lobes) {
   MovmfSettings settings;
   settings.lobe_count = lobes;
-  settings.periodic_x = settings.periodic_y = true;  // as `multum bake` does unless told otherwise
+  settings.periodic_x = settings.periodic_y = true;  // the default of `multum bake`
   return settings;
 }
 
@@ -226,7 +226,7 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
          colours + tables;
 }
 
-// Bytes of the file, which is written beside the document for as long as it takes.
+// Size of the file, which is written next to the document and then removed.
 std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptions& options) {
   const std::string path = options.output + ".first_level.ndf.exr";
   BakedWriteOptions writing;
@@ -237,8 +237,7 @@ std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptio
   return bytes;
 }
 
-// What it costs to leave the finest levels to the normal map, and what it saves. Levels from the first that is stored
-// on are those of the other rows.
+// Errors and sizes if the finest levels come from the normal map. Stored levels are the same in all rows.
 std::string first_level_section(Device& device, const AccuracyDocumentOptions& options) {
   const FourQuarterMap map = make_four_quarter_map(options.size, 7);
   FitReport report;
@@ -287,11 +286,12 @@ struct MapTable {
   std::string losses;
 };
 
-// Errors of all maps at levels 1 and up, by who made them and by exponent: at level 0 a texel is a normal, and whoever
-// keeps that is exact.
+// Errors of all maps at levels from 1 on, by method and exponent. Level 0 does not count: its texels are single
+// normals,
+// and methods that keep them are exact.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
-// Those whose rivals have as many channels are beside them.
+// A row of the table by channels. Methods with the same number of channels are next to each other.
 struct Rival {
   const char* name;   // key of MapErrors
   const char* title;  // in the table
@@ -328,7 +328,7 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
   try {
     map = read_normal_map(path, {}, options.threads, nullptr);
   } catch (const Error&) {
-    return;  // not a normal map: refused with its reason by `multum bake`
+    return;  // not a normal map: `multum bake` refuses it too
   }
   if (map.report.encoding.find("height field") != std::string::npos) return;
   std::printf("%s\n", name.c_str());
@@ -407,7 +407,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
-// A row a setting, an error a BRDF.
+// One row per setting and one error per BRDF.
 std::string errors_table(const TradeoffResult& result) {
   MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, processor ms",
                        "elapsed, ms", "GPU, MB"});
@@ -427,7 +427,7 @@ std::string errors_table(const TradeoffResult& result) {
   return table.text();
 }
 
-// Every representation, baked and measured by the code of `multum tradeoff`.
+// Bakes and measures every representation with the code of `multum tradeoff`.
 std::string representations_section(Device& device, const AccuracyDocumentOptions& options) {
   const ScratchFolder scratch("");
   TradeoffJob job;
@@ -465,7 +465,7 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   return text;
 }
 
-// The sections of a document that is there: from each heading of the second order to the next; the head by "".
+// Sections of an existing document, by their headings of second order; the text before the first heading has key "".
 std::map<std::string, std::string> sections_of(const std::string& path) {
   std::map<std::string, std::string> sections;
   std::ifstream file(path);

@@ -75,7 +75,7 @@ int write_benchmarks_document(const BenchmarksDocumentOptions& options) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     Json& commit = results[i]["commit"];
     const std::string stated = stated_commit(options.results[i], commit.get<std::string>(), options.allow_dirty);
-    commit = stated.substr(stated.find(' ') + 1);  // conditions_text() has the word before it
+    commit = stated.substr(stated.find(' ') + 1);  // conditions_text() adds the word "commit"
   }
   write_text_file(options.output, results.size() == 1 ? page_of(options, results[0]) : page_of(options, results));
   std::printf("%s: written\n", options.output.c_str());

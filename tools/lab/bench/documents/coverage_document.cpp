@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake is measured by many independent choices of footprints; together they stand for all that there are.
+// Measures each bake with many independent choices of footprints. All choices together stand for all footprints.
 #include "tools/lab/bench/documents/coverage_document.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ namespace {
 
 struct Held {
   int held = 0, all = 0;
-  double squares = 0.0, widths = 0.0;  // of errors in standard errors; of half widths over errors
+  double squares = 0.0, widths = 0.0;  // sums of (error / standard error)^2 and of half width / error
   void operator+=(const Held& other) {
     held += other.held;
     all += other.all;
@@ -34,14 +34,14 @@ struct Held {
   }
 };
 
-// Of one BRDF and way to shade it.
+// Adds the intervals of one BRDF, shaded in one way.
 void add_brdf(const AccuracyMeter& meter, std::size_t brdf, Held& held) {
   const double whole = meter.footprint_errors()[brdf].error;
   if (!(whole > 0.0)) return;  // a flat map's
   const auto count = static_cast<double>(meter.replicate_errors().size());
   for (const std::vector<FootprintError>& replicate : meter.replicate_errors()) {
     const FootprintError& one = replicate[brdf];
-    // All together have the one among them: that makes them nearer by sqrt(1 - 1 / n).
+    // The mean of all choices contains this choice, which lowers the difference by a factor of sqrt(1 - 1 / n).
     const double off = std::abs(one.error - whole) / std::sqrt(1.0 - 1.0 / count);
     held.held += off <= one.confidence ? 1 : 0;
     ++held.all;
@@ -64,7 +64,7 @@ class Coverage {
  public:
   explicit Coverage(const CoverageDocumentOptions& options)
       : options_(options), device_(Device::open(DeviceChoice{})), candidates_(setting_candidates(kQuickSweep)) {
-    // Compression and encodings beside the default are no other errors to speak of.
+    // Compression and storage encodings change errors too little to be measured here.
     std::erase_if(candidates_, [](const SettingCandidate& one) { return one.axis == CandidateAxis::kStorage; });
     by_setting_.resize(candidates_.size());
   }
@@ -80,7 +80,7 @@ class Coverage {
       mosaic = make_mosaic(source, {options_.side, options_.side / 4, 1});
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kInput) throw;
-      return;  // no normal map
+      return;  // not a normal map
     }
     Held of_map;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
@@ -148,7 +148,7 @@ int write_coverage_document(const CoverageDocumentOptions& options) {
   for (const std::string& path : paths) {
     if (options.map_count > 0 && count == options.map_count) break;
     const std::string stem = std::filesystem::path(path).stem().string();
-    // As the folders of games and engines name them; what else is there has colours, heights and gloss.
+    // Normal maps by the naming of games and engines; other files are colours, heights and gloss.
     const bool is_named = stem.starts_with("pm_") || stem.ends_with("flakes5n") || stem.ends_with("_n") ||
                           stem.ends_with("normal") || stem.ends_with("_nm") || stem.ends_with("_norm");
     if (!is_named) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
+// Text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kTimedBias = -0.5;  // frame times depend on it little
+constexpr double kTimedBias = -0.5;  // frame times hardly depend on the bias
 
 struct FilterKey {
   int taps;
@@ -37,7 +37,7 @@ FilterKey key_of(const Json& row) {
           row.value("evaluations", 0)};
 }
 
-// Of each filter and method a figure per map.
+// One figure per map, for each filter and method.
 using Figures = std::map<FilterKey, std::map<std::string, std::vector<double>>>;
 
 Figures figures_of(const Json& result, const char* list, const std::function<double(const Json&)>& value) {
@@ -52,13 +52,13 @@ Figures figures_of(const Json& result, const char* list, const char* field) {
   return figures_of(result, list, [field](const Json& row) { return row.at(field).get<double>(); });
 }
 
-// Of filters with a budget of evaluations, or without one.
+// Keeps filters with a budget of evaluations, or filters without.
 Figures with_budget(Figures figures, bool has_budget) {
   std::erase_if(figures, [&](const auto& entry) { return (entry.first.evaluations > 0) != has_budget; });
   return figures;
 }
 
-// In the order in which they were measured.
+// Methods in the order of their measurement.
 std::vector<std::string> methods_of(const Json& result, const char* list) {
   std::vector<std::string> methods;
   for (const Json& row : result.at("maps").at(0).at(list))
@@ -79,7 +79,7 @@ std::vector<std::string> head_of(std::vector<std::string> first, const std::vect
 
 std::string percent_text(double value) { return fmt::format("{:.1f}", 100.0 * value); }
 
-// Fewest taps first, then from the plain level to the sharpest; shaded taps behind.
+// Filters by number of taps, then from the plain level to the sharpest; filters that shade each tap come last.
 std::vector<FilterKey> keys_of(const Figures& figures) {
   std::vector<FilterKey> keys;
   for (const auto& [key, unused] : figures) keys.push_back(key);
@@ -110,7 +110,7 @@ std::string table_of(const Figures& figures, const std::vector<std::string>& met
   return table.text();
 }
 
-// Each method by the bias that is best for it.
+// Errors of each method at its best bias.
 std::string best_bias_table(const Figures& figures, const std::vector<std::string>& methods) {
   MarkdownTable table(head_of({taps_head(figures)}, methods));
   std::vector<FilterKey> keys = keys_of(figures);
@@ -131,7 +131,7 @@ std::string best_bias_table(const Figures& figures, const std::vector<std::strin
   return table.text();
 }
 
-// Of four lobes, each motion by itself.
+// Flicker of four lobes, for each motion.
 std::string motion_table(const Json& result) {
   Figures figures;
   std::vector<std::string> motions;
@@ -145,7 +145,7 @@ std::string motion_table(const Json& result) {
   return table_of(figures, motions, percent_text);
 }
 
-// Frames over those of the same method with one tap at level bias 0, in the same run.
+// Frame times, divided by the time of the same method with one tap at level bias 0 in the same run.
 Figures time_ratios(const Json& result) {
   Figures figures;
   for (const Json& map : result.at("maps")) {
@@ -183,7 +183,7 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Of four lobes: the default next to half as many taps that are each shaded, in about the same time.
+// Compares, for four lobes, the default with half as many taps that are each shaded, in about the same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
   const auto describe = [&](int taps, bool shades_taps) {
@@ -200,7 +200,7 @@ std::string default_text(const Json& result, const Figures& errors) {
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
-// Every method at as many points of each pixel as lobes take evaluations.
+// Compares all methods at as many points per pixel as lobes take evaluations.
 std::string evaluations_text(const Json& result, const std::vector<std::string>& methods,
                              const std::vector<std::string>& moving) {
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);

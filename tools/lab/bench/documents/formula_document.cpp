@@ -32,13 +32,13 @@ constexpr std::array kKappas = {1.0, 3.0, 12.0, 60.0, 400.0, 2000.0};
 constexpr std::array kExponents = {5.0, 20.0, 100.0, 500.0};
 constexpr std::array kTilts = {0.0, 30.0, 60.0, 75.0};  // degrees
 
-// A direction and the solid angle that it stands for.
+// A direction and its solid angle.
 struct Direction {
   glm::dvec3 w;
   double angle;
 };
 
-// The meridian: enough where everything is round about z.
+// Directions on a meridian, which are enough for functions that are symmetric about z.
 std::vector<Direction> meridian() {
   constexpr int kCount = 160;
   std::vector<Direction> all;
@@ -69,7 +69,7 @@ Values each(const std::vector<Direction>& directions, const std::function<double
   return values;
 }
 
-// In %, over solid angle.
+// Relative L1 error in %, over solid angle.
 std::string relative_l1(const std::vector<Direction>& directions, const Values& model, const Values& reference) {
   double off = 0.0, total = 0.0;
   for (std::size_t i = 0; i < reference.size(); ++i) {
@@ -79,13 +79,13 @@ std::string relative_l1(const std::vector<Direction>& directions, const Values& 
   return fmt::format("{:.2f}", 100.0 * off / total);
 }
 
-// The shading kernels by which a bake measures its own error, on one lobe or moment; the runtime's GLSL equals them
+// The shading kernels with which a bake measures its own error, on one lobe or moment. The runtime's GLSL equals them
 // (tests/agreement).
 class ShadingKernels {
  public:
   explicit ShadingKernels(Device& device) : device_(device) {}
 
-  // Blinn-Phong, or Lambert where the exponent is 0, of a lobe as stored.
+  // Shades a stored lobe with Blinn-Phong, or with Lambert if the exponent is 0.
   Values lobe(const glm::vec4& lobe, bool is_gaussian, const std::vector<Direction>& directions, double exponent) {
     const DeviceBuffer in = device_.wrap_buffer(&lobe, sizeof(lobe), "lobe");
     return run(device_.kernel("movmf_shade", "movmf_shade", {1, 1, false, is_gaussian}), in, directions, exponent);
@@ -102,7 +102,8 @@ class ShadingKernels {
              More... more) {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
-    const MultumHighlight highlight = shaded_highlight(exponent);  // begins with the exponent, all that moments take
+    const MultumHighlight highlight =
+        shaded_highlight(exponent);  // begins with the exponent, the only part that moments use
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
@@ -122,7 +123,7 @@ glm::vec4 upright_lobe(double kappa) {
   return {0.0f, 0.0f, static_cast<float>(1.0 - reference::vmf_spread(kappa)), 1.0f};
 }
 
-// What each term of a BRDF becomes on a lobe, with the mean-cosine product (METHODS: A = |r| A(lambda)).
+// Applies the mean-cosine product to each term of a BRDF on a lobe (METHODS: A = |r| A(lambda)).
 Values product_of_terms(const std::vector<VmfTerm>& terms, double kappa, const std::vector<Direction>& directions) {
   const double spread = reference::vmf_spread(kappa);
   std::vector<double> kappas;
@@ -192,7 +193,7 @@ void add_lambert(MarkdownTable& table, ShadingKernels& kernels, const std::vecto
   });
 }
 
-// f(1 - cosine) by its terms, counts 1 to 4.
+// Adds rows for f(1 - cosine) with 1 to 4 terms.
 void add_terms(MarkdownTable& table, const std::string& name, const std::function<double(double e)>& f, double narrow,
                const std::function<std::vector<VmfTerm>(int)>& terms, const std::vector<Direction>& directions) {
   const auto reference = [&](double kappa) {
@@ -253,7 +254,7 @@ void add_facets(MarkdownTable& table, const std::vector<Direction>& directions, 
   }
 }
 
-// Harmonics are exact but for where they end.
+// Errors of harmonics, which are exact up to their order.
 std::string harmonics_table(const std::vector<Direction>& directions) {
   constexpr std::array kOrders = {2, 4, 8, 12, 20};
   std::vector<std::string> head = {"harmonics up to order"};
@@ -294,7 +295,7 @@ std::string harmonics_table(const std::vector<Direction>& directions) {
   return table.text();
 }
 
-// Normals with weights that sum to 1: a Gaussian over two coordinates, cut where there is no normal.
+// Normals with weights that sum to 1: a Gaussian over two coordinates, cut at the limit of valid normals.
 struct Normals {
   std::vector<glm::dvec3> n;
   std::vector<double> weights;
@@ -332,7 +333,7 @@ Values shaded(const Normals& normals, const std::vector<Direction>& directions, 
   return values;
 }
 
-// Gaussians on the plane and of slopes, at some tilts.
+// Errors of Gaussians on the plane and of slopes, at some tilts.
 std::string tilted_table(ShadingKernels& kernels, const std::vector<Direction>& directions) {
   std::vector<std::string> head = {"Gaussian, tilt in degrees"};
   for (const double tilt : kTilts) head.push_back(fmt::format("{:g}", tilt));

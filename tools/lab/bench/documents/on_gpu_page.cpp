@@ -31,7 +31,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// Where a file lies is the machine's own affair.
+// The name of a file without its folder, which depends on the machine.
 std::string file_name(const Json& path) {
   return path.get<std::string>().substr(path.get<std::string>().rfind('/') + 1);
 }
@@ -121,7 +121,7 @@ std::string first_bake_text(const Json& result) {
   return text;
 }
 
-// The steps of whole bakes, each on every device that did it.
+// Steps of whole bakes, on every device that ran them.
 std::string bakes_text(const Json& result) {
   MarkdownTable table({"map", "device", "read, s", "start search, s", "binning, s", "levels, s", "write, s",
                        "whole process, s", "processor time, s", "device memory, MiB",
@@ -147,7 +147,7 @@ std::string bakes_text(const Json& result) {
          table.text() + "\n";
 }
 
-// Whether devices give the same bytes.
+// States whether devices write the same bytes.
 std::string bytes_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> steps = steps_named(result, "bake ");
@@ -194,7 +194,7 @@ std::string bench_text(const Json& result, const std::string& beginning) {
   return text;
 }
 
-// The figures that people ask for first.
+// The most important figures.
 std::string summary_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> em = steps_named(result, "em "), bakes = steps_named(result, "bake ");
