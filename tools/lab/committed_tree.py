@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Refuses to make documents from a tree that is not committed: nobody could make their figures again.
+"""Refuses to make documents from an uncommitted tree, because nobody could measure their figures again.
 
-    tools/lab/committed_tree.py [--allow-dirty] [--root DIR]    # prints the commit; exit code 1 where it is refused
+    tools/lab/committed_tree.py [--allow-dirty] [--root DIR]    # prints the commit; exit code 1 if it is refused
 
-Generators call add_option() and stated_commit(). Documents themselves may have changed, so that one after another can
-be made: no figure depends on docs/ or README.md.
+Generators call add_option() and stated_commit(). Documents may have changed, so that they can be made one after
+another: no figure depends on docs/ or README.md.
 """
 import argparse
 import pathlib
@@ -18,7 +18,7 @@ DIRTY = "-dirty"
 
 
 def git(root, *arguments):
-    """What git says in the repository of `root` itself; None where it fails."""
+    """Returns git's output in the repository of `root`; None if git fails."""
     try:
         run = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
     except FileNotFoundError:  # no git on this machine
@@ -27,7 +27,7 @@ def git(root, *arguments):
 
 
 def commit_of(root=ROOT):
-    """The commit, abbreviated; "-dirty" behind it where sources differ or are new; "unknown" outside a repository."""
+    """Returns the abbreviated commit, with "-dirty" if sources differ or are new; "unknown" outside a repository."""
     top = git(root, "rev-parse", "--show-toplevel")
     if top is None or pathlib.Path(top).resolve() != pathlib.Path(root).resolve():
         return "unknown"
@@ -46,7 +46,7 @@ def add_option(parser):
 
 
 def stated_commit(allow_dirty, root=ROOT):
-    """What a document says of the commit that it is made at. Ends the program where there is none to name."""
+    """Describes the commit for a document. Ends the program if there is no such commit."""
     commit = commit_of(root)
     if is_committed(commit):
         return f"commit {commit}"

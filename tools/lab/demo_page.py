@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes index.html into a folder that tools/demo has filled: pictures, errors, times. Standard library only.
 
-Reads steps.tsv (kind, name, milliseconds, command: one line a step), NAME.bake.json of each bake and NAME.view.json of
-each view; a view's pictures are NAME_reference.png, NAME_multum.png and so on. The page refers to nothing outside the
-folder.
+Reads steps.tsv (kind, name, milliseconds, command: one line per step), NAME.bake.json of each bake and NAME.view.json
+of each view. The pictures of a view are NAME_reference.png, NAME_multum.png and so on. The page refers only to files in
+the folder.
 
   tools/lab/demo_page.py FOLDER
 """
@@ -38,7 +38,7 @@ VIEWS = {
                 "texel."),
 }
 def errors_by_level(bake, brdf, points):
-    """The worst error of the points, by level; the 1 x 1 level has no neighbours to be midway between."""
+    """Returns the worst error of all points, by level. The 1 x 1 level has no point midway between texels."""
     found = {}
     for one in bake["measured_error"]:
         if one["brdf"] == brdf and one["point"] in points and one["samples"] > 0:
@@ -47,8 +47,7 @@ def errors_by_level(bake, brdf, points):
 
 
 def fit_parts(bake):
-    """Seconds of the fit by what they went into, (name, seconds): its levels, then what is of none. They add up to the
-    stage's."""
+    """Divides the seconds of the fit into (name, seconds): its levels, then the rest. They add up to the stage."""
     parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
     if "start" in bake:
         parts.append(("start", bake["start"]["seconds"]))
@@ -58,7 +57,7 @@ def fit_parts(bake):
 
 def bake_section(name, bake, step):
     brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
-    # The lobes of a coloured bake are those of the white one: its colours are what is new.
+    # A coloured bake has the lobes of the white bake, so only errors with colours are new.
     coloured = [b for b in brdfs if b.endswith(" coloured")]
     brdfs = coloured or brdfs
     names = [b.removesuffix(" coloured") for b in brdfs]
@@ -101,7 +100,7 @@ fit.</p>
 
 
 def picture(folder, name, method, caption, kind, size=""):
-    """`size`: attributes, so that a caption has its place before the picture is there."""
+    """`size`: attributes that reserve the space of a picture before it is loaded."""
     file = f"{name}_{method}{kind}.png"
     if not (folder / file).is_file():
         return ""
@@ -122,7 +121,7 @@ def view_section(folder, name, view, step):
         error = f', <b>{percent(one["relative_l1"])}</b> off' if "relative_l1" in one else ""
         label = text(METHODS[method][0])
         shown.append(picture(folder, name, method, f"<b>{label}</b>{error}", "", size))
-        # In the order of the pictures above, whose columns have the reference too.
+        # Pictures have the order of the pictures above, where the first column is the reference.
         differences.append(picture(folder, name, method, f"<b>{label}</b> minus reference{error}", "_difference", size)
                            if error else picture(folder, name, method, f"<b>{label}</b>", "", size))
     errors = [one["relative_l1"] for one in view["pictures"] if "relative_l1" in one]

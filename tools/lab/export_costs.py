@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures what an export of a large map takes beside Filament's roughness-prefilter, and writes
-docs/evidence/EXPORT.md's
-section of it."""
+"""Measures time and memory of exporting a large map, next to Filament's roughness-prefilter, and writes the section of
+docs/evidence/EXPORT.md about it."""
 import pathlib
 import shutil
 import statistics
@@ -34,7 +33,7 @@ in brackets. Ratios compare runs of the same round with the fastest format of ro
 
 
 def write_repeated(source, output):
-    """A map of SIDE x SIDE texels that repeats the source's."""
+    """Writes a map of SIDE x SIDE texels that repeats the source map."""
     texels = OpenImageIO.ImageBuf(str(source)).get_pixels(OpenImageIO.UINT8)[:, :, :3]
     counts = [-(-SIDE // size) for size in texels.shape[:2]]
     texels = numpy.ascontiguousarray(numpy.tile(texels, (*counts, 1))[:SIDE, :SIDE])
@@ -45,7 +44,8 @@ def write_repeated(source, output):
 
 
 def measure(multum, source, folder):
-    """Processor seconds and bytes of memory of each round, by name; None where Filament's tool is not installed."""
+    """Returns processor seconds and bytes of memory of each round, by name; None if Filament's tool is not
+    installed."""
     if shutil.which(PREFILTER) is None:
         return None
     folder = pathlib.Path(folder)

@@ -1,16 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/EXPORT.md: the error of what `multum export` writes beside engines' rules, baked lobes and the
-best one
+"""Makes docs/evidence/EXPORT.md: errors of textures by `multum export`, engines' rules, baked lobes and the best single
 lobe.
 
     tools/lab/export_document.py --maps ../shared/data/normal -o docs/evidence/EXPORT.md [--bin DIR] [--state FILE]
-    [--cells N]
-        [--measure-nothing]
+        [--cells N] [--measure-nothing]
 
-Every normal map of the folder, by its name, is exported at three base roughnesses, isotropic and anisotropic. What
---state has is not measured again; --measure-nothing makes the page of that alone. Rounds beside Filament's
-roughness-prefilter (Debian's libfilament-tools) come first: they want a machine without other work.
+Exports every normal map of the folder (by its name) at three base roughnesses, isotropic and anisotropic. Maps in the
+file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison with
+Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
 """
 import argparse
 import json
@@ -254,7 +252,7 @@ STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", 
 
 
 def median(values, share=0.5):
-    """The value that `share` of the values are at most, between neighbours."""
+    """Returns the quantile `share` of the values, interpolated between neighbours."""
     values = sorted(values)
     place = share * (len(values) - 1)
     below = int(place)
@@ -263,7 +261,7 @@ def median(values, share=0.5):
 
 
 def export(multum, path, roughness, cells, folder, options):
-    """The report of one export."""
+    """Exports a map and returns the report."""
     report = pathlib.Path(folder) / "report.json"
     command = [multum, "export", str(path), "-o", str(pathlib.Path(folder) / "out"), "--quiet", "--report", str(report),
                "--base-roughness", str(roughness), "--cells", str(cells), *options]
@@ -274,7 +272,7 @@ def export(multum, path, roughness, cells, folder, options):
 
 
 def stored(report):
-    """Bytes for each texel of the map; errors by level, none where they were not measured."""
+    """Returns bytes per texel of the map, and errors by level if they were measured."""
     size = sum(pathlib.Path(name).stat().st_size for name in report["files"])
     levels = [{"level": one["level"], "rules": {"export": one["rules"]["export"]}}
               for one in report.get("accuracy", {"levels": []})["levels"]]
@@ -282,7 +280,8 @@ def stored(report):
 
 
 def storage(multum, path, roughness, cells, folder):
-    """Of all ways to store a material but PNG; bytes at one roughness alone, which hardly changes them."""
+    """Measures all ways to store a material except for PNG. Bytes hardly depend on roughness, so one roughness has
+    them."""
     ways = {texels: ["--format", "ktx2", "--texels", texels] for texels in ("rg8", "bc")}
     ways["exr"] = ["--format", "exr"]
     if roughness == STORED_ROUGHNESS:
@@ -294,7 +293,7 @@ def storage(multum, path, roughness, cells, folder):
 
 
 def bake(multum, path, folder):
-    """The lobes of a map, to be measured beside; None for a file that is no normal map."""
+    """Bakes the lobes of a map; returns None if the file is not a normal map."""
     baked = pathlib.Path(folder) / "lobes.ndf.exr"
     command = [multum, "bake", str(path), "-o", str(baked), "--no-measure", "--quiet"]
     run = subprocess.run(command, capture_output=True, text=True)
@@ -306,7 +305,7 @@ def bake(multum, path, folder):
 
 
 def merged(isotropic, anisotropic):
-    """Levels and cells of both exports, by one list of rules: the same texels under the same lights."""
+    """Merges levels and cells of both exports into one list of rules. Both have the same texels and lights."""
     result = {"levels": [], "cells": []}
     for part in result:
         for one, other in zip(isotropic[part], anisotropic[part]):
@@ -359,7 +358,7 @@ def measure(arguments, state):
 
 
 def values_of(rows, part, rule, what, roughness=None, level=None, light=None):
-    """Values of all maps at that roughness and level: `what` is "error" or "energy"."""
+    """Lists values of all maps at that roughness and level. `what` is "error" or "energy"."""
     found = []
     for row in rows:
         if roughness is not None and row["roughness"] != roughness:
@@ -387,7 +386,7 @@ def table(rows):
 
 
 def storage_table(rows):
-    """Medians over the maps that were stored in all ways: bytes, and errors of levels 2, 4, 6."""
+    """Makes a table of medians over the maps that were stored in all ways: bytes, and errors of levels 2, 4, 6."""
     rows, lines = [row for row in rows if row["storage"]], []
     for name, plain, packed, errors in STORED:
         sizes = [f"{median([row['storage'][way]['bytes'] for row in rows if row['roughness'] == STORED_ROUGHNESS]):.2f}"
@@ -410,14 +409,15 @@ def ratios(rows, part, above, below, roughnesses, light=None):
 
 
 def ratios_where_wrong(rows, kind, roughnesses):
-    """Of texels where even the best lobe is 5 % off: elsewhere rounding to 8 bits is what is left of the error."""
+    """Lists ratios only of texels where the best lobe has an error of 5 % or more. In other texels, rounding to 8 bits
+    dominates the error."""
     return [one["rules"][kind]["error"] / one["rules"][f"optimum_{kind}"]["error"]
             for row in rows if row["roughness"] in roughnesses for one in row["cells"]
             if one["rules"][f"optimum_{kind}"]["error"] >= 0.05]
 
 
 def ratio_tables(rows):
-    """Ratios of errors, by their median and 90 % quantile, and medians of energy."""
+    """Makes tables with the median and the 90 % quantile of ratios of errors, and with medians of energy."""
     rough = [r for r in ROUGHNESSES if r >= 0.25]
     found = []
     for kind in ("isotropic", "anisotropic"):

@@ -5,9 +5,9 @@
     tools/lab/farm_document.py --simulation build/release/bin/multum-farm-simulation --folder FOLDER \\
       -o docs/evidence/FARM_SCALE.md
 
-FOLDER is on the disk that is measured; some 2 GB are needed there, and 10 to 20 minutes. Settings are tried with 20000
-maps, which is long enough for what they do to nodes; the last run has all of them. Runs that are in the
-file of --state are not made again: the page is of the commit at which the first of them was made.
+FOLDER is on the disk to measure. It needs about 2 GB and 10 to 20 minutes. Settings are tried with 20000 maps, which
+are enough to show their effect on nodes; the last run has all maps. Runs in the file of --state are not repeated, and
+the page states the commit of the first of them.
 """
 
 import argparse
@@ -52,7 +52,7 @@ def percent(share):
 
 
 def page_text(runs, maps, nodes, source):
-    """The document, of runs as multum-farm-simulation writes them, in the order of RUNS."""
+    """Makes the document from runs of multum-farm-simulation, in the order of RUNS."""
     rows = []
     for (_, title, _, _), run in zip(RUNS, runs):
         shares = " | ".join(percent(run[key]) for key in ("busy_share", "sbatch_share", "look_share"))

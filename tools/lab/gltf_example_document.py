@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/GLTF_EXAMPLE.md and its pictures: models of others, dressed by `multum gltf --lobes`, drawn by
-three.js
-from near and far beside many samples a pixel.
+"""Writes docs/evidence/GLTF_EXAMPLE.md and its pictures: models converted by `multum gltf --lobes` and drawn by
+three.js from near and far, next to a reference.
 
     tools/lab/gltf_example_document.py BIN_FOLDER OUT IMAGES --model FILE TEXT [--model FILE TEXT...]
 
-BIN_FOLDER has multum; FILE is a glTF with normal maps and TEXT says whose it is; IMAGES is the folder of the page's
+BIN_FOLDER has multum. FILE is a glTF with normal maps, and TEXT names its author. IMAGES is the folder for the page's
 pictures. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
@@ -75,12 +74,12 @@ def error_table(views):
 
 
 def form_text(report):
-    """What `multum gltf` said of each material."""
+    """Lists what `multum gltf` reported for each material."""
     return "\n".join(f"* {one['name']}: {one['form']}" for one in report["materials"] if "form" in one)
 
 
 def counts(views):
-    """How often which way is nearer; `views`: errors by WAYS."""
+    """Counts the views in which one way has a lower error than another. `views`: errors in the order of WAYS."""
     def share(one, other, points):
         return sum(100 * (view[WAYS.index(one)] - view[WAYS.index(other)]) <= points for view in views)
 
@@ -89,7 +88,7 @@ def counts(views):
 
 
 def section(multum, model, credit, images, folder):
-    """Of one model, and its errors by view and way; its pictures go to `images`."""
+    """Makes the section of one model, and its errors by view and way. Writes its pictures to `images`."""
     link_model(model, folder)
     dress(multum, model, folder / "dressed.glb", folder / "report.json", "--lobes")
     plan = {"models": [{"file": model.name}, {"file": model.name, "points": EVALUATIONS},

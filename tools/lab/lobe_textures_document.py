@@ -30,7 +30,7 @@ COUNTS, EXPONENTS = (2, 3, 4), (100, 500)
 TEXELS = (("rgba16f", "RGBA16F", 1), ("rgba8", "RGBA8", 1), ("bc", "BC5", 2))
 SCENE = ("--size", "320x240", "--diffuse", "0.4", "--specular", "0.15", "--light", "0.3,0.8,0.5",
          "--reference-noise", "0.03")
-# Textures of one normal, whose levels are averages: as many points of each pixel as there are lobes.
+# Methods with one normal per texel and averaged levels, shaded at as many points per pixel as there are lobes.
 RIVALS = (("points", "averaged normals"), ("lean-jacobian-points", "LEAN"))
 HEAD = """# Lobes for GPUs: error, bytes, fetches
 
@@ -62,12 +62,12 @@ def run(*arguments):
 
 
 def evaluations_of(count):
-    """Per pixel, of a file of so many lobes."""
+    """Evaluations per pixel for a file with this many lobes."""
     return 2 ** (count - 1).bit_length()
 
 
 def errors_of(view, file, source, count, exponent, folder, rivals):
-    """Errors of the file's picture, "multum", and of rivals."""
+    """Returns errors of the file's picture, "multum", and of the rivals."""
     report = folder / "report.json"
     run(view, file, "--source", source, *SCENE, "--evaluations", evaluations_of(count), "--compare",
         ",".join(["reference", *rivals]), "--brdf", f"blinn-phong:{exponent}", "-o", folder / "picture.png", "--report",
@@ -77,8 +77,8 @@ def errors_of(view, file, source, count, exponent, folder, rivals):
 
 
 def measure(programs, maps, folder):
-    """{(count, texels, exponent): [error a map]}, {(count, texels): bytes ratio}; texels "" are the baked file's. A
-    rival's name stands in the place of texels."""
+    """Returns {(count, texels, exponent): [error per map]} and {(count, texels): ratio of bytes}. The baked file has
+    texels "". Rivals have their name as texels."""
     multum, view = programs / "multum", programs / "multum-view"
     errors, ratios = {}, {}
     for source in maps:
@@ -131,7 +131,7 @@ def html_table(lines):
 
 
 def shared(root, name):
-    """The text of page `name` as it is, and as it is with the document's table."""
+    """Returns the text of page `name`, and the same text with the document's table."""
     lines = [line for line in (root / DOCUMENT).read_text().splitlines() if line.startswith("|")]
     if len(lines) < 3:
         sys.exit(f"{DOCUMENT}: found {len(lines)} lines of a table, expected 3 or more")

@@ -5,7 +5,7 @@
     tools/lab/model_motion.py BIN_FOLDER MODELS OUT --cache FOLDER [--only NAME...] [--rows NAME...] [--distance M]
         [--frames N] [--pairs N]
 
-MODELS and the cache are those of model_table.py. Needs Node.js, Chromium and the packages of tests/service/web.
+MODELS and the cache are the same as for model_table.py. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
 import json
@@ -57,7 +57,7 @@ Seconds until a model is loaded; the machine also did other work:
 
 
 def measured(cache, entry, rows, options):
-    """What model_motion.mjs says of the rows of one model."""
+    """Returns what model_motion.mjs reports for the rows of one model."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         models = link_rows(cache, entry, rows, folder)
@@ -74,7 +74,7 @@ def measured(cache, entry, rows, options):
 
 
 def machine():
-    """Its processor and system."""
+    """Describes processor and system."""
     model = report_page.first_value("/proc/cpuinfo", "model name") or platform.machine()
     system = report_page.first_value("/etc/os-release", "PRETTY_NAME") or platform.platform()
     return f"{model}, {os.cpu_count()} cores, {system}"

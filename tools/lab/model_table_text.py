@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The text of docs/evidence/GLTF_MODELS.md, from what tools/lab/model_table.py measured."""
+"""Writes the text of docs/evidence/GLTF_MODELS.md from the measurements of tools/lab/model_table.py."""
 import statistics
 
 from model_views import byte_text
@@ -59,13 +59,13 @@ def median_and_worst(values):
 
 
 def views_of(found, is_far=True):
-    """(name, distance, view) of all that is seen at all."""
+    """Lists (name, distance, view) of all views, far or near."""
     return [(entry["name"], distance, view) for entry, measured in found for distance, view in measured["views"].items()
             if (distance > NEAR) == is_far]
 
 
 def share(view, row):
-    """(error - floor) / (plain - floor); None where there is no gap."""
+    """(error - floor) / (plain - floor); None if plain mips are too close to the floor."""
     floor, plain = view["floor"]["error"], view["rows"]["plain mips"]["error"]
     return (view["rows"][row]["error"] - floor) / (plain - floor) if plain - floor >= GAP_MIN / 100 else None
 
@@ -82,7 +82,7 @@ def share_table(found, rows):
 
 
 def pure_rows(rows, count):
-    """Rows of at most `count` evaluations that no pixel decides."""
+    """Lists rows of at most `count` evaluations, except for rows of the rule."""
     return [row for row in rows if not row.startswith("rule") and
             (int(row.rsplit(", ", 1)[1]) if ", " in row else 1) <= count]
 
@@ -108,7 +108,7 @@ def rule_table(found, rows, counts):
 
 
 def points_table(found, rows, counts):
-    """Errors of the rule over those of points with as many evaluations."""
+    """Compares errors of the rule with errors of points, at as many evaluations."""
     lines = ["| evaluations | median | highest | view with the highest |", "|---|---|---|---|"]
     for count in counts:
         row, points = f"rule, {count}", f"points, {count}"
@@ -132,7 +132,7 @@ def byte_table(found):
 
 
 def excess_table(found, rows, is_far):
-    """How much higher the errors of rows of one evaluation are than those of plain mips."""
+    """Compares errors of rows with one evaluation with errors of plain mips."""
     lines = ["| row | median | highest | view with the highest | views above 0.2 |", "|---|---|---|---|---|"]
     for row in rows:
         if row == "plain mips" or (", " in row and not row.endswith(", 1")):
@@ -172,7 +172,7 @@ def section(entry, measured, rows):
 
 
 def document(found, rows, counts, view, lacking):
-    """The page; `found`: (entry of models.json, what was measured) of each model; `lacking`: names of the others."""
+    """Makes the page. `found`: (entry of models.json, measurements) of each model; `lacking`: names of other models."""
     numbers = {key: view[key] for key in ("width", "height", "angle", "samples", "edges")}
     count = f"Missing models: {', '.join(lacking)}." if lacking else "The page has all models of the list."
     text = [PAGE.format(**numbers, count=count, grids=max(one["grids"] for _, measured in found

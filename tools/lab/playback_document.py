@@ -1,20 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/PLAYBACK.md: the size and error of packed animations beside those of video codecs, and what
-they take.
+"""Makes docs/evidence/PLAYBACK.md: size, error and costs of packed animations, compared with video codecs.
 
-    tools/lab/playback_document.py FIELD... --work DIR --rows docs/evidence/playback_rows.json -o
-    docs/evidence/PLAYBACK.md [--bin DIR]
-        [--parts PART...] [--again PART...] [--measure-nothing]
+    tools/lab/playback_document.py FIELD... --work DIR --rows docs/evidence/playback_rows.json
+        -o docs/evidence/PLAYBACK.md [--bin DIR] [--parts PART...] [--again PART...] [--measure-nothing]
 
-FIELD is a folder of ray-traced frames that `multum animation` understands (docs/reference/animation_jobs.md); each
-gets a section.
-Where a parameter of it runs over two things at once, --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT tells them apart.
-Textures are inferred once, into DIR; every figure is a row of the file of rows as soon as it is there, with the commit
-that it is of, and is not measured again while it is, unless its part is named by --again: what no change of multum
-reaches, as videos of traced frames, need not be coded anew. --measure-nothing makes the page of the rows alone. Videos
-need Debian's ffmpeg, and
-playing dav1d's library; the browser's figures are left out where there is none.
+FIELD is a folder of ray-traced frames that `multum animation` can read (docs/reference/animation_jobs.md). Each field
+gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT divides a parameter that runs over two things.
+
+Textures are inferred once, into DIR. Every figure becomes a row in the file of rows at once, with its commit. Existing
+rows are not measured again unless --again names their part: videos of traced frames, for example, do not depend on
+multum. --measure-nothing makes the page only from the rows. Videos need Debian's ffmpeg, and playing needs dav1d's
+library. Without a browser, the browser's figures are left out.
 """
 import argparse
 import datetime
@@ -62,7 +59,7 @@ def shown(name):
 
 
 class Rows:
-    """What was measured: one row for each field, kind and name, written as it comes."""
+    """Keeps measurements: one row per field, kind and name, written at once."""
 
     def __init__(self, path, commit):
         self.path, self.commit = path, commit
@@ -75,11 +72,11 @@ class Rows:
         return [row for row in self.all if (row["field"], row["kind"]) == (field, kind)]
 
     def forget(self, fields, kinds):
-        """What is to be measured again."""
+        """Drops rows that are to be measured again."""
         self.all = [row for row in self.all if row["field"] not in fields or row["kind"] not in kinds]
 
     def measured(self, field, kind, name, measure):
-        """The row that is there, or what `measure` returns."""
+        """Returns the existing row, or adds the result of `measure`."""
         row = self.find(field, kind, name)
         if row is None:
             begin = datetime.datetime.now()
@@ -94,7 +91,7 @@ class Rows:
 
 
 class FieldMeasurement:
-    """One field: its frames, traced and drawn of the inferred textures, and what is measured of it."""
+    """Measures one field: its traced frames, and frames drawn from inferred textures."""
 
     def __init__(self, name, job, inferred, programs, rows, stated):
         """`stated`: the ratios of tables."""
@@ -106,7 +103,7 @@ class FieldMeasurement:
         self.own = programs.drawn_frames(inferred, self.field)
 
     def packed(self, options, inferred=None):
-        """Bytes, errors and costs of what `multum pack` makes with these options; why not, where it refuses them."""
+        """Returns bytes, errors and costs of `multum pack` with these options, or the reason of a refusal."""
         from fields import mse
         unknown = self.programs.unknown_option(options)
         if unknown:
@@ -123,7 +120,7 @@ class FieldMeasurement:
                 "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
 
     def packed_at_main(self, options):
-        """As packed(), at the main ratio; what a curve has of it is not packed again."""
+        """Like packed(), at the main ratio; takes the row of a curve if there is one."""
         curve = next((name for name, theirs, *_ in PACKINGS if theirs == tuple(options)), None)
         row = self.rows.find(self.name, "pack", f"{curve}, {self.main[1]}:1")
         if row:
@@ -140,7 +137,7 @@ class FieldMeasurement:
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
 
     def measure_videos(self, video_codecs, beginnings):
-        """`beginnings`: of the names of the codecs, or None for all."""
+        """`beginnings`: beginnings of names of codecs, or None for all."""
         from fields import mse
         for codec in video_codecs.CODECS:
             if beginnings and not codec.name.startswith(tuple(beginnings)):
@@ -167,7 +164,8 @@ class FieldMeasurement:
                 "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
 
     def measure_dimensions(self, video_codecs, ratios):
-        """The field's first two parameters alone, at the middle of the others, then one more each time."""
+        """Measures the field with only its first two parameters, at the middle of the others, and then with one more
+        each time."""
         from parameter_grid import with_leading_parameters
         names = self.field.parameters
         for kept in range(2, len(names) + 1):
@@ -184,7 +182,8 @@ class FieldMeasurement:
             self.rows.measured(self.name, "dimension", ", ".join(names[:kept]), measure)
 
     def errors_of_growth(self, video_codecs, ratios):
-        """`at`: of each ratio, errors of what is packed, all and beside inferred textures, and of a video."""
+        """Returns `at`: for each ratio, errors of the packed field, in all and against inferred textures, and of a
+        video."""
         from fields import mse
         points = []
         for ratio in ratios:
@@ -195,8 +194,8 @@ class FieldMeasurement:
         return {"own": mse(self.own, self.traced), "at": points}
 
     def stated_errors(self, inferred):
-        """MSE at each stated ratio, and the processor seconds of packing at the main one; of a curve, where it has
-        them."""
+        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; takes rows of
+        a curve if there are any."""
         result = {}
         for ratio in self.stated:
             row = self.rows.find(self.name, "pack", f"{PACKINGS[0][0]}, {ratio:g}:1") if inferred is None else None
@@ -219,7 +218,7 @@ class FieldMeasurement:
         measure_playing(self, video_codecs, quality_of)
 
     def measure_inference(self, keeps, ways):
-        """`keeps`: textures of all ways stay in the work folder. `ways`: the first so many of INFERENCES."""
+        """`keeps`: keep textures of all ways in the work folder. `ways`: only the first ways of INFERENCES."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
@@ -244,7 +243,7 @@ class FieldMeasurement:
 
 
 def with_texture_settings(job, changes):
-    """The text of a job with other values of keys that `[texture]` has."""
+    """Returns the text of a job with other values for existing keys of `[texture]`."""
     head, texture, rest = re.split(r"^(\[texture\]\n(?:(?!\[).*\n)*)", job, maxsplit=1, flags=re.MULTILINE)
     for key, value in changes.items():
         texture, count = re.subn(rf"^{key} = [^\s#]+", f"{key} = {value}", texture, flags=re.MULTILINE)
@@ -254,8 +253,8 @@ def with_texture_settings(job, changes):
 
 
 def prepared(folder, work, programs, rows, split):
-    """Makes the job and infers the textures, where that was not done. Name, job, folder of textures. `split`: a
-    parameter that is several, and these, as with_split_parameter has them; or None."""
+    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split`: a
+    parameter to divide and its parts, as for with_split_parameter(), or None."""
     from fields import Field, mse
     from parameter_grid import with_split_parameter
     name = folder.name
@@ -310,7 +309,7 @@ def field_words(row):
 
 
 def curves_of(rows, name, codec_names):
-    """(name, colour, dash, points) of everything that was measured of a field."""
+    """Returns (name, colour, dash, points) of all measured curves of a field."""
     packs, videos = rows.of(name, "pack"), rows.of(name, "video")
     curves = [(label, colour, dash, curve_points(rows, label, packs)) for label, _, colour, dash in PACKINGS]
     looks = ((1, 0), (1, 1), (2, 0), (2, 1), (3, 0))
@@ -318,7 +317,7 @@ def curves_of(rows, name, codec_names):
 
 
 def at_ratios(rows, name, video_codecs, stated):
-    """The table at the stated ratios, and words on what multum pack reaches beside the leading codec."""
+    """Returns the table at the stated ratios, and a sentence that compares multum pack with the leading codec."""
     from curves import value_at
     from playing import spoken
     curves = [one for one in curves_of(rows, name, [one.name for one in video_codecs.CODECS]) if one[3]]
@@ -505,7 +504,7 @@ def document(rows, names, video_codecs, stated, machine, pictures):
 
 
 def split_parameter(parser, text):
-    """("PARAMETER", [("NAME", COUNT), ...]) of PARAMETER=NAME:COUNT,..."""
+    """Parses PARAMETER=NAME:COUNT,... to ("PARAMETER", [("NAME", COUNT), ...])."""
     found = re.fullmatch(r"(\w+)=(\w+:[1-9]\d*(?:,\w+:[1-9]\d*)+)", text)
     if not found:
         parser.error(f"--split: '{text}' is not PARAMETER=NAME:COUNT,NAME:COUNT")

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/SHARES.md: what one map takes in shares, beside one bake of it and beside what `multum plan`
-predicts.
+"""Makes docs/evidence/SHARES.md: costs of baking one map in shares, compared with one whole bake and with the
+prediction of `multum plan`.
 
     tools/lab/shares_document.py --multum build/release/bin/multum --folder FOLDER -o docs/evidence/SHARES.md
 
-FOLDER is on the disk that is measured; some 8 GB are needed there for a map of 16384 x 16384, and half an hour of two
-cores, which should have nothing else to do. Runs that are in the file of --state are not made again; the plan is.
+FOLDER is on the disk to measure. A map of 16384 x 16384 needs about 8 GB there, and half an hour of two cores without
+other work. Runs in the file of --state are not repeated; the plan is.
 """
 
 import argparse
@@ -57,7 +57,8 @@ class Bakes:
         return {**run, "sha256": sha256(self.output)}
 
     def shared(self, processes):
-        """Share 0, then bands so many at a time, then the merge. What a stopped run left is not taken for theirs."""
+        """Bakes share 0, then the bands, `processes` at a time, then the merge. Removes leftovers of an interrupted
+        run first."""
         for old in self.output.parent.glob(self.output.name + "*"):
             old.unlink()
         coarse = self.bake("--shard", f"0/{self.count}")
@@ -81,7 +82,7 @@ def total(run):
 
 
 def whole_seconds(one):
-    """Of a round: the mean of the bakes before and after its shares."""
+    """Returns the mean of the whole bakes before and after the shares of a round."""
     return seconds(one["wholes"]) / len(one["wholes"])
 
 
@@ -95,7 +96,7 @@ def span(values, form):
 
 
 def section(size, rounds, processes, plan):
-    """One size: what was taken, and how parts compare with the plan, each as a part of its own whole."""
+    """Makes the section of one size: costs, and parts compared with the plan, each as a share of its own whole."""
     wholes = [run for one in rounds for run in one["wholes"]]
     hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
     if len(hashes) != 1:

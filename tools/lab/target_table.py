@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/TARGETS.md: what `multum bake --target-error` chooses for every normal map of a folder.
+"""Makes docs/evidence/TARGETS.md: the settings that `multum bake --target-error` chooses for every normal map of a
+folder.
 
     tools/lab/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/evidence/TARGETS.md
 
-Each map is baked whole, for each target; a file that is no normal map is left out, as `multum bake` refuses it. With
---resume, rows of --state that are there already are not baked again; with --bake-nothing the page is made of those
-alone.
+Each map is baked whole for each target. Files that `multum bake` refuses as normal maps are left out. With --resume,
+rows in the file of --state are not baked again. With --bake-nothing, the page is made only from these rows.
 """
 
 import argparse
@@ -29,7 +29,7 @@ CHOICE = re.compile(r"(?P<verdict>chosen|best reached): (?P<options>--ndf .*?): 
 
 
 def is_normal_map(path):
-    """By its name, as the folders of games and engines have them."""
+    """Tests the name, which follows the naming of games and engines."""
     return re.search(r"(_n|_normal|-normal|_nm|_norm|flakes5n)\.\w+$|^pm_", path.name) is not None
 
 
@@ -39,7 +39,7 @@ def processor_seconds_of_children():
 
 
 def bake(multum, path, target, brdf, folder):
-    """One bake; None for a file that is no normal map."""
+    """Bakes once; returns None if the file is not a normal map."""
     output = os.path.join(folder, "target.ndf.exr")
     report = os.path.join(folder, "target.json")
     before = processor_seconds_of_children()
@@ -60,7 +60,7 @@ def bake(multum, path, target, brdf, folder):
 
 
 def cell(row):
-    """The settings, what they reached, and in bold what did not do."""
+    """Returns the settings and the errors that they reached, in bold if the target was not reached."""
     options = row["options"].replace("--ndf ", "").replace(" --passes 1 --no-start-search", ", one pass")
     options = options.replace("--lobes ", "").replace("--sh-order ", "order ").replace(" --reference", ", reference")
     text = f"{options}{' as ' + row['shading'] if row['shading'] else ''}"

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hakura, Lengyel and Snyder 2000, "Parameterized Animation Compression": figures 10 to 12, and their two demos as
-pages that play.
+"""Hakura, Lengyel and Snyder 2000, "Parameterized Animation Compression": figures 10 to 12, and the paper's two demos
+as pages that play.
 
-Their scenes are described, not published; the fields of the shared data were made after the description, at half the
-resolution: a vase, a glass, a table in a room under a swinging light (figures 10 and 11), and the same with a turning
-knot in the place of their gewgaw (figure 12). The codec of views is here AV1, by ffmpeg, in the place of MPEG-4.
+The paper describes its scenes but does not publish them. The fields of the shared data follow the description at half
+the resolution: a vase, a glass and a table in a room under a swinging light (figures 10 and 11), and the same room with
+a turning knot instead of the paper's gewgaw (figure 12). The codec of views is AV1 by ffmpeg instead of MPEG-4.
 docs/evidence/PLAYBACK.md has whole curves of size and error.
 """
 import json
@@ -26,7 +26,7 @@ TITLE = "Hakura et al. 2000: parameterized animation compression"
 TARGETS = (384, 768)
 VIEWS, COSINES, WAVELETS = "views, AV1, one key frame per block", "textures, cosines", "textures, wavelets"
 CODERS = {COSINES: ("--coder", "dct"), WAVELETS: ("--coder", "wavelet")}
-# (ratio, MSE) of figure 10; theirs are MPEG-4, Laplacian DCT, Laplacian SPIHT.
+# (ratio, MSE) of figure 10; the paper's methods are MPEG-4, Laplacian DCT, Laplacian SPIHT.
 PUBLISHED = {384: {VIEWS: (355, 13.5), COSINES: (366, 11.8), WAVELETS: (379, 8.66)},
              768: {VIEWS: (570, 29.8), COSINES: (732, 18.1), WAVELETS: (751, 16.5)}}
 DEMOS = {"field_demo1": "Demo 1: views of the room, and a swinging light",
@@ -35,7 +35,7 @@ COMBINED = '[[layer]]\nname = "radiance"\npasses = [""]\ndepends_on = [{}]\n\n'
 
 
 class FieldStudy:
-    """A field's frames, and its textures inferred."""
+    """Frames of a field and its inferred textures."""
 
     def __init__(self, study, name):
         self.study, self.name, self.programs = study, name, Programs(study.programs)
@@ -56,7 +56,7 @@ class FieldStudy:
         return output
 
     def combined(self):
-        """The same with one layer of all light."""
+        """Infers textures with one layer for all light."""
         job = self.study.path(f"{self.name}_combined.toml")
         text = re.sub(r"^\[\[layer\]\]\n(?:(?!\[\[object).*\n)*", "", self.job.read_text(), flags=re.MULTILINE)
         names = ", ".join(f'"{one}"' for one in self.field.parameters)
@@ -64,7 +64,7 @@ class FieldStudy:
         return self.infer(job, f"{self.name}_combined")
 
     def packed(self, label, ratio, options, inferred=None):
-        """(ratio, MSE, frames) of textures."""
+        """Packs textures; returns (ratio, MSE, frames)."""
         name = f"{self.name}_{re.sub(r'[^a-z0-9]+', '_', label)}_{ratio}"
         file, unpacked = self.study.path(f"{name}.mpt"), self.study.path(f"{name}_unpacked")
         self.study.run("multum", "pack", inferred or self.inferred, "-o", file, "--ratio", ratio, "--quiet", *options)
@@ -72,25 +72,25 @@ class FieldStudy:
         return self.field.raw_bytes / file.stat().st_size, mse(frames, self.traced), frames
 
     def video(self, ratio):
-        """The best quality of AV1 that is no larger than raw frames over the ratio; the smallest where none is."""
+        """Codes the best AV1 within the bytes of raw frames / ratio, or the smallest AV1 if none fits."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
     def page_that_plays(self):
-        """NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Its bytes, and
-        those of the field."""
+        """Writes NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Returns
+        the bytes of the page and of the field."""
         packed, page = self.study.path(f"{self.name}_plays.mpt"), self.study.path(f"{self.name}_plays.html")
         self.study.run("multum", "pack", self.inferred, "-o", packed, "--ratio", TARGETS[0], "--quiet")
         self.study.run("multum", "player", packed, "-o", page)
         return page.stat().st_size, packed.stat().st_size
 
     def crop(self):
-        """Where things stand on the table: rows and columns."""
+        """Returns the rows and columns with the objects on the table."""
         height, width = self.field.height, self.field.width
         return (slice(height // 6, 5 * height // 6), slice(width // 4, 3 * width // 4))
 
     def strip(self, name, shown):
-        """`shown`: (frames, caption) each, one sample of all."""
+        """Writes a strip with the middle sample of each. `shown`: (frames, caption)."""
         middle = len(self.traced) // 2
         self.study.strip(name, [(frames[middle].astype(np.float32) / 255, caption) for frames, caption in shown],
                          zoom=2, crop=self.crop(), kind="jpg")

@@ -13,7 +13,7 @@ from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
 PLAIN = ("mip", "toksvig", "lean-jacobian")
-# At as many points of each pixel as lobes take evaluations.
+# Shaded at as many points per pixel as lobes take evaluations.
 POINTS = ("points", "toksvig-points", "lean-jacobian-points")
 BASELINES = (REFERENCE, *PLAIN, *POINTS)
 LABELS = {REFERENCE: "reference", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",
@@ -152,7 +152,7 @@ def draped_cloth(study):
 
 
 def environment_light(study):
-    """Figure 9: a mesh in low-frequency light, and in all of it."""
+    """Figure 9: a mesh in low-frequency light, and in the full environment."""
     study.heading("Figure 9: a mesh under an environment")
     study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the",
                     "light as the half vector sees it, up to order 8 (Han, section 8); they suit broad highlights.",
@@ -234,7 +234,7 @@ def shininess(study, material):
 
 
 def starts(study):
-    """Section 7.2's choice of lobes to start from, Hochbaum and Shmoys', beside the search."""
+    """Section 7.2: the start of lobes by Hochbaum and Shmoys, compared with the search."""
     source = study.path("quarters_normal.png")
     study.heading("Section 7.2: where EM starts")
     study.paragraph("The paper starts a texel's lobes from the lobes of its children that are farthest apart",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every representation on every map: one table of picture errors, one of frame times, beside the usual baselines.
+"""Compares every representation on every map with other methods: a table of picture errors and a table of frame times.
 
-With MULTUM_SHARED_DATA the maps are the normal maps of its folder normal/; else those that multum makes.
+With MULTUM_SHARED_DATA, the maps are the normal maps of its folder normal/. Otherwise multum generates them.
 """
 import re
 
@@ -17,7 +17,7 @@ REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lob
                    ("gmm, 4 lobes", "gmm", ("--ndf", "gmm")),
                    ("sh, order 8", "sh8", ("--ndf", "sh", "--sh-order", "8")),
                    ("sh, order 4", "sh4", ("--ndf", "sh")), ("moments", "moments", ("--ndf", "moments")))
-# The last two are shaded at as many points of each pixel as four lobes take evaluations.
+# The last two are shaded at as many points per pixel as four lobes take evaluations.
 BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
              ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"), ("averaged normals, 4 points", "points"))
 MATERIAL_RUNS = 5  # of each material
@@ -25,7 +25,7 @@ NORMAL_MAP = re.compile(r"^(pm_\d+|.*(normal|_norm|_nm?|flakes5n))\.(png|jpg|web
 
 
 def maps(study):
-    """(name, path, options that say how to read it)."""
+    """Yields (name, path, options for reading the map)."""
     if study.data is not None and (study.data / "normal").is_dir():
         for path in sorted((study.data / "normal").iterdir()):
             if NORMAL_MAP.match(path.name):
@@ -36,7 +36,7 @@ def maps(study):
 
 
 def reading_of(study, path):
-    """Nothing, unless the map's statistics leave its green undecided: then the same for every representation."""
+    """Returns --green up if the map's statistics do not decide, the same for every representation; else nothing."""
     try:
         study.bake("probe", path, "--ndf", "moments", "--no-measure")
         return ()
@@ -47,12 +47,12 @@ def reading_of(study, path):
 
 
 def frame_ratio(view):
-    """Of one run's own frames: multum's time over Toksvig's."""
+    """Divides multum's frame time by Toksvig's frame time in the same run."""
     return view.frame_ms["multum"] / view.frame_ms["toksvig"]
 
 
 def draw_every_map(study):
-    """The tables of errors and of frame times."""
+    """Makes the tables of errors and of frame times."""
     columns, errors, ratios, milliseconds, guessed = [*REPRESENTATIONS, *BASELINES], [], [], [], []
     references = []
     for name, path, reading in maps(study):
@@ -99,7 +99,7 @@ def draw_every_map(study):
 
 
 def draw_every_material(study):
-    """Frame times of every BRDF and light, on one map."""
+    """Measures frame times of every BRDF and light, on one map."""
     normal = study.testmap("materials", "--quarter", "grooves", size=256)
     sky = study.path("sky.exr")
     write_sky(sky)
@@ -120,7 +120,7 @@ def draw_every_material(study):
         row = [words]
         for _, option, _ in kinds:
             try:
-                # Toksvig's own frame is of the same BRDF and light
+                # Toksvig's frame in the same run has the same BRDF and light.
                 ratios = [frame_ratio(study.view("materials", f"materials_{option}", "--source", normal, "--size",
                                                  "320x240", "--repeat", "40", *options, compare=("toksvig",)))
                           for _ in range(MATERIAL_RUNS)]
@@ -138,7 +138,8 @@ def draw_every_material(study):
 
 
 def draw_same_filter(study):
-    """What is left where the reference averages over the texels that the filter takes."""
+    """Compares errors against two references: one averages over the texels that the filter takes, one over the
+    pixel."""
     normal = study.testmap("same_filter")
     study.bake("same_filter", normal, "--green", "up", "--no-measure")
     methods = (("4 vMF lobes", "multum"), ("Toksvig", "toksvig"), ("LEAN as published", "lean"),

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tan, Lin, Quan, Guo and Shum 2005, "Multiresolution Reflectance Filtering": figures 4, 6, 7 and 8.
 
-Their scenes (a carved silver disk, golden armour) are not published. The disk is here the map of rings, once across a
-square; the armour is the map of hemispherical scales, repeated. What carries over is which method is nearer to the
-reference, and by what factor, not the figure's own value: tables have the factors beside those of the paper.
+The paper's scenes (a carved silver disk, golden armour) are not published. The map of rings, once across a square,
+replaces the disk. The repeated map of hemispherical scales replaces the armour. The order of methods and the ratios of
+their errors carry over, not the values of the figures, so tables have ratios next to the paper's ratios.
 
-The material is theirs: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F. They
-print it without shadowing and masking; here both are in, in the reference as in every method.
+The material is the paper's: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F.
+The paper prints it without shadowing and masking. Here both are included, for the reference and for every method.
 """
 import numpy as np
 from report_page import percent
@@ -22,13 +22,13 @@ DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0
 OURS = "planar Gaussians, 4 (their method)"
 BASELINES = (("Toksvig", "toksvig"), ("LEAN, slopes as published", "lean"),
              ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
-             # At as many points of each pixel as four lobes take evaluations.
+             # Shaded at as many points per pixel as four lobes take evaluations.
              ("Toksvig, 4 points", "toksvig-points"), ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"),
              ("averaged normals, 4 points", "points"))
 
 
 def camera(distance, height, field=45):
-    """Looks at the middle of the plane from in front of it."""
+    """A camera in front of the plane that looks at its middle."""
     return ("--camera", f"0,{30 - distance:.3f},{height:.3f},0,30,0,{field}")
 
 
@@ -37,13 +37,13 @@ def mean(measure, shown, targets):
 
 
 def beside(rows, label):
-    """The colour error of `rows`, label to error, and in brackets over the first's."""
+    """Returns the colour error of `label`, and in brackets its ratio to the first row. `rows`: label to error."""
     return f"{rows[label]:.3f} ({rows[label] / next(iter(rows.values())):.2f})"
 
 
 def factors(study, rows, published):
-    """A table of colour errors beside the paper's. `rows`: label to (colour error, cells of further columns);
-    `published`: label to the paper's colour error; the first row is their method."""
+    """Makes a table of colour errors next to the paper's errors. `rows`: label to (colour error, further cells);
+    `published`: label to the paper's colour error. The first row is the paper's method."""
     head, further = next(iter(rows)), [name for name, _ in next(iter(rows.values()))[1]]
     study.table(["method", "colour error", "ratio to their method", "published", "published ratio", *further],
                 [[label, f"{error:.3f}", f"{error / rows[head][0]:.2f}",
@@ -52,7 +52,7 @@ def factors(study, rows, published):
 
 
 def zoom(study):
-    """Figure 4: three neighbouring frames of a camera that zooms out, against Toksvig's."""
+    """Figure 4: three neighbouring frames of a camera that zooms out, compared with Toksvig."""
     distances = (1.0, 1.06, 1.12)
     drawn = {}
     for i, far in enumerate(distances):
@@ -111,7 +111,8 @@ def alignment(study):
 
 
 def fournier(study):
-    """Figure 7: several peaks a texel, shaded before they are filtered, and anisotropic filtering of ours."""
+    """Figure 7: several peaks per texel, shaded before they are filtered, and anisotropic filtering of aligned
+    lobes."""
     where, frame = (*DISK, *camera(60, 14, 30)), FRAME
     finer = ("--size", f"{FINER * WIDTH}x{FINER * HEIGHT}")
     wide = study.view("oblique_gmm", "disk_gmm", *where, *frame, *ELONGATED_FILTER, compare=(REFERENCE,))
@@ -144,7 +145,7 @@ def fournier(study):
 
 
 def armour(study):
-    """Figure 8: golden armour from near and far, against a BRDF that stays as it is near by."""
+    """Figure 8: golden armour from near and far, compared with a BRDF that does not change with distance."""
     gold = ("--mesh", study.torus(), "--repeat", "3", "--up", "0,0,1", "--light", "0.5,-0.6,1", *GOLD, *FRAME)
     far_away = ("--camera", "0.6,-6,5,0,0,0,28")
     near = study.view("armour_near", "armour_gmm", *gold, "--camera", "0.5,-2.6,0.9,0.3,-1,0.2,24",

@@ -13,7 +13,7 @@ TITLE = "Williams 1983: pyramidal parametrics"
 
 
 def sheet(study, name, caption, *options):
-    """One run of multum-view that writes a sheet; returns the rows of its report."""
+    """Runs multum-view to write a sheet; returns the rows of its report."""
     study.run("multum-view", *options, "-o", study.path(f"{name}.png"), "--report", study.path(f"{name}.view.json"))
     study.picture_files([(f"{name}.png", caption)], name != "colours")
     loaded = json.loads(study.path(f"{name}.view.json").read_text())
@@ -36,7 +36,7 @@ def colours(study):
 
 
 def bumpy_ball(path, steps=192, bumps=0.05):
-    """A ball with bumps all over, as OBJ: curvature that no pixel of a small picture resolves."""
+    """Writes a ball with bumps as OBJ: pixels of a small picture cannot resolve its curvature."""
     def point(i, j):
         polar, azimuth = math.pi * i / steps, 2 * math.pi * j / steps
         radius = 1 + bumps * math.sin(9 * polar) * math.sin(9 * azimuth) * math.sin(polar)
@@ -79,7 +79,7 @@ def highlights(study):
 
 
 def bumpy_positions(path, width=256, height=128, bumps=0.05):
-    """The ball as a grid of positions, for multum lod: x, y, z over azimuth and polar angle."""
+    """Writes the ball as a grid of positions for multum lod: x, y, z over azimuth and polar angle."""
     polar = (np.arange(height) + 0.5)[:, None] / height * np.pi
     azimuth = (np.arange(width) + 0.5)[None, :] / width * 2 * np.pi
     radius = 1 + bumps * np.sin(9 * polar) * np.sin(9 * azimuth) * np.sin(polar)
@@ -119,7 +119,7 @@ HILL_SIDE, OCTAVES = 257, 7  # the finest octave has a wave of 6 points
 
 
 def hills(study):
-    """A height field's pyramid."""
+    """Makes the pyramid of a height field."""
     y, x = np.mgrid[0:HILL_SIDE, 0:HILL_SIDE] / HILL_SIDE
     heights = sum(0.5 ** k * np.sin(2 ** k * 5 * x + k) * np.cos(2 ** k * 4 * y + 2 * k) for k in range(OCTAVES))
     write_picture(study.path("hills.exr"), (0.05 * heights)[:, :, None], oiio.FLOAT)
@@ -127,7 +127,7 @@ def hills(study):
 
 
 def draw_surface(study, name, pyramid, *options, factor=1, size=(160, 120)):
-    """A picture in linear RGB, and its row; `factor` x `factor` samples a pixel."""
+    """Returns a picture in linear RGB with `factor` x `factor` samples per pixel, and its row of the report."""
     width, height = size
     study.run("multum-view", "lod", study.path(pyramid), *options, "-o", study.path(f"{name}.exr"), "--report",
               study.path(f"{name}.view.json"), "--size", f"{factor * width}x{factor * height}")
@@ -171,7 +171,7 @@ def boiling(study):
 
 
 def torus_points(path, around=64, across=32):
-    """A fluted ring as a grid of control points, closed both ways."""
+    """Writes a fluted ring as a grid of control points, closed in both directions."""
     u = (np.arange(around) + 0.5)[None, :] / around * 2 * np.pi
     v = (np.arange(across) + 0.5)[:, None] / across * 2 * np.pi
     thick = 0.4 * (1 + 0.2 * np.sin(5 * u) * np.ones_like(v))

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a packed field plays: seconds to random samples beside AV1's, frames a second, borders of blocks, memory, and the
-same in a browser. `multum-view play` draws; everything is measured on one core, except in the browser.
+"""Measures how a packed field plays: times to random samples next to AV1, frames per second, borders of blocks, memory,
+and the same in a browser. `multum-view play` draws. Everything except the browser runs on one core.
 
-Rows of kind "playing". A machine that does other work beside makes times longer and spreads wide: other work is to be
-stopped.
+Writes rows of kind "playing". Stop other work on the machine, because it makes times longer and more variable.
 """
 import itertools
 import json
@@ -32,13 +31,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 def quantile(values, p):
-    """The nearest rank."""
+    """Returns the quantile by the nearest rank."""
     ordered = sorted(values)
     return ordered[max(0, math.ceil(p * len(ordered)) - 1)]
 
 
 def diagonals(counts):
-    """Every place of the grid once: each frame a step further along all parameters, one diagonal after another."""
+    """Lists every place of the grid once: each frame is a step further along all parameters, one diagonal after
+    another."""
     places = {}
     for begin in itertools.product(*map(range, counts)):
         for step in range(max(counts)):
@@ -47,15 +47,15 @@ def diagonals(counts):
 
 
 class Player:
-    """Plays one packed file through places, one a frame, on one core."""
+    """Plays one packed file along places, one per frame, on one core."""
 
     def __init__(self, programs, file, parameters, scratch):
         self.programs, self.file, self.parameters, self.scratch = programs, file, parameters, scratch
         self.core = min(os.sched_getaffinity(0))
 
     def play(self, places, *options):
-        """Frames of statistics.json, and the whole of it. The first place is drawn twice: what compiles shaders is left
-        out."""
+        """Returns the frames of statistics.json, and the whole file. Draws the first place twice and drops the first
+        frame, which compiles shaders."""
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir()
         path = self.scratch / "path.json"
@@ -74,7 +74,7 @@ class Player:
 
 
 def seek_rows(player, streams, counts):
-    """p50 and p99 of each round, of both programs in turns over the same random samples."""
+    """Returns p50 and p99 of each round. Both programs seek the same random samples alternately."""
     chooser = random.Random(SEED)
     rounds = []
     for _ in range(ROUNDS):
@@ -117,7 +117,8 @@ def frame_times(frames):
 
 
 def measure_playing(measurement, video_codecs, quality_of):
-    """`measurement`: a FieldMeasurement. `quality_of(codec)`: the -crf whose error is nearest to the packed file's."""
+    """`measurement`: a FieldMeasurement. `quality_of(codec)`: the -crf with the error most similar to the packed
+    file."""
     field, programs = measurement.field, measurement.programs
 
     def packed(label, options):
@@ -174,7 +175,7 @@ def measure_playing(measurement, video_codecs, quality_of):
 
 
 def measurement_fits(player, places, size):
-    """Whether a frame's textures fit in so much memory."""
+    """Tests whether a frame's textures fit into this much memory."""
     with tempfile.TemporaryDirectory() as folder:
         words = ["play", player.file, "--path", f"{player.parameters[0]}=0", "--frames", "1", "--no-wait", "--memory",
                  size, "-o", folder, "--context", player.programs.context, "--supersampling", "1"]
@@ -195,7 +196,7 @@ def in_browser(programs, file, browser):
 # ---- the page
 
 def spoken(codec):
-    """The name of a codec, as a part of a sentence."""
+    """Returns the name of a codec for use in a sentence."""
     return f"{codec.replace(', a key', ' with a key')} frames" if ", a key frame every" in codec else codec
 
 
