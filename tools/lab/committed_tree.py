@@ -42,7 +42,7 @@ def is_committed(commit):
 
 def add_option(parser):
     parser.add_argument("--allow-dirty", action="store_true",
-                        help="make it although sources are not committed: the document says so")
+                        help="accept uncommitted sources; the document states them")
 
 
 def stated_commit(allow_dirty, root=ROOT):
@@ -52,15 +52,15 @@ def stated_commit(allow_dirty, root=ROOT):
         return f"commit {commit}"
     if not allow_dirty:
         sys.exit(f"{pathlib.Path(sys.argv[0]).name}: the sources are at commit {commit}, expected a committed tree, "
-                 "from which the same figures can be made again; commit first, or say --allow-dirty, which the "
-                 "document then states")
+                 "from which the same figures can be made again. Commit first, or use --allow-dirty, which the "
+                 "document then states.")
     return f"commit {commit} (--allow-dirty: sources that are not committed)"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add_option(parser)
-    parser.add_argument("--root", default=ROOT, help="folder of the repository (default: this one's)")
+    parser.add_argument("--root", default=ROOT, help="folder of the repository (default: this repository)")
     given = parser.parse_args()
     print(stated_commit(given.allow_dirty, given.root))
 

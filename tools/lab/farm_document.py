@@ -131,10 +131,10 @@ per second.
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--simulation", required=True, help="multum-farm-simulation")
-    parser.add_argument("--folder", required=True, type=pathlib.Path, help="folder of this run alone, made and removed")
+    parser.add_argument("--folder", required=True, type=pathlib.Path, help="folder for this run, made and removed")
     parser.add_argument("--maps", type=int, default=1000000)
     parser.add_argument("--nodes", type=int, default=NODES)
-    parser.add_argument("--state", type=pathlib.Path, help="JSON file of runs that were made, kept up to date")
+    parser.add_argument("--state", type=pathlib.Path, help="JSON file of runs, written after each")
     committed_tree.add_option(parser)
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     arguments = parser.parse_args()

@@ -26,7 +26,7 @@ LIST = ROOT / "tools" / "lab" / "models.json"
 SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
 SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
-DRAWING = 1  # of tests/three/model_page.js: raise it where the pictures change
+DRAWING = 1  # version of tests/three/model_page.js; raise it if the pictures change
 GRIDS = 2  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
 COUNTS = (1, 4, 8, 16)  # evaluations
 # Rows by name. `dressed`: options of `multum gltf`, or None for the original model. Other keys belong to model_page.js.
@@ -188,8 +188,8 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
-    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of what BIN_FOLDER writes")
-    parser.add_argument("--gltf", default="", metavar="OPTIONS", help="more options of `multum gltf`, in one word")
+    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, instead of the package from BIN_FOLDER")
+    parser.add_argument("--gltf", default="", metavar="OPTIONS", help="more options of `multum gltf`, as one argument")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")
     parser.add_argument("--distances", nargs="+", type=float, default=DISTANCES, metavar="METRES")

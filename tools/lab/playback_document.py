@@ -212,7 +212,8 @@ class FieldMeasurement:
         def quality_of(codec):
             known = [row for row in self.rows.of(self.name, "video") if row["curve"] == codec.name]
             if packed is None or not known:
-                sys.exit("playing is compared at equal error: measure curves and video first")
+                sys.exit("playing is compared at equal error, but rows of curves or videos are missing; measure the "
+                         "parts curves and video first")
             return min(known, key=lambda row: abs(math.log(row["mse"] / packed["mse"])))["quality"]
 
         measure_playing(self, video_codecs, quality_of)
@@ -517,23 +518,25 @@ def arguments():
     parser.add_argument("fields", nargs="+", type=pathlib.Path, metavar="FIELD")
     parser.add_argument("--bin", default="build/release/bin", type=pathlib.Path, help="folder of multum, multum-view")
     parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of textures and packed files")
-    parser.add_argument("--rows", type=pathlib.Path, help="file of what was measured (default: WORK/rows.json)")
-    parser.add_argument("--parts", nargs="+", default=[*PARTS], choices=PARTS, help="what is measured (default: all)")
-    parser.add_argument("--again", nargs="+", default=[], choices=PARTS, help="parts whose rows are measured again")
+    parser.add_argument("--rows", type=pathlib.Path, help="file of measurements (default: WORK/rows.json)")
+    parser.add_argument("--parts", nargs="+", default=[*PARTS], choices=PARTS, help="parts to measure (default: all)")
+    parser.add_argument("--again", nargs="+", default=[], choices=PARTS, help="parts to measure again")
     parser.add_argument("--split", nargs=2, action="append", default=[], metavar=("FIELD", "PARAMETER=NAME:COUNT,..."),
-                        help="a field's parameter that is several, the last of which runs fastest")
+                        help="divide a field's parameter; the last part is fastest")
     parser.add_argument("--ratios", nargs="+", type=float, default=[48, 96, 192, 384, 768, 1000],
-                        help="of the curves of multum pack")
-    parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"), help="of the curves of multum pack")
-    parser.add_argument("--videos", nargs="+", help="codecs by their names' beginnings, as 'AV1' (default: all)")
+                        help="ratios of the curves of multum pack")
+    parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"),
+                        help="coders of the curves of multum pack")
+    parser.add_argument("--videos", nargs="+",
+                        help="codecs by the beginning of their names, such as 'AV1' (default: all)")
     parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
                         help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
     parser.add_argument("--growth", nargs="+", type=float, default=GROWTH_RATIOS,
-                        help="ratios at which more and more parameters are compared (default: 96 192)")
-    parser.add_argument("--measure-nothing", action="store_true", help="make the page of the rows that are there")
-    parser.add_argument("--context", default="auto", help="GL that draws: auto, egl, osmesa")
+                        help="ratios at which numbers of parameters are compared (default: 96 192)")
+    parser.add_argument("--measure-nothing", action="store_true", help="make the page only from existing rows")
+    parser.add_argument("--context", default="auto", help="GL context: auto, egl, osmesa")
     parser.add_argument("--inferences", type=int, default=len(INFERENCES),
-                        help="ways to infer that are compared, the first so many")
+                        help="number of ways to infer, from the first on")
     parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     committed_tree.add_option(parser)

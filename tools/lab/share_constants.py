@@ -102,7 +102,7 @@ def main():
         if not options.check:
             table(shares, options.counts)
         elif not check(shares, options.counts):
-            sys.exit(f"a part is off by more than {ALLOWED:.2f}")
+            sys.exit(f"the error of a part is above {ALLOWED:.2f}")
 
 
 if __name__ == "__main__":

@@ -100,7 +100,7 @@ def section(size, rounds, processes, plan):
     wholes = [run for one in rounds for run in one["wholes"]]
     hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
     if len(hashes) != 1:
-        sys.exit(f"{size}: shares made another file than one bake: {sorted(hashes)}")
+        sys.exit(f"{size}: the files of shares and of one whole bake differ: {sorted(hashes)}")
     rows = [f"| one whole bake | | | | {span([w['processor_s'] for w in wholes], '{:.1f}')} | | {mib(wholes)} |"]
     for count in processes:
         runs = [one[str(count)] for one in rounds]

@@ -70,8 +70,8 @@ std::string measure_once(const Workplace& at, const MovmfMipmap& mipmap, const c
   }));
   const std::string hash = movmf_content_hash(found, at.threads);
   if (hash != found.header.provenance.content_hash)
-    throw Error(ErrorCode::kVerification, fmt::format("{}: checksum of what was read is {}, expected {} as written",
-                                                      at.path, hash, found.header.provenance.content_hash));
+    throw Error(ErrorCode::kVerification, fmt::format("{}: read the checksum {}, expected {} as written", at.path, hash,
+                                                      found.header.provenance.content_hash));
   return hash;
 }
 

@@ -33,7 +33,7 @@ def read_picture(path, subimage=0, miplevel=0):
     """Reads all channels as float32 [height, width, channels]."""
     source = oiio.ImageInput.open(str(path))
     if source is None:
-        raise StepFailed(f"{path}: cannot be read: {oiio.geterror()}")
+        raise StepFailed(f"cannot read {path}: {oiio.geterror()}")
     if not source.seek_subimage(subimage, miplevel):
         raise StepFailed(f"{path}: has no part {subimage}, level {miplevel}")
     pixels = source.read_image(subimage, miplevel, 0, source.spec().nchannels, oiio.FLOAT)
@@ -52,7 +52,7 @@ def write_picture(path, pixels, kind=oiio.UINT8):
     height, width, channels = pixels.shape
     output = oiio.ImageOutput.create(str(path))
     if output is None or not output.open(str(path), oiio.ImageSpec(width, height, channels, kind)):
-        raise StepFailed(f"{path}: cannot be written: {oiio.geterror()}")
+        raise StepFailed(f"cannot write {path}: {oiio.geterror()}")
     output.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
     output.close()
 

@@ -5,7 +5,7 @@ The paper's scenes (a carved silver disk, golden armour) are not published. The 
 replaces the disk. The repeated map of hemispherical scales replaces the armour. The order of methods and the ratios of
 their errors carry over, not the values of the figures, so tables have ratios next to the paper's ratios.
 
-The material is the paper's: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F.
+The material follows the paper: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F.
 The paper prints it without shadowing and masking. Here both are included, for the reference and for every method.
 """
 import numpy as np

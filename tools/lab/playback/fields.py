@@ -17,11 +17,11 @@ def read_channels(path, names):
     """Reads float32 [height, width, len(names)], and the file's attributes."""
     source = oiio.ImageInput.open(str(path))
     if source is None:
-        sys.exit(f"{path}: cannot be read: {oiio.geterror()}")
+        sys.exit(f"cannot read {path}: {oiio.geterror()}")
     spec = source.spec()
     missing = [name for name in names if name not in spec.channelnames]
     if missing:
-        sys.exit(f"{path}: has no channel {', '.join(missing)}, only {', '.join(spec.channelnames)}")
+        sys.exit(f"{path}: found the channels {', '.join(spec.channelnames)}, expected also {', '.join(missing)}")
     pixels = np.asarray(source.read_image(oiio.FLOAT), dtype=np.float32)
     attributes = {one.name: one.value for one in spec.extra_attribs}
     source.close()

@@ -124,7 +124,7 @@ def measure_playing(measurement, video_codecs, quality_of):
     def packed(label, options):
         file = measurement.scratch / (re.sub(r"\W+", "_", label) + ".mpt")
         if not file.exists() and programs.pack(measurement.inferred, file, [*measurement.main, *options]).code != 0:
-            raise SystemExit(f"{file}: cannot be packed")
+            raise SystemExit(f"multum pack cannot write {file}")
         return file
 
     def player_of(label, options=()):

@@ -12,8 +12,8 @@ import tempfile
 
 import numpy as np
 
-MISSING = ("ffmpeg is not there, which codes the videos that multum is compared with; install it (Debian: "
-           "apt-get install ffmpeg), or leave the videos out: --parts without 'video'")
+MISSING = ("found no ffmpeg, which codes the videos for the comparison. Install it (Debian: apt-get install "
+           "ffmpeg), or leave the videos out: --parts without 'video'.")
 TO_YCBCR = np.array([[0.2126, 0.7152, 0.0722],
                      [-0.2126 / 1.8556, -0.7152 / 1.8556, 0.5],
                      [0.5, -0.7152 / 1.5748, -0.0722 / 1.5748]])
@@ -86,7 +86,7 @@ def coded(codec, quality, frames):
         ffmpeg("-f", codec.kind, "-i", stream, "-f", "rawvideo", "-pix_fmt", "yuv444p10le", planes)
         decoded = np.fromfile(planes, "<u2").reshape(-1, 3, height, width)
         if len(decoded) != count:
-            sys.exit(f"{codec.name}: {len(decoded)} frames come out, expected {count}")
+            sys.exit(f"{codec.name}: {len(decoded)} decoded frames, expected {count}")
         return os.path.getsize(stream) - codec.overhead * count, rgb(decoded.astype(np.float64))
 
 

@@ -34,7 +34,7 @@ def ivf_stream(codec, quality, frames):
         units.append(text[at + 12:at + 12 + size])
         at += 12 + size
     if len(units) != count:
-        sys.exit(f"{codec.name}: {len(units)} units for {count} frames, expected as many")
+        sys.exit(f"{codec.name}: {len(units)} units for {count} frames, expected one per frame")
     return units
 
 
@@ -83,7 +83,7 @@ class VideoSeeks:
     def __init__(self, codec, quality, frames):
         self.codec, self.units, self.decoder = codec, ivf_stream(codec, quality, frames), Dav1d()
         if self.decoder.decoded(self.units)[2] != len(self.units):
-            sys.exit(f"{codec.name}: dav1d shows other than one frame a unit")
+            sys.exit(f"{codec.name}: expected one frame of dav1d per unit")
 
     def seek(self, frame):
         """Returns seconds, processor seconds and the number of decoded frames."""

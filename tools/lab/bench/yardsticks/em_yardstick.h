@@ -14,7 +14,7 @@ namespace multum::bench {
 struct YardstickLevel {
   int lobe_count;
   int iteration_count;
-  int group_count;       // groups of 16 texels
+  int group_count;       // groups of 16 texels each
   int sample_count;      // a texel
   const float* samples;  // [group][sample][3][16]; null: use the planes (one texel after another)
   const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
