@@ -183,8 +183,8 @@ def make_page(folder, steps, bakes, views):
 multum stores the distribution of the normals instead. Click a picture for its full size.</p>
 {hero}
 {look_link(folder)}<h2>Errors</h2>
-<p>Relative L1 error is the sum of absolute differences from the reference, divided by the sum of the reference, over the
-whole picture.</p>
+<p>Relative L1 error is the sum of absolute differences from the reference, divided by the sum of the reference, over
+the whole picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}
 <h2>Pictures</h2>
 <p class="soft">The reference takes {text(" or ".join(map(str, samples)))} samples per pixel of the finest map. All
