@@ -90,7 +90,8 @@ The simulated farm bakes {maps} maps of {last['map_s']:g} s (median; two thirds 
   baked. Each node fails every 200 hours and is away for 10 minutes. These numbers were not measured on a farm of
   this size.
 
-A *scan* is the service's search for news in the shared folder.
+A *scan* is the service's search for news in the shared folder. The columns *in `sbatch`* and *in scans* have shares of
+the service's time.
 
 | settings | maps | busy nodes | in `sbatch` | in scans | longest scan, s | ledger: time, processor time |
 |---|---|---|---|---|---|---|

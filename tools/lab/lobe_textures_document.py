@@ -50,7 +50,7 @@ the shader. The maps were baked from level 1 on, so level 0 is the normal map in
 - *Fetches*: per tap, without the fetch of the normal map.
 - Evaluations: every row evaluates the material once per lobe and pixel, with the number of lobes rounded up to a power
   of two. Lobes are drawn by `multum-view --evaluations`, which shades several points where only the normal map is seen.
-  Averaged normals and LEAN are shaded at as many points, from floats.
+  Averaged normals and LEAN are shaded at the same number of points, from floats.
 
 LEAN has the lower error in this near view. At levels finer than 1, the files with lobes have one mean normal per texel,
 and LEAN has its moments. Files that store level 0 have lower errors ([PICTURES](PICTURES.md)).

@@ -189,14 +189,13 @@ std::string default_text(const Json& result, const Figures& errors) {
   const auto describe = [&](int taps, bool shades_taps) {
     const std::string method = "4 lobes";
     const FilterKey key{taps, kLevelBiasDefault, shades_taps}, timed{taps, kTimedBias, shades_taps};
-    return fmt::format("error {} %, flicker {} %, {:.2f} times the processor time of one tap",
+    return fmt::format("the error is {} %, the flicker {} %, and the processor time {:.2f} times the time of one tap",
                        percent_text(median_of(errors, key, method)), percent_text(median_of(flicker, key, method)),
                        median_of(times, timed, method));
   };
   return fmt::format(
-      "**Default**: {} taps at a bias of {:g}, averaged and shaded once, like an anisotropic sampler. With 4 lobes: "
-      "{}. "
-      "Two taps at the same bias, each shaded: {}.\n\n",
+      "The **default** is {} taps at a bias of {:g}, averaged and shaded once, like an anisotropic sampler. With 4 "
+      "lobes, {}. With two taps at the same bias, each shaded, {}.\n\n",
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 

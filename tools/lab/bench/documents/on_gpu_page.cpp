@@ -177,7 +177,7 @@ std::string kernels_text(const Json& result) {
     }
     table.add({"all", "", rounded_text(sum)});
     text += fmt::format(
-        "### Kernels of the bake of {0} x {0}, {1}\n\nTimes are by the device's own clock. This bake also measured "
+        "### Kernels of the bake of {0} x {0}, {1}\n\nTimes come from the device's own clock. This bake also measured "
         "errors.\n\n{2}\n",
         (*step)["result"].at("size").get<int>(), bake.at("device").get<std::string>(), table.text());
   }
