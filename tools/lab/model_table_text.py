@@ -164,7 +164,7 @@ def section(entry, measured, rows):
     text.append("| noise of the reference, number of grids | " + " | ".join(
         f"{100 * view['noise']:.2f}, {view['grids']}" for view in views.values()) + " |")
     for options, report in measured["reports"].items():
-        text.append(f"\n`multum gltf {options}`: {byte_text(report)}")
+        text.append(f"\nConverted by `multum gltf {options}`. {byte_text(report)}")
     return "\n".join(text) + "\n"
 
 

@@ -70,10 +70,11 @@ def megabytes(count):
 
 def byte_text(report):
     texts = []
-    for kind, name in (("normal", "fitted normals"), ("metallic_roughness", "fitted roughness and metalness"),
+    for kind, name in (("normal", "Fitted normals have"), ("metallic_roughness", "fitted roughness and metalness"),
                        ("lobes", "lobes")):
         texts.append(f"{name} {megabytes(sum(one['bytes'].get(kind, 0) for one in report['textures']))}")
     fitted = sum(one["fitted"] for one in report["materials"])
-    return (f"{megabytes(report['bytes_before'])} before and {megabytes(report['bytes_after'])} after the conversion. "
+    before, after = (megabytes(report[key]) for key in ("bytes_before", "bytes_after"))
+    return (f"The model has {before} before and {after} after the conversion. "
             f"Fitted materials: {fitted} of {len(report['materials'])}; sets of textures: "
-            f"{len(report['textures'])}; {', '.join(texts)}.")
+            f"{len(report['textures'])}. {', '.join(texts)}.")

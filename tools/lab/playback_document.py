@@ -55,7 +55,7 @@ SHOWN = {"as it is": "defaults", "cosines alone": "only cosines", "wavelets alon
 
 
 def shown(name):
-    return SHOWN.get(name, name)
+    return SHOWN.get(name, name).replace("each frame by itself", "each frame separately")
 
 
 class Rows:
@@ -330,7 +330,7 @@ def at_ratios(rows, name, video_codecs, stated):
         for ratio in stated:
             here, best = value_at(points, ratio), leading.get(ratio)
             cells.append(f"{here:.1f} ({here / best:.2f})" if here and best else number(here))
-        lines.append([label, *cells])
+        lines.append([shown(label), *cells])
     head = ["MSE", *[f"{ratio:g}:1" for ratio in stated]]
     words = []
     own = next((points for label, _, _, points in curves if label == PACKINGS[0][0]), [])
@@ -350,9 +350,10 @@ def curves_section(rows, name, video_codecs, stated, pictures):
         return []
     pictures.mkdir(parents=True, exist_ok=True)
     file = pictures / f"playback_{name}.svg"
-    file.write_text(picture(f"Error over compression of {name}", curves, stated))
+    titled = [(shown(label), *one) for label, *one in curves]
+    file.write_text(picture(f"Error over compression of {name}", titled, stated))
     at_stated, said = at_ratios(rows, name, video_codecs, stated)
-    points = [[row["name"], f"{row['bytes']:,}", f"{row['ratio']:.1f}", f"{row['mse']:.2f}",
+    points = [[shown(row["name"]), f"{row['bytes']:,}", f"{row['ratio']:.1f}", f"{row['mse']:.2f}",
                number(row.get("mse_beside_inferred"), 2)]
               for row in sorted(rows.of(name, "pack") + rows.of(name, "video"),
                                 key=lambda row: (row["kind"], row["curve"], row.get("ratio", 0)))

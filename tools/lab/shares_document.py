@@ -132,7 +132,7 @@ had the same SHA-256.
 
 The next table has the costs of the parts in % of one bake: by `multum plan --shards`, and as measured.
 
-| | plan | measured | error of the plan, % of the measured |
+| | plan | measured | error of the plan, % of the measured cost |
 |---|---|---|---|
 {chr(10).join(parts)}
 """

@@ -88,20 +88,15 @@ ResultView view_inference(const Json& result) {
       fmt::format(
           "Pictures of {0} x {1} pixels show a plane with a texture of {2} x {2} texels, in three colours and single "
           "precision, without regularisers. The solver starts at 0.5. The pictures are computed from the texture "
-          "itself and "
-          "have little contrast, so that no texel reaches a bound. Both programs therefore take the same steps of "
-          "preconditioned conjugate gradient. *Eigen* is the fastest variant of its `LeastSquaresConjugateGradient`, "
-          "with one "
-          "solve per colour (its solve of three columns does the same), compiled for this machine ({3}). *Iteration* "
-          "is the "
-          "time of {4} iterations minus the time of {5}, divided by the difference of the numbers. *Whole solve* is "
-          "{4} "
-          "iterations and everything before them. *Three columns at once* is the same iteration, written with Eigen's "
-          "products; Eigen does not offer it. *Regularised* is the solver's iteration with the default "
-          "pyramid_weight, which "
-          "Eigen does not have. The programs ran alternately in {6} pairs on {7} threads, and each ratio compares the "
-          "runs of "
-          "a pair. *Largest difference* is the largest difference of any texel, from 0 to 1, after {4} iterations.",
+          "itself and have little contrast, so that no texel reaches a bound. Both programs therefore take the same "
+          "steps of preconditioned conjugate gradient. *Eigen* is the fastest variant of its "
+          "`LeastSquaresConjugateGradient`, with one solve per colour (its solve of three columns does the same), "
+          "compiled for this machine ({3}). *Iteration* is the time of {4} iterations minus the time of {5}, divided "
+          "by the number of iterations between them. *Whole solve* is {4} iterations and everything before them. "
+          "*Three columns at once* is the same iteration, written with Eigen's products; Eigen does not offer it. "
+          "*Regularised* is the solver's iteration with the default pyramid_weight, which Eigen does not have. The "
+          "programs ran alternately in {6} pairs on {7} threads, and each ratio compares the runs of a pair. *Largest "
+          "difference* is the largest difference of any texel, from 0 to 1, after {4} iterations.",
           size * 5 / 4, size * 15 / 16, size, yardsticks, iterations, iterations / 4,
           result.at("repetitions").get<int>(), result.at("threads").get<int>()),
       solver_table(systems) +
@@ -114,11 +109,9 @@ ResultView view_inference(const Json& result) {
           "own steps and textures of full contrast.\n\n" +
           convergence_table(systems) +
           "\nThe next table compares products with A and A^T with products with A^T A, for stacked pictures. The "
-          "solver uses "
-          "A^T A if it has fewer than twice as many entries as A (`kNormalEntriesMax`, "
-          "`host/fields/inference/solver/texture_system.cpp`). Products with A^T A are faster for somewhat more "
-          "entries too, "
-          "but A^T A must be made first.\n\n" +
+          "solver uses A^T A if it has fewer than twice as many entries as A (`kNormalEntriesMax`, "
+          "`host/fields/inference/solver/texture_system.cpp`). A^T A would still be faster with somewhat more "
+          "entries, but making it takes time.\n\n" +
           form_table(result.at("forms"))};
 }
 
