@@ -162,70 +162,14 @@ errors that `--form auto` predicted: plain / one lobe / chosen.
 """
 
 FILES = """
-## What the files hold
+## Engines that were tried
 
-[commands](../reference/commands.md) has all options of `multum export`. A folder gets one image per texture and mip
-level, with level 0 first: `normal_00.png` has the normal, and `orm_00.png` has occlusion, roughness and metalness as
-glTF packs them. Occlusion is 1 and metalness is 0 if no map was given. With `--anisotropy`, `anisotropy_00.png` has
-direction and strength as in KHR_materials_anisotropy. A baked file works as input too: its level 0 has the map's
-normals with 16 bits. The exported textures then differ from the map's own by at most what 8 bits can resolve. Files
-without level 0, without lobes, or with roughness in their lobes are refused.
-
-Engines differ in two conventions:
-
-| engine | green of normals | roughness |
-|---|---|---|
-| glTF, three.js, Babylon.js, Godot, Blender | up, the default | `orm`: occlusion, roughness, metalness |
-| Unreal, other engines with DirectX | `--write-green down` | `orm` |
-| Unity | up | `--smoothness`: `mask` has metalness, occlusion, 1 and, in alpha, smoothness |
-
-Smoothness is 1 - roughness. `--write-green` applies to every format and turns directions of anisotropy too. `mask` is
-the Mask Map of HDRP, and also the Metallic Map and the Occlusion Map of URP and of the built-in Standard shader.
-
-`--texels` sets how KTX2 and DDS files store texels:
-
-| `--texels` | normal | orm, mask, anisotropy | only roughness or smoothness |
-|---|---|---|---|
-| `rgba8` (default) | RGBA8 | RGBA8 | R8 |
-| `rgba16f` | RGBA16F | RGBA16F | RGBA16F |
-| `rg8` | RG8: the shader rebuilds z = sqrt(1 - x^2 - y^2) | RGBA8 | R8 |
-| `bc` | BC5: the shader rebuilds z | BC7 | BC4 |
-| `uastc`, KTX2 only | UASTC | UASTC | UASTC |
-
-UASTC is a format of Basis Universal with 8 bits per texel. The Node.js package ktx2-encoder encodes it (`npm install
-ktx2-encoder`, or `--encoder FOLDER`). Jobs of the service look for the package in /usr/lib/node_modules and
-/usr/local/lib/node_modules. Loaders transcode UASTC to a format of the GPU. The printed error includes the loss of the
-blocks.
-
-All textures are linear, and row 0 is the top (`KTXorientation` "rd"). `KTXswizzle` is "rg11" for two channels and
-"rrr1" for one. `--zstd LEVEL` compresses KTX2 files without loss. Load the stored levels: an engine that makes its own
-mips undoes the export.
-
-Roughness is perceptual, sqrt(alpha). With a `--roughness` map, every covered texel counts with its own roughness. glTF
-multiplies texture values by `roughnessFactor`, and x and y of normals by `normalTexture.scale`. Export with the factors
-in the maps (`--normal-scale`), and leave the factors at 1.
-
-`--anisotropy` is only for renderers that turn tangents towards the normal of the normal map. The sample code of
-KHR_materials_anisotropy, three.js and Filament take tangent and bitangent from the geometry (read from their sources,
-October 2026), so that their lobe follows the geometry's normal. The sign of a direction has no meaning, but neighbours
-need the same sign for filtering. All directions of a map are therefore in one half plane, and its border is where the
-fewest axes are.
-
-## Programs that load the files
-
-Every export prints the row of its format.
-
-| file | engines known not to load it |
-|---|---|
-| KTX2, `rgba8`, `rgba16f`, `rg8`, `bc` | Babylon.js, PlayCanvas, Filament, Unreal, Godot 3, Blender |
-| KTX2, `uastc` | Unreal, Godot 3, Blender |
-| DDS, `rgba16f` | three.js, PlayCanvas, Filament, Blender |
-| DDS, `bc` | three.js, Babylon.js, PlayCanvas, Filament; Blender shows normals with blue 0 |
-| DDS, `rgba8`, `rg8` | three.js, Babylon.js, PlayCanvas (shows 4 x 4 texels instead), Filament, Blender |
+[Export to an engine](../how-to/export_to_engine.md) has the commands, the formats, and the engines that load them.
+Every export prints the engines that are known not to load its files.
 
 - Tried in Chromium: three.js 0.187, Babylon.js 9.35, PlayCanvas 2.23.3 and Filament 1.53.4. PlayCanvas and Filament
   load UASTC with all levels.
-- Tried elsewhere: Blender 3.4 and Godot 3.2. The row of Unreal comes from its documents.
+- Tried elsewhere: Blender 3.4 and Godot 3.2. The entries of Unreal follow its documentation.
 - Babylon.js, PlayCanvas and Filament load only Basis Universal from KTX2. They may drop other textures of a model
   without a message.
 - From sources (October 2026): Bevy loads KTX2 with all levels. Godot 4 does too, but loads only level 0 if a side is
@@ -233,6 +177,21 @@ Every export prints the row of its format.
 - Tests read every level: three.js (WebGL 2 with SwiftShader) reads all kinds of KTX2, ktx-parse 2.0 reads their
   headers, and OpenImageIO 2.4 reads BC4, BC5 and BC7 from DDS. Babylon.js reads half floats from DDS, its only kind
   with a DX10 header.
+
+## Notes on the files
+
+- KTX2 files have `KTXorientation` "rd", which puts row 0 on top. `KTXswizzle` is "rg11" for two channels and "rrr1" for
+  one channel.
+- For UASTC, the printed error includes the loss of the encoded blocks.
+- A baked file gives the same export as its map, up to the rounding of 8 bits, because its level 0 stores normals with
+  16 bits. Files without level 0, without lobes, or with roughness in their lobes are refused.
+- Roughness is perceptual, sqrt(alpha). With a `--roughness` map, every covered texel counts with its own roughness.
+- `--resume` continues an interrupted export after the rows that were already fitted.
+- `--anisotropy` is only for renderers that turn tangents towards the normal of the normal map. The sample code of
+  KHR_materials_anisotropy, three.js and Filament take tangent and bitangent from the geometry (read from their sources,
+  October 2026), so that their lobe follows the geometry's normal.
+- The sign of a direction of anisotropy has no meaning, but neighbours need the same sign for filtering. All directions
+  of a map are therefore in one half plane, and its border is where the fewest axes are.
 """
 
 STORAGE = """## What storing costs
