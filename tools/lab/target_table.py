@@ -97,8 +97,8 @@ def document(arguments, rows, machine):
             f"- Filter of errors and pictures: {FILTER} ([FILTER](FILTER.md)).\n"
             "- *Processor*: seconds of both bakes, including choosing, drawing and compiling kernels.\n\n"
             "Before a bake, `multum tradeoff MAP -o costs.html` shows the cost of every setting for a map "
-            "([tradeoff](../reference/tradeoff.md)), and `multum plan scene.toml` shows the settings that a scene needs "
-            "([scenes](../reference/scenes.md)).\n\n")
+            "([tradeoff](../reference/tradeoff.md)), and `multum plan scene.toml` shows the settings that a scene "
+            "needs ([scenes](../reference/scenes.md)).\n\n")
     for target in arguments.targets:
         own = [row for row in rows if row["target"] == target]
         met = sum(row["met"] for row in own)
