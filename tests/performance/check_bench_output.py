@@ -117,7 +117,7 @@ def check_document(text):
     assert "commit " in sections[0] and " cores, " in sections[0], "the same conditions: said once, at the top"
     assert re.search(r"`multum-bench document -o docs/\S+ --json em.json --json bake.json", sections[0])
     for name, section in zip(("em", "bake", "scale", "load", "infer"), sections[1:]):
-        assert section.count("\n`multum-bench ") == 1 and f"`multum-bench {name} --" in section, section
+        assert section.count("\nMeasured by `multum-bench ") == 1 and f"`multum-bench {name} --" in section, section
         tables = re.findall(r"(?:^\|.*\n)+", section, re.MULTILINE)
         assert len(tables) == (4 if name == "infer" else 1), section
         for table in tables:

@@ -225,7 +225,7 @@ def seek_section(row, table):
     return ["#### To any sample from a cold cache",
             table(["ms", "p50", "p99", "p50 / p50 of the first row", "p99 / p99 of the first row",
                    "decoded at most"], lines),
-            f"All programs sought random samples alternately in {len(row['rounds'])} rounds, on one core and one "
+            f"All programs looked up random samples alternately in {len(row['rounds'])} rounds, on one core and one "
             f"thread. The "
             "table has medians of the rounds, with their range in brackets, and ratios within a round. AV1 has the "
             "quality "
@@ -274,7 +274,8 @@ def border_section(found, table):
         "The path is the diagonal with 1 x 1 sub-pixels. Textures that are not used for 4 frames are dropped. With "
         "`--stagger`, the blocks of the objects begin at different samples, so fewer blocks are decoded in one frame, "
         "and "
-        "the blocks at the ends are smaller. Decoding with no frames ahead is the same in every run. Times of frames "
+        "the blocks at the ends are smaller. Without frames decoded ahead, decoding is the same in every run. Times "
+        "of frames "
         "vary, because the machine does other work."] if lines else []
 
 
@@ -315,7 +316,7 @@ def browser_section(row, found, table):
          "frames per second of `multum-view play`"], lines),
         f"The browser is headless Chromium {row['browser']} with SwiftShader, {row['width']} x {row['height']} "
         f"pixels, on "
-        "all cores. *Only drawing* waits for the end of each frame. *Shown* is the page while it is moved, with the "
+        "all cores. *Only drawing* waits for the end of each frame. *Shown* is the page while the view moves, with the "
         "number "
         "of sub-pixels that it chooses.",
         f"A frame of the diagonal waits {diagonal['waitingMs']:.0f} ms for textures from {diagonal['workers']} "

@@ -41,7 +41,7 @@ constexpr const char* kHowToRead =
     "2^20 bytes. To repeat a section, run its command as `build/release/bin/multum-bench`.\n";
 
 std::string section(const Json& result, const ResultView& view, const std::string& conditions) {
-  return fmt::format("\n`{}`, on {}{}.\n\n{}\n\n{}", result.at("command").get<std::string>(),
+  return fmt::format("\nMeasured by `{}` on {}{}.\n\n{}\n\n{}", result.at("command").get<std::string>(),
                      result.at("device").get<std::string>(), conditions, view.method, view.table);
 }
 
