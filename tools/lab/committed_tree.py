@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Refuses to make documents from a tree that is not committed: nobody could make their figures again.
+"""Refuses to make documents from an uncommitted tree, because nobody could measure their figures again.
 
-    tools/lab/committed_tree.py [--allow-dirty] [--root DIR]    # prints the commit; exit code 1 where it is refused
+    tools/lab/committed_tree.py [--allow-dirty] [--root DIR]    # prints the commit; exit code 1 if it is refused
 
-Generators call add_option() and stated_commit(). Documents themselves may have changed, so that one after another can
-be made: no figure depends on docs/ or README.md.
+Generators call add_option() and stated_commit(). Documents may have changed, so that they can be made one after
+another: no figure depends on docs/ or README.md.
 """
 import argparse
 import pathlib
@@ -18,7 +18,7 @@ DIRTY = "-dirty"
 
 
 def git(root, *arguments):
-    """What git says in the repository of `root` itself; None where it fails."""
+    """Returns git's output in the repository of `root`; None if git fails."""
     try:
         run = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
     except FileNotFoundError:  # no git on this machine
@@ -27,7 +27,7 @@ def git(root, *arguments):
 
 
 def commit_of(root=ROOT):
-    """The commit, abbreviated; "-dirty" behind it where sources differ or are new; "unknown" outside a repository."""
+    """Returns the abbreviated commit, with "-dirty" if sources differ or are new; "unknown" outside a repository."""
     top = git(root, "rev-parse", "--show-toplevel")
     if top is None or pathlib.Path(top).resolve() != pathlib.Path(root).resolve():
         return "unknown"
@@ -42,25 +42,25 @@ def is_committed(commit):
 
 def add_option(parser):
     parser.add_argument("--allow-dirty", action="store_true",
-                        help="make it although sources are not committed: the document says so")
+                        help="accept uncommitted sources; the document states them")
 
 
 def stated_commit(allow_dirty, root=ROOT):
-    """What a document says of the commit that it is made at. Ends the program where there is none to name."""
+    """Describes the commit for a document. Ends the program if there is no such commit."""
     commit = commit_of(root)
     if is_committed(commit):
         return f"commit {commit}"
     if not allow_dirty:
         sys.exit(f"{pathlib.Path(sys.argv[0]).name}: the sources are at commit {commit}, expected a committed tree, "
-                 "from which the same figures can be made again; commit first, or say --allow-dirty, which the "
-                 "document then states")
+                 "from which the same figures can be made again. Commit first, or use --allow-dirty, which the "
+                 "document then states.")
     return f"commit {commit} (--allow-dirty: sources that are not committed)"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add_option(parser)
-    parser.add_argument("--root", default=ROOT, help="folder of the repository (default: this one's)")
+    parser.add_argument("--root", default=ROOT, help="folder of the repository (default: this repository)")
     given = parser.parse_args()
     print(stated_commit(given.allow_dirty, given.root))
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes index.html into a folder that tools/demo has filled: pictures, errors, times. Standard library only.
 
-Reads steps.tsv (kind, name, milliseconds, command: one line a step), NAME.bake.json of each bake and NAME.view.json of
-each view; a view's pictures are NAME_reference.png, NAME_multum.png and so on. The page refers to nothing outside the
-folder.
+Reads steps.tsv (kind, name, milliseconds, command: one line per step), NAME.bake.json of each bake and NAME.view.json
+of each view. The pictures of a view are NAME_reference.png, NAME_multum.png and so on. The page refers only to files in
+the folder.
 
   tools/lab/demo_page.py FOLDER
 """
@@ -16,29 +16,29 @@ import sys
 from report_page import STYLE, chart, key, machine, percent, table, text
 
 METHODS = {
-    "reference": ("reference", "the finest map, sampled many times a pixel: slow, and what the others aim at"),
+    "reference": ("reference", "the finest map with many samples per pixel: slow, and the standard for the others"),
     "multum": ("multum", "the baked distribution of normals"),
     "mip": ("averages", "averaged normals: the plain mip pyramid of most engines"),
-    "toksvig": ("Toksvig", "averaged normals with a wider highlight where they disagree"),
-    "lean-jacobian": ("LEAN", "one Gaussian of slopes a texel"),
+    "toksvig": ("Toksvig", "averaged normals, with wider highlights where normals vary"),
+    "lean-jacobian": ("LEAN", "one Gaussian of slopes per texel"),
 }
 BAKES = {
     "white": "the four-quarter map (spheres, rings, grooves, noise)",
-    "coloured": "the same with its colours, one a lobe",
-    "terrain": "measured terrain: the Jacksboro fault, heights four times exaggerated",
+    "coloured": "the four-quarter map with colours, one per lobe",
+    "terrain": "measured terrain: the Jacksboro fault, with heights scaled by 4",
 }
 VIEWS = {
-    "plain": ("A plain to the horizon", "Each side of a groove has its own colour; seen from one side, only that one "
-              "should show. Averaging mixes them before anyone looks."),
-    "ring": ("A ring, seen from all angles", "Highlights that split into arcs and stars have more than one direction: "
-             "one Gaussian, or one average, cannot say so."),
-    "near": ("Closer, without colour, sharp highlights", "Near the viewer all filtered pictures lose something to the "
-             "smooth magnification of texels, which the reference does not do."),
-    "terrain": ("Measured terrain", "Rough ground without a pattern: the hardest of these maps for four lobes a "
+    "plain": ("A plain to the horizon", "Each side of a groove has its own colour. From one side, only the colour of "
+              "that side should be visible. Averaging mixes both colours beforehand."),
+    "ring": ("A ring, seen from all angles", "Highlights that split into arcs and stars have more than one direction. "
+             "One Gaussian or one average cannot represent them."),
+    "near": ("Closer, without colour, sharp highlights", "Near the viewer, all filtered pictures magnify texels "
+             "smoothly. The reference does not, so they differ from it."),
+    "terrain": ("Measured terrain", "Rough ground without a pattern: the hardest of these maps for four lobes per "
                 "texel."),
 }
 def errors_by_level(bake, brdf, points):
-    """The worst error of the points, by level; the 1 x 1 level has no neighbours to be midway between."""
+    """Returns the worst error of all points, by level. The 1 x 1 level has no point midway between texels."""
     found = {}
     for one in bake["measured_error"]:
         if one["brdf"] == brdf and one["point"] in points and one["samples"] > 0:
@@ -47,8 +47,7 @@ def errors_by_level(bake, brdf, points):
 
 
 def fit_parts(bake):
-    """Seconds of the fit by what they went into, (name, seconds): its levels, then what is of none. They add up to the
-    stage's."""
+    """Divides the seconds of the fit into (name, seconds): its levels, then the rest. They add up to the stage."""
     parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
     if "start" in bake:
         parts.append(("start", bake["start"]["seconds"]))
@@ -58,7 +57,7 @@ def fit_parts(bake):
 
 def bake_section(name, bake, step):
     brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
-    # The lobes of a coloured bake are those of the white one: its colours are what is new.
+    # A coloured bake has the lobes of the white bake, so only errors with colours are new.
     coloured = [b for b in brdfs if b.endswith(" coloured")]
     brdfs = coloured or brdfs
     names = [b.removesuffix(" coloured") for b in brdfs]
@@ -85,23 +84,23 @@ def bake_section(name, bake, step):
                     [part for part, _ in parts], [("fit", [s for _, s in parts])], bars=True, axis="level")
     return f"""<h3 id="bake-{text(name)}">{text(BAKES.get(name, name))}</h3>
 <p>Seconds: {text(stages)}; the whole command took {step["seconds"]:.2f}. {counts["lobes"]} lobes fitted,
-{counts["nonfinite"]} of them not finite, {counts["kappa_clamped"]} sharper than the cap, {counts["dead_lobes"]}
+{counts["nonfinite"]} of them not finite, {counts["kappa_clamped"]} sharper than the limit, {counts["dead_lobes"]}
 without normals.</p>
-<p class="soft">Found: {text(bake["input"]["encoding"])}.</p>
+<p class="soft">Detected: {text(bake["input"]["encoding"])}.</p>
 <div class="charts">
 <figure>{errors}
 {key(names)}</figure>
 <figure>{seconds}
-<figcaption>Start: the search for lobes that the coarsest level starts from. Rest: sorting normals into bins, compiling
-kernels and moving data.</figcaption></figure></div>
+<figcaption>Start is the search for the first lobes of the coarsest level. Rest is binning of normals, compiling
+kernels and copying data.</figcaption></figure></div>
 <details><summary>the numbers</summary>
-<p>The {what}, relative L1, at texel centres | midway between texels (the worse of x and y), and seconds of the
-fit.</p>
+<p>The {what} is relative L1, at texel centres | midway between texels (the worse of x and y). Seconds are seconds
+of the fit.</p>
 {table(["level", *names, "seconds"], rows)}</details>"""
 
 
 def picture(folder, name, method, caption, kind, size=""):
-    """`size`: attributes, so that a caption has its place before the picture is there."""
+    """`size`: attributes that reserve the space of a picture before it is loaded."""
     file = f"{name}_{method}{kind}.png"
     if not (folder / file).is_file():
         return ""
@@ -119,10 +118,10 @@ def view_section(folder, name, view, step):
     shown, differences = [], []
     for one in view["pictures"]:
         method = one["name"]
-        error = f', <b>{percent(one["relative_l1"])}</b> off' if "relative_l1" in one else ""
+        error = f', error <b>{percent(one["relative_l1"])}</b>' if "relative_l1" in one else ""
         label = text(METHODS[method][0])
         shown.append(picture(folder, name, method, f"<b>{label}</b>{error}", "", size))
-        # In the order of the pictures above, whose columns have the reference too.
+        # Pictures have the order of the pictures above, where the first column is the reference.
         differences.append(picture(folder, name, method, f"<b>{label}</b> minus reference{error}", "_difference", size)
                            if error else picture(folder, name, method, f"<b>{label}</b>", "", size))
     errors = [one["relative_l1"] for one in view["pictures"] if "relative_l1" in one]
@@ -134,28 +133,29 @@ def view_section(folder, name, view, step):
 <div class="pictures">{"".join(shown)}</div>
 <details><summary>where they are off, and by how much</summary><div class="pictures">{"".join(differences)}</div>
 {table(["picture", "relative L1", "RMSE", "frame, ms"], rows)}
-<p>Differences are four times as bright as they are. Times are this machine's, one frame each.</p></details>
+<p>Differences are shown four times as bright. Times are for one frame on this machine.</p></details>
 <details><summary>the command</summary><pre>{text(step["command"])}</pre></details>"""
 
 
 def look_link(folder):
     if not (folder / "look.html").is_file():
         return ""
-    return """<p><a href="look.html">The map's lobes in this browser</a>, beside averaged normals, engines' rules and
-one lobe: turn the view, come nearer, move the light (WebGL 2).</p>
+    return """<p><a href="look.html">The map's lobes in this browser</a>, next to averaged normals, engines' rules and
+one lobe. Turn the view, move closer, move the light (WebGL 2).</p>
 """
 
 
 def own_map():
-    return """<h2 id="own">The same with your own map</h2>
+    return """<h2 id="own">Use your own map</h2>
 <pre>build/release/bin/multum bake bricks_normal.png -o bricks.ndf.exr
 build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
     --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian
 build/release/bin/multum look bricks.ndf.exr --source bricks_normal.png</pre>
-<p>The bake prints what it took the file for: OpenGL or DirectX green, unsigned or signed, normals or heights. If it is
-wrong, say so (<code>--green up</code>, <code>--bumpformat height --height-scale 8</code>), to both programs. With
-colours: <code>--albedo bricks_colour.png</code>, to both as well. More accuracy: <code>--lobes 6</code>; less time:
-<code>--lobes 2 --passes 1</code>. <code>multum bake --help</code> lists the rest.</p>"""
+<p>The bake prints how it read the file: OpenGL or DirectX green, unsigned or signed, normals or heights. If this is
+wrong, give both programs the right options (<code>--green up</code>, <code>--bumpformat height --height-scale
+8</code>). For colours, give both programs <code>--albedo bricks_colour.png</code>. For more accuracy, use
+<code>--lobes 6</code>; for less time, <code>--lobes 2 --passes 1</code>. <code>multum bake --help</code> lists all
+options.</p>"""
 
 
 def make_page(folder, steps, bakes, views):
@@ -180,23 +180,23 @@ def make_page(folder, steps, bakes, views):
 <title>multum: the demo</title><style>{STYLE}</style></head><body>
 <h1>multum: textures that look right at every distance</h1>
 <p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall.
-multum stores how they are distributed instead. Click a picture for its full size.</p>
+multum stores the distribution of the normals instead. Click a picture for its full size.</p>
 {hero}
-{look_link(folder)}<h2>How far off, in short</h2>
-<p>Relative L1: the sum of absolute differences from the reference, divided by the reference's sum, over the whole
-picture.</p>
+{look_link(folder)}<h2>Errors</h2>
+<p>Relative L1 error is the sum of absolute differences from the reference, divided by the sum of the reference, over
+the whole picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}
 <h2>Pictures</h2>
-<p class="soft">The reference takes {text(" or ".join(map(str, samples)))} samples a pixel of the finest map. All
+<p class="soft">The reference takes {text(" or ".join(map(str, samples)))} samples per pixel of the finest map. All
 pictures of a view have the same camera, light, material and texture filter.</p>
 {"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
 <h2>Bakes</h2>
-<p>The error of a bake is measured before it is written, on the rounded values, at random texels, for 12 fixed half
-vectors (4 lights for lambert), against a sum over every normal that the texel covers. blinn-phong:500 is a sharp
-highlight, lambert is matt.</p>
+<p>Each bake measures its error before it writes the file. It compares the rounded values with a sum over every normal
+of a texel, at random texels, for 12 fixed half vectors (4 lights for lambert). blinn-phong:500 is a sharp highlight,
+lambert is matt.</p>
 {"".join(bake_section(name, bake, step_of(steps, "bake", name)) for name, bake in bakes.items())}
 <h2>Time</h2>
-<p>Seconds of each command, from start to end, on the machine below; a first run also compiles the kernels.</p>
+<p>The table has the seconds of each command on the machine below. A first run also compiles the kernels.</p>
 {table(["command", "seconds"], total)}
 {machine({b["device"] for b in bakes.values()}, {v["context"] for v in views.values()},
          {v["software"].split()[-1] for v in views.values()})}
@@ -226,7 +226,7 @@ def main():
     try:
         page = make_page(folder, *read_folder(folder))
     except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"{folder}: {type(error).__name__}: {error}; expected what tools/demo leaves there")
+        sys.exit(f"{folder}: {type(error).__name__}: {error}; expected a folder that tools/demo has filled")
     target = folder / "index.html"
     partial = folder / "index.html.tmp"
     partial.write_text(page, encoding="utf-8")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures what an export of a large map takes beside Filament's roughness-prefilter, and writes
-docs/evidence/EXPORT.md's
-section of it."""
+"""Measures time and memory of exporting a large map, next to Filament's roughness-prefilter, and writes the section of
+docs/evidence/EXPORT.md about it."""
 import pathlib
 import shutil
 import statistics
@@ -15,26 +14,26 @@ SIDE = 4096
 ROUNDS = 5
 ROUGHNESS = 0.25
 PREFILTER = "roughness-prefilter"  # of Debian's libfilament-tools
-# Name, options of multum export.
-WAYS = (("KTX2, `--format ktx2`", ["--format", "ktx2"]),
-        ("the same, `--fast`", ["--format", "ktx2", "--fast"]),
-        ("PNG, an image a level", ["--format", "png"]))
-FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter, of which the quickest is what the others are divided by
+# Name of the runs in the file of --state, title, options of multum export.
+WAYS = (("KTX2, `--format ktx2`", "KTX2, `--format ktx2`", ["--format", "ktx2"]),
+        ("the same, `--fast`", "KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
+        ("PNG, an image a level", "PNG, one image per level", ["--format", "png"]))
+FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter; ratios divide by the fastest one
 
-HEAD = """## What it takes
+HEAD = """## Time and memory
 
-{side} x {side} texels, `{map}` repeated, as PNG of 8 bits: `multum export` writes normals, occlusion, roughness and
-metalness of all levels, without measuring its error; roughness-prefilter ({version}) roughness alone. Rounds of all
-in turns, {rounds} of them: medians, in brackets their range; ratios are within a round, over the quickest format of
-roughness-prefilter.
+The input is `{map}`, repeated to {side} x {side} texels, as a PNG with 8 bits per channel. `multum export` writes
+normals, occlusion, roughness and metalness for all levels and does not measure its error. roughness-prefilter
+({version}) writes only roughness. All programs ran alternately in {rounds} rounds. The table has medians, with ranges
+in brackets. Ratios compare runs of the same round with the fastest format of roughness-prefilter.
 
-| | processor, s | ratio | memory, MiB |
+| | processor time, s | ratio | memory, MiB |
 |---|---|---|---|
 """
 
 
 def write_repeated(source, output):
-    """A map of SIDE x SIDE texels that repeats the source's."""
+    """Writes a map of SIDE x SIDE texels that repeats the source map."""
     texels = OpenImageIO.ImageBuf(str(source)).get_pixels(OpenImageIO.UINT8)[:, :, :3]
     counts = [-(-SIDE // size) for size in texels.shape[:2]]
     texels = numpy.ascontiguousarray(numpy.tile(texels, (*counts, 1))[:SIDE, :SIDE])
@@ -45,14 +44,15 @@ def write_repeated(source, output):
 
 
 def measure(multum, source, folder):
-    """Processor seconds and bytes of memory of each round, by name; None where Filament's tool is not installed."""
+    """Returns processor seconds and bytes of memory of each round, by name; None if Filament's tool is not
+    installed."""
     if shutil.which(PREFILTER) is None:
         return None
     folder = pathlib.Path(folder)
     large = folder / "large.png"
     write_repeated(source, large)
     commands = {name: [multum, "export", large, "-o", folder / "large", "--base-roughness", ROUGHNESS, "--no-measure",
-                       "--quiet", *options] for name, options in WAYS}
+                       "--quiet", *options] for name, _, options in WAYS}
     for kind in FORMATS:
         commands[kind] = [PREFILTER, "-r", ROUGHNESS, "-f", kind, large, folder / f"filament.{kind}"]
     runs = {name: [] for name in commands}
@@ -74,7 +74,7 @@ def section(costs):
     runs = costs["runs"]
     seconds = {name: [run[0] for run in rounds] for name, rounds in runs.items()}
     quickest = min(FORMATS, key=lambda kind: statistics.median(seconds[kind]))
-    names = {**{name: f"`multum export`, {name}" for name, _ in WAYS},
+    names = {**{name: f"`multum export`, {title}" for name, title, _ in WAYS},
              quickest: f"Filament's roughness-prefilter, {quickest.upper()}"}
     lines = []
     for name, title in names.items():

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the table of pictures in docs/evidence/EXPORT.md: what three.js draws of exports, on planes and a sphere.
+"""Prints the table of pictures in docs/evidence/EXPORT.md: three.js draws exports on planes and a sphere.
 
     tools/lab/export_pictures.py MAP... [--bin DIR] [--package DIR]
 
-Every map is a metal of roughness 0.5 and a dielectric of 0.25, seen with 4 and 16 texels a pixel: a plane nearly from
-above, the same tilted, and a sphere. --package: a folder of @multum/three (`multum shaders -o DIR`: DIR/three). Errors
-are relative L1 in per cent against 8 x 8 samples a pixel of level 0, the mean over the views. A minute a material.
+Every map is drawn as a metal of roughness 0.5 and as a dielectric of 0.25, with 4 and 16 texels per pixel, on a plane
+from above, on a tilted plane and on a sphere. --package is a folder of @multum/three (`multum shaders -o DIR`:
+DIR/three). Errors are relative L1 in % against 8 x 8 samples per pixel of level 0, averaged over the views. A material
+takes a minute.
 """
 import argparse
 import json
@@ -33,7 +34,8 @@ KTX2 = "image/ktx2"
 
 
 def grid(kind, repeat):
-    """Positions, normals, tangents, texture coordinates and indices: two units wide, the sphere's map twice round."""
+    """Returns positions, normals, tangents, texture coordinates and indices. Shapes are two units wide; the map goes
+    twice around the sphere."""
     columns, rows = (1, 1) if kind == "plane" else (192, 96)
     sides = numpy.array([rows, columns])[:, None, None]
     v, u = (one.ravel() for one in numpy.mgrid[0 : rows + 1, 0 : columns + 1] / sides)
@@ -54,7 +56,7 @@ def grid(kind, repeat):
 
 
 def write_glb(path, kind, repeat, images, roughness, metalness):
-    """`images`: by use, "normal" and "orm", their bytes and MIME type."""
+    """`images`: bytes and MIME type by use, "normal" and "orm"."""
     blob, views, accessors = bytearray(), [], []
 
     def view(data):
@@ -94,7 +96,7 @@ def write_glb(path, kind, repeat, images, roughness, metalness):
 
 
 def export(multum, path, folder, form, roughness, metalness, size):
-    """The textures of an export and its report."""
+    """Returns the textures of an export and its report."""
     options = []
     if metalness:
         white = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(*size, 1, "uint8"))
@@ -108,7 +110,7 @@ def export(multum, path, folder, form, roughness, metalness, size):
 
 
 def errors_of(arguments, path, roughness, metalness):
-    """By row: errors of the views; and what `multum export` says of three of them."""
+    """Returns errors of the views by row, and what `multum export` predicted for three of the rows."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         multum = arguments.bin / "multum"

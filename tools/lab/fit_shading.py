@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks the constants of runtime_gl/shaders/common/movmf_shading.glsl against quadrature in double precision.
 
-Prints, for every exponent s and lobe kappa, the relative L1 error over the hemisphere of half vectors (weight: solid
-angle) of: the vMF shape alone, the cosine-power shape alone, Han et al. 2007 eq. 20, and the blend that is used; then
-the errors of the polynomial inverse of A(kappa) = coth kappa - 1/kappa and of the convolved Lambert term.
-`fit_shading.py --fit` also tabulates other values of the blend's constant, `fit_shading.py --cosine` what stands for
-max(n . l, 0) under a highlight. Needs numpy; takes about 5 s, with --cosine half a minute."""
+For every exponent s and lobe kappa, prints the relative L1 error over the hemisphere of half vectors (weighted by solid
+angle) of four formulas: only the vMF shape, only the cosine-power shape, Han et al. 2007 eq. 20, and the blend in use.
+Then prints the errors of the polynomial inverse of A(kappa) = coth kappa - 1/kappa and of the convolved Lambert term.
+`fit_shading.py --fit` also tabulates other values of the blend's constant. `fit_shading.py --cosine` also tabulates
+replacements of max(n . l, 0) under a highlight. Needs numpy; takes about 5 s, with --cosine half a minute."""
 import sys
 
 import numpy as np
@@ -22,7 +22,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(600)
 
 
 def bessel_i0_scaled(x):
-    """exp(-x) I_0(x): numpy's I_0 below 50, the asymptotic series above (relative error 2e-9 there)."""
+    """exp(-x) I_0(x): numpy's I_0 for x below 50, the asymptotic series above (relative error 2e-9 at 50)."""
     low = np.minimum(x, 50.0)
     y = 1.0 / np.maximum(x, 50.0)
     series = 1 + y / 8 + 9 * y**2 / 128 + 225 * y**3 / 3072 + 11025 * y**4 / 98304
@@ -30,8 +30,9 @@ def bessel_i0_scaled(x):
 
 
 def convolve(profile, width, kappa, theta):
-    """integral f(n . w) vMF(n; mu, kappa) dn, theta = angle of mu and w. The integral around the axis w is I_0; what is
-    left runs over the angle a of n and w, cut where f (`width` = 9 standard deviations) or the vMF is below 1e-17."""
+    """integral f(n . w) vMF(n; mu, kappa) dn, theta = angle of mu and w. The integral around the axis w is I_0. The
+    other integral is over the angle a of n and w, cut where f (`width` = 9 standard deviations) or the vMF is below
+    1e-17."""
     reach = 9 / np.sqrt(kappa)
     low, high = max(0.0, theta - reach), min(np.pi / 2, theta + reach, max(width, theta - reach))
     if high <= low:
@@ -146,15 +147,15 @@ def unit(v):
 
 
 def directions(random, count, degrees):
-    """Evenly within so many degrees of +z."""
+    """Draws directions uniformly within this many degrees of +z."""
     z = random.uniform(np.cos(np.radians(degrees)), 1, count)
     phi, radius = random.uniform(0, 2 * np.pi, count), np.sqrt(1 - z * z)
     return np.stack([radius * np.cos(phi), radius * np.sin(phi), z], -1)
 
 
 def highlights(s, facet_kappa, kappa, h, mu, light):
-    """integral f(n . h) vMF(n) max(n . l, 0) dn and the same without the cosine, in polar coordinates around the mean
-    of the product of both vMFs. f: Blinn-Phong of exponent s, or with s None the vMF of facet_kappa."""
+    """integral f(n . h) vMF(n) max(n . l, 0) dn, and the same without the cosine, in polar coordinates around the
+    mean of the product of both vMFs. f is Blinn-Phong with exponent s, or the vMF of facet_kappa if s is None."""
     nodes, weights = np.polynomial.legendre.leggauss(48)
     total = facet_kappa * h + kappa * mu
     size = np.linalg.norm(total, axis=-1)

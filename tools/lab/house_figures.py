@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Counts what tells whether the house is in order: lines, folders, switches over representations.
+"""Counts figures of the sources: lines, folders, switches over representations.
 
-    tools/lab/house_figures.py [COMMIT]   # of a commit (default: HEAD)
+    tools/lab/house_figures.py [COMMIT]   # default: HEAD
 
-A comparison with `Representation::` is one of ==, != and `case`; of a file that names a representation or a BRDF,
-every mention in product code counts once.
+A comparison with `Representation::` is ==, != or `case`. In product code, every mention of a file that names a
+representation or a BRDF counts once.
 """
 import argparse
 import pathlib
@@ -25,7 +25,7 @@ def git(*words):
 
 
 def texts(commit, files):
-    """Text of each file at the commit."""
+    """Returns the text of each file at the commit."""
     query = "".join(f"{commit}:{file}\n" for file in files).encode()
     command = ["git", "-C", ROOT, "cat-file", "--batch"]
     out = subprocess.run(command, input=query, capture_output=True, check=True).stdout

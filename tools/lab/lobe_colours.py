@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints what a colour for each lobe (Han et al. 2007, section 7.3) takes off the error of pictures, beside lobes that
-all have the texel's mean colour.
+"""Prints how much one colour per lobe (Han et al. 2007, section 7.3) lowers the error of pictures, compared with lobes
+that all have the texel's mean colour.
 
     tools/lab/lobe_colours.py BIN_FOLDER NORMAL COLOUR [NORMAL COLOUR...]
 
-BIN_FOLDER has multum and multum-view. NORMAL is a normal map, green up, and COLOUR the base colour of the same size.
-The map lies on an oblique plane, seen from near and from afar, under one light; 4 evaluations per pixel. Errors are
+BIN_FOLDER has multum and multum-view. NORMAL is a normal map with green up, and COLOUR is the base colour of the same
+size. The map covers an oblique plane, seen from near and far under one light, with 4 evaluations per pixel. Errors are
 relative L1 in %.
 """
 import json

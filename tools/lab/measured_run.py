@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a program, and says what it took."""
+"""Runs a program and measures its costs."""
 import dataclasses
 import os
 import subprocess
@@ -10,7 +10,7 @@ import time
 
 @dataclasses.dataclass
 class Run:
-    """A program's end. Processor seconds are of its children too; the memory is the most that one of them held."""
+    """The result of a program. Processor seconds include its children; memory is the peak of one process."""
     code: int
     text: str
     seconds: float

@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/GLTF_MODELS.md: models of others and bumpy surfaces, drawn by three.js in every way that
-multum knows, at
-equal evaluations of a pixel's light.
+"""Writes docs/evidence/GLTF_MODELS.md: three.js draws models and bumpy surfaces in every way of multum, at equal
+evaluations of light per pixel.
 
     tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--package FOLDER] [--only NAME...] [--rows NAME...]
         [--distances METRES...] [--gltf=OPTIONS]
 
-MODELS is a folder with the files of tools/lab/models.json, which says where each comes from. OUT is written anew after
-each model. The cache keeps dressed models, references and errors: what has not changed is not drawn again. With --only
-and --rows the document has only what was drawn. --package draws with another @multum/three; models stay dressed by
-BIN_FOLDER. Needs Node.js, Chromium and the packages of tests/service/web.
+MODELS is a folder with the files of tools/lab/models.json, which lists their sources. OUT is written anew after each
+model. The cache keeps converted models, references and errors, so only changed parts are drawn again. With --only and
+--rows, the document has only what was drawn. --package draws with another @multum/three, but BIN_FOLDER still converts
+the models. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
 import hashlib
@@ -27,10 +26,10 @@ LIST = ROOT / "tools" / "lab" / "models.json"
 SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
 SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
-DRAWING = 1  # of tests/three/model_page.js: raise it where the pictures change
+DRAWING = 1  # version of tests/three/model_page.js; raise it if the pictures change
 GRIDS = 2  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
 COUNTS = (1, 4, 8, 16)  # evaluations
-# By name: `dressed`, options of `multum gltf`, None for the model itself; the rest as model_page.js has it.
+# Rows by name. `dressed`: options of `multum gltf`, or None for the original model. Other keys belong to model_page.js.
 ROWS = {"plain mips": {"dressed": None}}
 ROWS |= {f"points, {n}": {"dressed": None, "points": n} for n in COUNTS}
 ROWS |= {"one lobe": {"dressed": ["--lobes"]}}
@@ -48,7 +47,7 @@ def key_of(*parts):
 
 
 class Cache:
-    """What was made before, by what it was made of."""
+    """Keeps earlier results by the hash of their inputs."""
 
     def __init__(self, folder, programs, package=None):
         self.folder = folder
@@ -62,13 +61,13 @@ class Cache:
         self.scripts = {one.name: digest(one) for one in sorted(self.package.glob("*.js"))}
 
     def surfaces(self):
-        """Models of the bumpy surfaces, as models.json has models."""
+        """Lists the bumpy surfaces, in the form of models.json."""
         names = run("node", SURFACES, self.folder / "surfaces", SURFACE_TEXELS).split()
         return [{"name": name.removesuffix(".glb"), "path": self.folder / "surfaces" / name, "reach": SURFACE_REACH,
                  "surface": True} for name in names if "_" in name]
 
     def dressed(self, model, options):
-        """The model after `multum gltf`, and its report."""
+        """Returns the model after `multum gltf`, and its report."""
         key = key_of(digest(model), self.multum_digest, options)
         out, report = (self.folder / "dressed" / f"{key}.{kind}" for kind in ("glb", "json"))
         if not report.exists():
@@ -78,7 +77,7 @@ class Cache:
         return out, json.loads(report.read_text(encoding="utf-8"))
 
     def row_file(self, file, row, view, reach):
-        """Where the errors of a row are kept."""
+        """Names the file that keeps the errors of a row."""
         names = self.scripts if row.get("lobes") else POINT_SCRIPTS if "points" in row else ()
         scripts = [self.scripts[name] for name in names]
         ways = {name: value for name, value in row.items() if name != "dressed"}
@@ -93,12 +92,12 @@ def view_from(distance):
 
 
 def file_of(cache, entry, row):
-    """What the row draws of the model: itself, or dressed."""
+    """Names the file that the row draws: the original or the converted model."""
     return entry["path"] if row["dressed"] is None else cache.dressed(entry["path"], row["dressed"])[0]
 
 
 def measure(cache, entry, rows, distances):
-    """{ reports, views: by distance { rows, floor, noise, grids } } of one model."""
+    """Returns { reports, views: by distance { rows, floor, noise, grids } } of one model."""
     source, reach = entry["path"], entry.get("reach")
     files = {name: file_of(cache, entry, row) for name, row in rows.items()}
     reports = {" ".join(row["dressed"]): cache.dressed(source, row["dressed"])[1] for row in rows.values()
@@ -126,12 +125,12 @@ def measure(cache, entry, rows, distances):
 
 
 def with_options(row, options):
-    """The row, dressed with more options."""
+    """Adds options of `multum gltf` to the row."""
     return row if row["dressed"] is None else {**row, "dressed": row["dressed"] + options}
 
 
 def link_rows(cache, entry, rows, folder):
-    """Has `folder` show the files that `rows` draw of the model; returns the rows as model_page.js has them."""
+    """Links the files that `rows` draw into `folder`; returns the rows for model_page.js."""
     link_model(entry["path"], folder)
     models = []
     for row in rows.values():
@@ -144,7 +143,7 @@ def link_rows(cache, entry, rows, folder):
 
 
 def draw_rows(cache, entry, rows, distances):
-    """Draws them into the cache."""
+    """Draws rows and puts them into the cache."""
     source, reach = entry["path"], entry.get("reach")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -162,7 +161,8 @@ def draw_rows(cache, entry, rows, distances):
 
 
 def listed(folder, cache, only):
-    """What to measure, and the names of the rest; stops where a listed file is another."""
+    """Returns the entries to measure and the names of the others. Ends the program if a listed file has another
+    hash."""
     entries = json.loads(LIST.read_text(encoding="utf-8"))
     for entry in entries:
         entry["path"] = folder / entry["file"]
@@ -188,8 +188,8 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
-    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, in place of what BIN_FOLDER writes")
-    parser.add_argument("--gltf", default="", metavar="OPTIONS", help="more options of `multum gltf`, in one word")
+    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, instead of the package from BIN_FOLDER")
+    parser.add_argument("--gltf", default="", metavar="OPTIONS", help="more options of `multum gltf`, as one argument")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")
     parser.add_argument("--distances", nargs="+", type=float, default=DISTANCES, metavar="METRES")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Models as three.js draws them from near and far: the views of docs/evidence/GLTF_EXAMPLE.md and
-docs/evidence/GLTF_MODELS.md, and what
-draws them in Chromium."""
+"""Draws models with three.js in Chromium from near and far, for docs/evidence/GLTF_EXAMPLE.md and
+docs/evidence/GLTF_MODELS.md."""
 import hashlib
 import json
 import os
@@ -22,7 +21,7 @@ def fail(what):
 
 
 def run(*arguments):
-    """What the program prints; stops where it fails."""
+    """Returns the output of a program; ends this program if it fails."""
     done = subprocess.run([str(one) for one in arguments], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         fail(f"{arguments[0]} failed: {done.stderr or done.stdout}")
@@ -30,14 +29,14 @@ def run(*arguments):
 
 
 def files_of(model):
-    """The model and what it names beside itself, as paths from the model's folder."""
+    """Lists the model and the files that it refers to, as paths from the model's folder."""
     text = json.loads(model.read_text(encoding="utf-8")) if model.suffix == ".gltf" else {}
     names = [one["uri"] for kind in ("buffers", "images") for one in text.get(kind, []) if "uri" in one]
     return [model.name] + [urllib.parse.unquote(name) for name in names if not name.startswith("data:")]
 
 
 def link_model(model, folder):
-    """Has `folder` show the model and what it names; its path there is the model's name."""
+    """Links the model and the files that it refers to into `folder`, under the model's name."""
     for name in files_of(model):
         link = folder / name
         link.parent.mkdir(parents=True, exist_ok=True)
@@ -46,17 +45,18 @@ def link_model(model, folder):
 
 
 def digest(model):
-    """Of the file alone: 16 digits of its SHA-256."""
+    """Returns 16 digits of the SHA-256 of this file."""
     return hashlib.sha256(model.read_bytes()).hexdigest()[:16]
 
 
 def dress(multum, model, out, report, *options):
-    """Writes the dressed model, with UASTC."""
+    """Writes the converted model, with UASTC."""
     run(multum, "gltf", model, *options, "-o", out, "--encoder", MODULES, "--report", report)
 
 
 def draw(package, plan, folder):
-    """What model_pictures.mjs says of `plan`, whose files are in `folder`; pictures go there too."""
+    """Runs model_pictures.mjs on `plan`, whose files are in `folder`, and returns its report. Pictures go to
+    `folder`."""
     (folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
     drawn = json.loads(run("node", ROOT / "tests/three/model_pictures.mjs", package, folder / "plan.json", folder))
     if drawn["complaints"]:
@@ -70,9 +70,11 @@ def megabytes(count):
 
 def byte_text(report):
     texts = []
-    for kind, name in (("normal", "fitted normals"), ("metallic_roughness", "fitted roughness and metalness"),
+    for kind, name in (("normal", "Fitted normals have"), ("metallic_roughness", "fitted roughness and metalness"),
                        ("lobes", "lobes")):
         texts.append(f"{name} {megabytes(sum(one['bytes'].get(kind, 0) for one in report['textures']))}")
     fitted = sum(one["fitted"] for one in report["materials"])
-    return (f"{megabytes(report['bytes_before'])} before, {megabytes(report['bytes_after'])} after. Fitted materials: "
-            f"{fitted} of {len(report['materials'])}; sets of textures: {len(report['textures'])}; {', '.join(texts)}.")
+    before, after = (megabytes(report[key]) for key in ("bytes_before", "bytes_after"))
+    return (f"The model has {before} before and {after} after the conversion. "
+            f"Fitted materials: {fitted} of {len(report['materials'])}; sets of textures: "
+            f"{len(report['textures'])}. {', '.join(texts)}.")

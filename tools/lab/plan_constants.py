@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The constants of host/bakes/scene/bake_cost.cpp, measured: bakes of the four-quarter map in two sizes
-with a few settings, whose stages are solved for nanoseconds a texel and for what does not grow. Prints them as C++.
+"""Measures the constants of host/bakes/scene/bake_cost.cpp and prints them as C++.
 
     tools/lab/plan_constants.py --multum build/release/bin/multum [--sizes 512 2048] [--repeat 3]
+
+Bakes the four-quarter map in two sizes with a few settings, and divides the time of each stage into nanoseconds per
+texel and a constant part.
 """
 import argparse
 import json
@@ -13,7 +15,7 @@ import tempfile
 
 
 class Bakes:
-    """Times of bakes of maps of two sizes: of each stage and level what grows, in nanoseconds a texel, and the rest."""
+    """Times of bakes of maps in two sizes: nanoseconds per texel of each stage and level, and the constant rest."""
 
     def __init__(self, multum, folder, sizes, repeat):
         self.multum, self.folder, self.sizes, self.repeat = multum, folder, sizes, repeat
@@ -22,7 +24,7 @@ class Bakes:
                            capture_output=True)
 
     def one(self, size, options):
-        """Seconds by stage, "level N" among them: the least of some runs, since other work only adds."""
+        """Returns seconds by stage and by "level N": the lowest of some runs, since other work only adds time."""
         path = os.path.join(self.folder, f"q{size}")
         least = {}
         for _ in range(self.repeat):
@@ -47,7 +49,7 @@ class Bakes:
 
 
 def line(low, high):
-    """Constant and slope through (2 lobes, low) and (4 lobes, high), neither below 0."""
+    """Returns constant and slope of the line through (2 lobes, low) and (4 lobes, high), neither below 0."""
     slope = max(0.0, (high - low) / 2.0)
     return max(0.0, high - 4.0 * slope), slope
 
@@ -57,7 +59,7 @@ def level_sum(times, levels):
 
 
 def measure(bakes):
-    """Of the constants, by name. What of fitting is in no level - binning - is shared out with the coarse ones."""
+    """Returns the constants by name. Binning belongs to no level; its time is added to the coarse levels."""
     two, _ = bakes.run("--lobes", "2")
     four, fixed = bakes.run("--lobes", "4")
     coloured, _ = bakes.run("--lobes", "4", "--albedo", "@_albedo.png")
@@ -71,7 +73,7 @@ def measure(bakes):
     found["kFitCoarse"] = max(0.0, four["fit"] - level_sum(four, range(1, 6)))
     found["kColourFactor"] = max(0.0, coloured["fit"] / four["fit"] - 1.0)
     found["kWriteTexture"] = four["write"] / (4.0 * 4.0 / 3.0)  # lobes, levels
-    # Lambert is a third of an exponent; of a bake there are one and three.
+    # Lambert costs a third of an exponent; a bake measures one Lambert and three exponents.
     found["kMeasureExponent"] = four["measure"] / (3.0 + 1.0 / 3.0)
     found["kMeasureLambert"] = found["kMeasureExponent"] / 3.0
     found["kFixedMs"] = fixed

@@ -1,20 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/PLAYBACK.md: the size and error of packed animations beside those of video codecs, and what
-they take.
+"""Makes docs/evidence/PLAYBACK.md: size, error and costs of packed animations, compared with video codecs.
 
-    tools/lab/playback_document.py FIELD... --work DIR --rows docs/evidence/playback_rows.json -o
-    docs/evidence/PLAYBACK.md [--bin DIR]
-        [--parts PART...] [--again PART...] [--measure-nothing]
+    tools/lab/playback_document.py FIELD... --work DIR --rows docs/evidence/playback_rows.json
+        -o docs/evidence/PLAYBACK.md [--bin DIR] [--parts PART...] [--again PART...] [--measure-nothing]
 
-FIELD is a folder of ray-traced frames that `multum animation` understands (docs/reference/animation_jobs.md); each
-gets a section.
-Where a parameter of it runs over two things at once, --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT tells them apart.
-Textures are inferred once, into DIR; every figure is a row of the file of rows as soon as it is there, with the commit
-that it is of, and is not measured again while it is, unless its part is named by --again: what no change of multum
-reaches, as videos of traced frames, need not be coded anew. --measure-nothing makes the page of the rows alone. Videos
-need Debian's ffmpeg, and
-playing dav1d's library; the browser's figures are left out where there is none.
+FIELD is a folder of ray-traced frames that `multum animation` can read (docs/reference/animation_jobs.md). Each field
+gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT divides a parameter that runs over two things.
+
+Textures are inferred once, into DIR. Every figure becomes a row in the file of rows at once, with its commit. Existing
+rows are not measured again unless --again names their part: videos of traced frames, for example, do not depend on
+multum. --measure-nothing makes the page only from the rows. Videos need Debian's ffmpeg, and playing needs dav1d's
+library. Without a browser, the browser's figures are left out.
 """
 import argparse
 import datetime
@@ -36,22 +33,33 @@ GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are com
 # Name, options of `multum pack`, colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
-# What each part of the encoder brings: its options, as the binary has them.
+# Options that switch off one part of the encoder each. Names are keys of rows.
 CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
               ("plain pyramid over parameters", ("--pyramid", "plain")),
               ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
               ("open loop", ("--loop", "open")), ("no object above 1.25 times the mean", ("--alpha", "1.25")),
               ("blocks of 4 samples a parameter", ("--block", "4")), ("every sample by itself", ("--pyramid", "none")))
-# Changes of the job's `[texture]`, and options of `multum infer`.
+# Changes of the job's `[texture]`, and options of `multum infer`. Names are keys of rows.
 INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolution_scale": 1.5}, ()),
               ("ten times the regularisation", {"pyramid_weight": 1}, ()),
               ("textures of twice the side", {"resolution_scale": 2}, ()),
               ("a tenth of the regularisation", {"pyramid_weight": 0.01}, ()),
               ("solved ten times nearer", {}, ("--tolerance", "1e-4")))
+# Names of rows as the page shows them.
+SHOWN = {"as it is": "defaults", "cosines alone": "only cosines", "wavelets alone": "only wavelets",
+         "the paper's search for levels, no learnt basis": "search for levels as in the paper, no learnt basis",
+         "no object above 1.25 times the mean": "at most 1.25 times the mean error per object",
+         "blocks of 4 samples a parameter": "blocks of 4 samples per parameter",
+         "every sample by itself": "every sample packed separately",
+         "solved ten times nearer": "a tenth of the solver's tolerance"}
+
+
+def shown(name):
+    return SHOWN.get(name, name).replace("each frame by itself", "each frame separately")
 
 
 class Rows:
-    """What was measured: one row for each field, kind and name, written as it comes."""
+    """Keeps measurements: one row per field, kind and name, written at once."""
 
     def __init__(self, path, commit):
         self.path, self.commit = path, commit
@@ -64,11 +72,11 @@ class Rows:
         return [row for row in self.all if (row["field"], row["kind"]) == (field, kind)]
 
     def forget(self, fields, kinds):
-        """What is to be measured again."""
+        """Drops rows that are to be measured again."""
         self.all = [row for row in self.all if row["field"] not in fields or row["kind"] not in kinds]
 
     def measured(self, field, kind, name, measure):
-        """The row that is there, or what `measure` returns."""
+        """Returns the existing row, or adds the result of `measure`."""
         row = self.find(field, kind, name)
         if row is None:
             begin = datetime.datetime.now()
@@ -83,7 +91,7 @@ class Rows:
 
 
 class FieldMeasurement:
-    """One field: its frames, traced and drawn of the inferred textures, and what is measured of it."""
+    """Measures one field: its traced frames, and frames drawn from inferred textures."""
 
     def __init__(self, name, job, inferred, programs, rows, stated):
         """`stated`: the ratios of tables."""
@@ -95,7 +103,7 @@ class FieldMeasurement:
         self.own = programs.drawn_frames(inferred, self.field)
 
     def packed(self, options, inferred=None):
-        """Bytes, errors and costs of what `multum pack` makes with these options; why not, where it refuses them."""
+        """Returns bytes, errors and costs of `multum pack` with these options, or the reason of a refusal."""
         from fields import mse
         unknown = self.programs.unknown_option(options)
         if unknown:
@@ -112,7 +120,7 @@ class FieldMeasurement:
                 "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
 
     def packed_at_main(self, options):
-        """As packed(), at the main ratio; what a curve has of it is not packed again."""
+        """Like packed(), at the main ratio; takes the row of a curve if there is one."""
         curve = next((name for name, theirs, *_ in PACKINGS if theirs == tuple(options)), None)
         row = self.rows.find(self.name, "pack", f"{curve}, {self.main[1]}:1")
         if row:
@@ -129,7 +137,7 @@ class FieldMeasurement:
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
 
     def measure_videos(self, video_codecs, beginnings):
-        """`beginnings`: of the names of the codecs, or None for all."""
+        """`beginnings`: beginnings of names of codecs, or None for all."""
         from fields import mse
         for codec in video_codecs.CODECS:
             if beginnings and not codec.name.startswith(tuple(beginnings)):
@@ -156,7 +164,8 @@ class FieldMeasurement:
                 "threads": threads, **self.packed([*self.main, "--threads", f"{threads}"])})
 
     def measure_dimensions(self, video_codecs, ratios):
-        """The field's first two parameters alone, at the middle of the others, then one more each time."""
+        """Measures the field with only its first two parameters, at the middle of the others, and then with one more
+        each time."""
         from parameter_grid import with_leading_parameters
         names = self.field.parameters
         for kept in range(2, len(names) + 1):
@@ -173,7 +182,8 @@ class FieldMeasurement:
             self.rows.measured(self.name, "dimension", ", ".join(names[:kept]), measure)
 
     def errors_of_growth(self, video_codecs, ratios):
-        """`at`: of each ratio, errors of what is packed, all and beside inferred textures, and of a video."""
+        """Returns `at`: for each ratio, errors of the packed field, in all and against inferred textures, and of a
+        video."""
         from fields import mse
         points = []
         for ratio in ratios:
@@ -184,8 +194,8 @@ class FieldMeasurement:
         return {"own": mse(self.own, self.traced), "at": points}
 
     def stated_errors(self, inferred):
-        """MSE at each stated ratio, and the processor seconds of packing at the main one; of a curve, where it has
-        them."""
+        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; takes rows of
+        a curve if there are any."""
         result = {}
         for ratio in self.stated:
             row = self.rows.find(self.name, "pack", f"{PACKINGS[0][0]}, {ratio:g}:1") if inferred is None else None
@@ -202,13 +212,14 @@ class FieldMeasurement:
         def quality_of(codec):
             known = [row for row in self.rows.of(self.name, "video") if row["curve"] == codec.name]
             if packed is None or not known:
-                sys.exit("playing is compared at equal error: measure curves and video first")
+                sys.exit("playing is compared at equal error, but rows of curves or videos are missing; measure the "
+                         "parts curves and video first")
             return min(known, key=lambda row: abs(math.log(row["mse"] / packed["mse"])))["quality"]
 
         measure_playing(self, video_codecs, quality_of)
 
     def measure_inference(self, keeps, ways):
-        """`keeps`: textures of all ways stay in the work folder. `ways`: the first so many of INFERENCES."""
+        """`keeps`: keep textures of all ways in the work folder. `ways`: only the first ways of INFERENCES."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
@@ -233,7 +244,7 @@ class FieldMeasurement:
 
 
 def with_texture_settings(job, changes):
-    """The text of a job with other values of keys that `[texture]` has."""
+    """Returns the text of a job with other values for existing keys of `[texture]`."""
     head, texture, rest = re.split(r"^(\[texture\]\n(?:(?!\[).*\n)*)", job, maxsplit=1, flags=re.MULTILINE)
     for key, value in changes.items():
         texture, count = re.subn(rf"^{key} = [^\s#]+", f"{key} = {value}", texture, flags=re.MULTILINE)
@@ -243,8 +254,8 @@ def with_texture_settings(job, changes):
 
 
 def prepared(folder, work, programs, rows, split):
-    """Makes the job and infers the textures, where that was not done. Name, job, folder of textures. `split`: a
-    parameter that is several, and these, as with_split_parameter has them; or None."""
+    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split`: a
+    parameter to divide and its parts, as for with_split_parameter(), or None."""
     from fields import Field, mse
     from parameter_grid import with_split_parameter
     name = folder.name
@@ -292,12 +303,14 @@ def number(value, digits=1):
 
 def field_words(row):
     counts = " x ".join(f"{count} of {name}" for count, name in zip(row["counts"], row["parameters"]))
-    return (f"{counts}, {row['width']} x {row['height']} pixels; {', '.join(row['objects'])}. "
-            f"Raw 24-bit frames: {row['raw_bytes']:,} bytes.")
+    return (f"The field has {math.prod(row['counts'])} samples ({counts}) of {row['width']} x {row['height']} pixels. "
+            f"Its "
+            "objects are "
+            f"{', '.join(row['objects'])}. The raw 24-bit frames have {row['raw_bytes']:,} bytes.")
 
 
 def curves_of(rows, name, codec_names):
-    """(name, colour, dash, points) of everything that was measured of a field."""
+    """Returns (name, colour, dash, points) of all measured curves of a field."""
     packs, videos = rows.of(name, "pack"), rows.of(name, "video")
     curves = [(label, colour, dash, curve_points(rows, label, packs)) for label, _, colour, dash in PACKINGS]
     looks = ((1, 0), (1, 1), (2, 0), (2, 1), (3, 0))
@@ -305,8 +318,9 @@ def curves_of(rows, name, codec_names):
 
 
 def at_ratios(rows, name, video_codecs, stated):
-    """The table at the stated ratios, and words on what multum pack reaches beside the leading codec."""
+    """Returns the table at the stated ratios, and a sentence that compares multum pack with the leading codec."""
     from curves import value_at
+    from playing import spoken
     curves = [one for one in curves_of(rows, name, [one.name for one in video_codecs.CODECS]) if one[3]]
     leading = {ratio: value_at(points, ratio) for label, _, _, points in curves if label == video_codecs.LEADING
                for ratio in stated}
@@ -316,36 +330,41 @@ def at_ratios(rows, name, video_codecs, stated):
         for ratio in stated:
             here, best = value_at(points, ratio), leading.get(ratio)
             cells.append(f"{here:.1f} ({here / best:.2f})" if here and best else number(here))
-        lines.append([label, *cells])
+        lines.append([shown(label), *cells])
     head = ["MSE", *[f"{ratio:g}:1" for ratio in stated]]
     words = []
     own = next((points for label, _, _, points in curves if label == PACKINGS[0][0]), [])
     for ratio in stated:
         here, best = value_at(own, ratio), leading.get(ratio)
         if here and best:
-            words.append(f"{ratio:g}:1: {100 * abs(1 - here / best):.0f} % {'less' if here < best else 'more'}")
-    said = f"`multum pack` beside {video_codecs.LEADING}, MSE: {'; '.join(words)}." if words else ""
+            words.append(f"{100 * abs(1 - here / best):.0f} % {'lower' if here < best else 'higher'} at {ratio:g}:1")
+    said = f"MSE of `multum pack` compared with {spoken(video_codecs.LEADING)}: {'; '.join(words)}." if words else ""
     return table(head, lines), said
 
 
 def curves_section(rows, name, video_codecs, stated, pictures):
     from curves import picture
+    from playing import spoken
     curves = curves_of(rows, name, [one.name for one in video_codecs.CODECS])
     if not any(points for *_, points in curves):
         return []
     pictures.mkdir(parents=True, exist_ok=True)
     file = pictures / f"playback_{name}.svg"
-    file.write_text(picture(f"Error over compression ratio of {name}", curves, stated))
+    titled = [(shown(label), *one) for label, *one in curves]
+    file.write_text(picture(f"Error over compression of {name}", titled, stated))
     at_stated, said = at_ratios(rows, name, video_codecs, stated)
-    points = [[row["name"], f"{row['bytes']:,}", f"{row['ratio']:.1f}", f"{row['mse']:.2f}",
+    points = [[shown(row["name"]), f"{row['bytes']:,}", f"{row['ratio']:.1f}", f"{row['mse']:.2f}",
                number(row.get("mse_beside_inferred"), 2)]
               for row in sorted(rows.of(name, "pack") + rows.of(name, "video"),
                                 key=lambda row: (row["kind"], row["curve"], row.get("ratio", 0)))
               if "refused" not in row]
-    return [f"![MSE over compression ratio](images/{file.name})", at_stated,
-            f"In brackets: over {video_codecs.LEADING}. \"-\": the curve does not reach so far. " + said,
-            "<details><summary>Every point of the curves</summary>\n\n" +
-            table(["what", "bytes", "ratio", "MSE", "MSE beside inferred textures"], points) + "\n\n</details>"]
+    return [f"![MSE over compression](images/{file.name})", at_stated,
+            f"Brackets have the ratio to {spoken(video_codecs.LEADING)}. \"-\" means that the curve does not reach "
+            f"this "
+            "compression. " + said,
+            "<details><summary>All points of the curves</summary>\n\n" +
+            table(["encoder", "bytes", "compression", "MSE", "MSE against inferred textures"], points) +
+            "\n\n</details>"]
 
 
 def coder_section(rows, name, main):
@@ -354,13 +373,14 @@ def coder_section(rows, name, main):
     if not done:
         return []
     base = done[0][1]["mse"]
-    lines = [[label, f"`{row['options']}`" if row["options"] else "", f"{row['ratio']:.1f}", f"{row['mse']:.1f}",
+    lines = [[shown(label), f"`{row['options']}`" if row["options"] else "", f"{row['ratio']:.1f}", f"{row['mse']:.1f}",
               f"{row['mse'] / base:.2f}", f"{row['mse_beside_inferred']:.1f}", f"{row['processor_seconds']:.0f}"]
              for label, row in done]
-    left_out = [f"{label} ({found[label]['refused']})" for label, _ in CODER_SETS
+    left_out = [f"{shown(label)} ({found[label]['refused']})" for label, _ in CODER_SETS
                 if label in found and "refused" in found[label]]
-    return [f"### What each part of the coder brings, at {main:g}:1",
-            table(["", "options", "ratio", "MSE", "over the first", "MSE beside inferred textures", "processor, s"],
+    return [f"### Effect of each part of the coder, at {main:g}:1",
+            table(["", "options", "compression", "MSE", "MSE / MSE of defaults", "MSE against inferred textures",
+                   "processor, s"],
                   lines), *([f"Left out: {'; '.join(left_out)}."] if left_out else [])]
 
 
@@ -369,20 +389,22 @@ def inference_section(rows, name, stated):
     if not found:
         return []
     parts = [f"### Where the error of inference lies",
-             "Frames drawn of the inferred textures, nothing coded, beside the traced ones. Silhouette: pixels with "
-             "another object beside them. Parts are of the MSE of all pixels."]
+             "Frames are drawn from the inferred textures, without coding, and compared with the traced frames. "
+             "*Silhouettes* are pixels that have another object next to them. *Part* is the contribution to the MSE "
+             "of all "
+             "pixels."]
     keys = [(one["object"], one["place"]) for one in found[0]["places"]]
     lines = []
     for row in found:
         places = {(one["object"], one["place"]): one for one in row["places"]}
         silhouette = sum(one["part"] for one in row["places"] if one["place"] == "silhouette")
-        lines.append([row["name"], f"{row['own']:.2f}", f"{silhouette:.2f}", f"{row['own'] - silhouette:.2f}",
+        lines.append([shown(row["name"]), f"{row['own']:.2f}", f"{silhouette:.2f}", f"{row['own'] - silhouette:.2f}",
                       *[number(row.get(f"mse_{ratio:g}")) for ratio in stated], f"{row['infer_seconds']:.0f}",
                       number(row.get("pack_seconds"), 0)])
     main = stated[len(stated) // 2]
-    parts.append(table(["inferred", "MSE", "part of silhouettes", "part of interiors",
+    parts.append(table(["textures", "MSE", "part of silhouettes", "part of interiors",
                         *[f"MSE at {ratio:g}:1" for ratio in stated], "inference, processor s",
-                        f"packing at {main:g}:1"], lines))
+                        f"packing at {main:g}:1, processor s"], lines))
     lines = []
     for key in keys:
         cells = []
@@ -391,7 +413,7 @@ def inference_section(rows, name, stated):
             cells.append(f"{one['mse']:.1f} ({one['part']:.2f})" if one else "-")
         share = next(p["pixels"] for p in found[0]["places"] if (p["object"], p["place"]) == key)
         lines.append([f"{key[0] or 'nothing'}, {key[1]}", f"{100 * share:.1f}", *cells])
-    parts.append(table(["MSE there (part of all)", "% of pixels", *[row["name"] for row in found]], lines))
+    parts.append(table(["MSE of the pixels (part)", "% of pixels", *[shown(row["name"]) for row in found]], lines))
     return parts
 
 
@@ -403,16 +425,17 @@ def costs_section(rows, name, main):
     samples = math.prod(field["counts"])
     line = lambda what, row: [what, f"{row['seconds']:.0f}", f"{row['processor_seconds']:.0f}",
                               f"{row['processor_seconds'] / samples:.2f}", f"{row['memory_bytes'] / 2 ** 20:.0f}"]
-    return ["### What it takes",
-            table(["", "seconds", "processor, s", "processor, s a sample", "memory, MiB"],
-                  [line("`multum infer`, no frames, no comparison", field),
+    return ["### Time and memory",
+            table(["", "seconds", "processor, s", "processor, s per sample", "memory, MiB"],
+                  [line("`multum infer` without frames and comparison", field),
                    *[line(f"`multum pack --ratio {main:g} --threads {row['threads']}`", row) for row in found]]),
-            f"Packing takes {found[-1]['processor_seconds'] / field['processor_seconds']:.2f} of the processor seconds "
-            "of inference. Seconds are of a machine that may have done other work beside; memory is the most that one "
-            "process held."]
+            f"Packing takes {found[-1]['processor_seconds'] / field['processor_seconds']:.2f} times the processor "
+            f"seconds "
+            "of inference. The machine may have done other work at the same time. Memory is the peak of one process."]
 
 
 def dimensions_section(rows, name, leading):
+    from playing import spoken
     found = rows.of(name, "dimension")
     if len(found) < 2:
         return []
@@ -423,46 +446,58 @@ def dimensions_section(rows, name, leading):
         lines.append([row["name"], math.prod(row["counts"]), f"{row['raw_bytes']:,}", number(row["own"]), *cells])
     head = ["parameters", "samples", "raw bytes", "MSE of inferred textures"]
     for at in found[0]["at"]:
-        head += [f"MSE at {at['ratio']:g}:1", "beside inferred textures", leading]
+        head += [f"MSE at {at['ratio']:g}:1", "against inferred textures", leading]
     before, after = found[-2]["at"][-1], found[-1]["at"][-1]
     words = ""
     if after["beside"] and before["beside"]:
-        words = (f" With `{found[-1]['name'].split(', ')[-1]}` as one parameter more, what packing adds at "
-                 f"{after['ratio']:g}:1 is {after['beside'] / before['beside']:.2f} times as much, and the error of "
-                 f"{leading} {after['video'] / before['video']:.2f} times.")
-    return ["### What another parameter costs",
+        words = (f" With `{found[-1]['name'].split(', ')[-1]}` as one more parameter, packing at {after['ratio']:g}:1 "
+                 f"adds "
+                 f"{after['beside'] / before['beside']:.2f} times as much error, and the error of {spoken(leading)} is "
+                 f"{after['video'] / before['video']:.2f} times as high.")
+    return ["### Cost of another parameter",
             table(head, lines),
-            "The first parameters alone are at the middle samples of the others. At one ratio a field of more samples "
-            "has as many times the bytes." + words]
+            "The rows with fewer parameters use the middle sample of the other parameters. At the same compression, a "
+            "field with more samples has proportionally more bytes." + words]
 
 
 def document(rows, names, video_codecs, stated, machine, pictures):
     from playing import playing_section
     main = stated[len(stated) // 2]
-    parts = ["# Packed animations beside video codecs",
+    parts = ["# Packed animations compared with video codecs",
+             "This page shows the error and the size of packed fields next to video codecs, and how fast they play.",
              f"Generated by `tools/lab/playback_document.py` ({machine}). Do not edit.",
-             "Each field names the commits that it was measured at: what no change since has reached is not measured "
-             "again.",
-             "Fields of ray-traced frames over some parameters ([ANIMATION](ANIMATION.md)): their textures inferred by "
-             "`multum infer`, packed by `multum pack`, unpacked and drawn by `multum-view sample`. MSE: mean squared "
-             "error of red, green and blue in 8-bit values at gamma 2.2, over all pixels of all samples, silhouettes "
-             "included, beside the traced frames. A ratio is that of raw 24-bit frames to all that is stored but the "
-             "scene's geometry, whose bytes each section names.",
-             "Videos are of the traced frames, the last parameter fastest, to and fro, so that neighbours differ by "
-             "one step of one parameter; AV1 by `libaom-av1 -cpu-used 4`, x265 by `-preset slow`, both at constant "
-             "quality, BT.709 4:4:4, 10 bit, full range; AVIF is its coding of each frame by itself, `-usage "
-             "allintra`. Bytes are of the stream, without container. With a key frame every 64 a random sample costs "
-             "up to 64 decoded frames; a chunk of `multum pack` is read by itself. Between measured points values are "
-             "taken from a line in logarithms of ratio and MSE."]
+             "Each field names the commits at which it was measured. Rows are not measured again if no later change "
+             "affects them.",
+             "A field consists of ray-traced frames over some parameters "
+             "([animation jobs](../reference/animation_jobs.md)). `multum infer` infers textures from the frames, "
+             "`multum "
+             "pack` packs the textures, and `multum-view sample` unpacks and draws them.",
+             "- *MSE*: mean squared error of red, green and blue in 8-bit values at gamma 2.2, against the traced "
+             "frames, "
+             "over all pixels of all samples, with silhouettes.\n"
+             "- *Compression*: bytes of the raw 24-bit frames, divided by all stored bytes except for the scene's "
+             "geometry. "
+             "Each section states the bytes of its geometry.\n"
+             "- Order of videos: the traced frames, with the last parameter fastest, forwards and backwards, so that "
+             "neighbouring frames differ by one step of one parameter.\n"
+             "- Codecs: AV1 is `libaom-av1 -cpu-used 4`, x265 has `-preset slow`; both have constant quality, BT.709 "
+             "4:4:4, "
+             "10 bit, full range. AVIF codes each frame separately, with `-usage allintra`. Bytes are bytes of the "
+             "stream, "
+             "without container.\n"
+             "- Access: with a key frame every 64 frames, a random sample needs up to 64 decoded frames. A chunk of "
+             "`multum pack` is read independently.\n"
+             "- Values between measured points are on a line in the logarithms of compression and MSE."]
     for name in names:
         row = rows.find(name, "field", "inferred")
         if row is None:
             continue
         commits = ", ".join(sorted({one["commit"].removeprefix("commit ") for one in rows.all if one["field"] == name}))
         parts += [f"## {name}", f"{field_words(row)} Measured at {commits}.",
-                  f"Not counted, and needed beside every packed file: the geometry, `{row['geometry']}`, "
-                  f"{row['geometry_bytes']:,} bytes, {row['geometry_deflated_bytes']:,} deflated. Frames drawn of the "
-                  f"inferred textures, nothing packed, have an MSE of {row['own']:.1f}.",
+                  f"Every packed file also needs the geometry, which does not count: `{row['geometry']}`, "
+                  f"{row['geometry_bytes']:,} bytes, {row['geometry_deflated_bytes']:,} deflated. Frames drawn from "
+                  f"the "
+                  f"inferred textures, without packing, have an MSE of {row['own']:.1f}.",
                   *curves_section(rows, name, video_codecs, stated, pictures), *coder_section(rows, name, main),
                   *inference_section(rows, name, stated), *costs_section(rows, name, main),
                   *dimensions_section(rows, name, video_codecs.LEADING),
@@ -471,7 +506,7 @@ def document(rows, names, video_codecs, stated, machine, pictures):
 
 
 def split_parameter(parser, text):
-    """("PARAMETER", [("NAME", COUNT), ...]) of PARAMETER=NAME:COUNT,..."""
+    """Parses PARAMETER=NAME:COUNT,... to ("PARAMETER", [("NAME", COUNT), ...])."""
     found = re.fullmatch(r"(\w+)=(\w+:[1-9]\d*(?:,\w+:[1-9]\d*)+)", text)
     if not found:
         parser.error(f"--split: '{text}' is not PARAMETER=NAME:COUNT,NAME:COUNT")
@@ -484,23 +519,25 @@ def arguments():
     parser.add_argument("fields", nargs="+", type=pathlib.Path, metavar="FIELD")
     parser.add_argument("--bin", default="build/release/bin", type=pathlib.Path, help="folder of multum, multum-view")
     parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of textures and packed files")
-    parser.add_argument("--rows", type=pathlib.Path, help="file of what was measured (default: WORK/rows.json)")
-    parser.add_argument("--parts", nargs="+", default=[*PARTS], choices=PARTS, help="what is measured (default: all)")
-    parser.add_argument("--again", nargs="+", default=[], choices=PARTS, help="parts whose rows are measured again")
+    parser.add_argument("--rows", type=pathlib.Path, help="file of measurements (default: WORK/rows.json)")
+    parser.add_argument("--parts", nargs="+", default=[*PARTS], choices=PARTS, help="parts to measure (default: all)")
+    parser.add_argument("--again", nargs="+", default=[], choices=PARTS, help="parts to measure again")
     parser.add_argument("--split", nargs=2, action="append", default=[], metavar=("FIELD", "PARAMETER=NAME:COUNT,..."),
-                        help="a field's parameter that is several, the last of which runs fastest")
+                        help="divide a field's parameter; the last part is fastest")
     parser.add_argument("--ratios", nargs="+", type=float, default=[48, 96, 192, 384, 768, 1000],
-                        help="of the curves of multum pack")
-    parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"), help="of the curves of multum pack")
-    parser.add_argument("--videos", nargs="+", help="codecs by their names' beginnings, as 'AV1' (default: all)")
+                        help="ratios of the curves of multum pack")
+    parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"),
+                        help="coders of the curves of multum pack")
+    parser.add_argument("--videos", nargs="+",
+                        help="codecs by the beginning of their names, such as 'AV1' (default: all)")
     parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
                         help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
     parser.add_argument("--growth", nargs="+", type=float, default=GROWTH_RATIOS,
-                        help="ratios at which more and more parameters are compared (default: 96 192)")
-    parser.add_argument("--measure-nothing", action="store_true", help="make the page of the rows that are there")
-    parser.add_argument("--context", default="auto", help="GL that draws: auto, egl, osmesa")
+                        help="ratios at which numbers of parameters are compared (default: 96 192)")
+    parser.add_argument("--measure-nothing", action="store_true", help="make the page only from existing rows")
+    parser.add_argument("--context", default="auto", help="GL context: auto, egl, osmesa")
     parser.add_argument("--inferences", type=int, default=len(INFERENCES),
-                        help="ways to infer that are compared, the first so many")
+                        help="number of ways to infer, from the first on")
     parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     committed_tree.add_option(parser)

@@ -273,7 +273,7 @@ def texel_bytes(figures, _root):
 
 def whole_bakes(root):
     """Seconds and MiB of memory of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the number of cores."""
-    title = "A whole bake against maketx, 4096 x 4096"
+    title = "A whole bake compared with maketx, 4096 x 4096"
     section = row_of(root, "BENCHMARKS.md", rf"(?s)^## {title}\n(.*?)(?=^## |\Z)")
     programs = [re.search(rf"^\| {name} +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)", section, re.MULTILINE)
                 for name in ("multum bake", "maketx")]
@@ -285,8 +285,8 @@ def whole_bakes(root):
 
 
 def bake_costs(_figures, root):
-    gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096, from file to file: ([\d.]+) s, on the "
-                                        r"processor ([\d.]+) s;")
+    gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096 texels, from file to file: ([\d.]+) s with "
+                                        r"the GPU, ([\d.]+) s on the processor\.")
     device, count = row_of(root, "GPU.md", r"^(NVIDIA [^;]+?);.*?, (\d+) cores")
     ((seconds, mib), (other_seconds, other_mib)), few = whole_bakes(root)
     return (f"A whole bake of a 4096 x 4096 map takes {gpu} s with an {device} and {cores} s on the {count} cores of\n"

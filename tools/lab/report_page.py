@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the pages of tools/demo and tools/lab/reproduce share: style, tables, charts, the machine's description."""
+"""Common parts of the pages of tools/demo and tools/lab/reproduce: style, tables, charts, the machine's description."""
 import html
 import math
 import os
@@ -56,7 +56,7 @@ def percent(value):
 
 
 def table(head, rows):
-    """Rows are lists of cells; a cell is text, or (text, class)."""
+    """Makes an HTML table. Rows are lists of cells; a cell is text, or (text, class)."""
     def cell(one):
         content, kind = one if isinstance(one, tuple) else (one, "")
         return f'<td class="{kind}">{text(content)}</td>' if kind else f"<td>{text(content)}</td>"
@@ -71,13 +71,14 @@ def key(names):
 
 
 def nice_step(top):
-    """The 1, 2 or 5 times a power of ten that gives four to ten grid lines up to `top`."""
+    """Returns 1, 2 or 5 times a power of ten, so that there are four to ten grid lines up to `top`."""
     power = 10.0 ** math.floor(math.log10(top / 4)) if top > 0 else 1.0
     return next(power * m for m in (1, 2, 5, 10) if top / (power * m) <= 6)
 
 
 def chart(title, unit, labels, series, bars=False, axis="level"):
-    """An SVG of series (name, values by label; None where there is none) over labels of `axis`: lines, or bars."""
+    """Draws an SVG of lines or bars. Series are (name, values by label, with None for missing values) over labels of
+    `axis`."""
     width, height, left, right, top, bottom = 480, 250, 46, 8, 22, 36
     peak = max([v for _, values in series for v in values if v is not None] + [1e-6])
     step = nice_step(peak)
@@ -111,7 +112,7 @@ def chart(title, unit, labels, series, bars=False, axis="level"):
 
 
 def first_value(path, key):
-    """Of the first line "KEY=VALUE" or "KEY : VALUE"; empty where there is none."""
+    """Returns the value of the first line "KEY=VALUE" or "KEY : VALUE"; empty if there is none."""
     try:
         lines = pathlib.Path(path).read_text(errors="replace").splitlines()
     except OSError:
@@ -121,7 +122,7 @@ def first_value(path, key):
 
 
 def machine_rows(devices, contexts, versions):
-    """What a page's figures were measured on: (what, its name)."""
+    """Describes the machine and the software of a page's figures: (what, its name)."""
     commit = f"commit {committed_tree.commit_of()}"  # behind which -dirty stands where sources are not committed
     rows = [["processor", first_value("/proc/cpuinfo", "model name") or platform.machine()],
             ["logical cores", len(os.sched_getaffinity(0))],
@@ -138,4 +139,4 @@ def machine(devices, contexts, versions):
 
 
 def machine_words(devices, contexts, versions):
-    return "; ".join(f"{what}: {name}" for what, name in machine_rows(devices, contexts, versions)) + "."
+    return "; ".join(f"{what} {name}" for what, name in machine_rows(devices, contexts, versions)) + "."

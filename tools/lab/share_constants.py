@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Processor times of the shares of a map beside what `multum plan --shards N` predicts by the constants of
-host/bakes/scene/share_cost.cpp.
+"""Compares processor times of the shares of a map with the prediction of `multum plan --shards N`, which uses the
+constants of host/bakes/scene/share_cost.cpp.
 
     tools/lab/share_constants.py --multum build/release/bin/multum  # a table of settings and counts
     tools/lab/share_constants.py --multum build/release/bin/multum --check --size 1024
-                                                                           # exit code 1: off by over a third
+                                                                    # exit code 1: an error of over a third
 
-What other machines are faster or slower by is no error of the model: --check compares each part's share of the whole.
+The speed of a machine is not an error of the model, so --check compares each part's share of the whole.
 """
 import argparse
 import json
@@ -35,7 +35,8 @@ class Shares:
         return [self.path + "_normal.png", "--quiet", *(option.replace("@", self.path) for option in options)]
 
     def seconds(self, *options):
-        """Processor time of a bake and its children: the least of some runs, since other work only adds."""
+        """Returns the processor time of a bake and its children: the lowest of some runs, since other work only adds
+        time."""
         least = float("inf")
         for _ in range(self.repeat):
             words = [self.multum, "bake", *self.words(options), "-o", self.path + ".ndf.exr", "--force"]
@@ -43,14 +44,14 @@ class Shares:
         return least
 
     def merge_seconds(self, count, *options):
-        """Merging takes the shares away: once."""
+        """Times a merge once, because it removes the shares."""
         repeat, self.repeat = self.repeat, 1
         seconds = self.seconds(*options, "--merge", str(count))
         self.repeat = repeat
         return seconds
 
     def measured(self, count, options):
-        """Of one process, share 0, the band with the most rows around it, and the merge."""
+        """Measures one process, share 0, the band with the most rows around it, and the merge."""
         whole = self.seconds(*options)
         times = [self.seconds(*options, "--shard", f"{i}/{count}") for i in range(count + 1)]
         return [whole, times[0], max(times[1:]), self.merge_seconds(count, *options)]
@@ -66,7 +67,7 @@ PARTS = ("one process", "share 0", "band", "merge")
 
 
 def check(shares, counts):
-    """Whether all parts are within the bound."""
+    """Tests whether all parts are within the bound."""
     is_within = True
     for count in counts:
         measured, predicted = shares.measured(count, SETTINGS[0]), shares.predicted(count, SETTINGS[0])
@@ -80,7 +81,7 @@ def check(shares, counts):
 
 
 def table(shares, counts):
-    """All settings: measured and predicted."""
+    """Prints all settings, measured and predicted."""
     for options in SETTINGS:
         for count in counts:
             measured, predicted = shares.measured(count, options), shares.predicted(count, options)
@@ -101,7 +102,7 @@ def main():
         if not options.check:
             table(shares, options.counts)
         elif not check(shares, options.counts):
-            sys.exit(f"a part is off by more than {ALLOWED:.2f}")
+            sys.exit(f"the error of a part is above {ALLOWED:.2f}")
 
 
 if __name__ == "__main__":

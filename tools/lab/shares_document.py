@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/SHARES.md: what one map takes in shares, beside one bake of it and beside what `multum plan`
-predicts.
+"""Makes docs/evidence/SHARES.md: costs of baking one map in shares, compared with one whole bake and with the
+prediction of `multum plan`.
 
     tools/lab/shares_document.py --multum build/release/bin/multum --folder FOLDER -o docs/evidence/SHARES.md
 
-FOLDER is on the disk that is measured; some 8 GB are needed there for a map of 16384 x 16384, and half an hour of two
-cores, which should have nothing else to do. Runs that are in the file of --state are not made again; the plan is.
+FOLDER is on the disk to measure. A map of 16384 x 16384 needs about 8 GB there, and half an hour of two cores without
+other work. Runs in the file of --state are not repeated; the plan is.
 """
 
 import argparse
@@ -57,7 +57,8 @@ class Bakes:
         return {**run, "sha256": sha256(self.output)}
 
     def shared(self, processes):
-        """Share 0, then bands so many at a time, then the merge. What a stopped run left is not taken for theirs."""
+        """Bakes share 0, then the bands, `processes` at a time, then the merge. Removes leftovers of an interrupted
+        run first."""
         for old in self.output.parent.glob(self.output.name + "*"):
             old.unlink()
         coarse = self.bake("--shard", f"0/{self.count}")
@@ -81,7 +82,7 @@ def total(run):
 
 
 def whole_seconds(one):
-    """Of a round: the mean of the bakes before and after its shares."""
+    """Returns the mean of the whole bakes before and after the shares of a round."""
     return seconds(one["wholes"]) / len(one["wholes"])
 
 
@@ -95,12 +96,12 @@ def span(values, form):
 
 
 def section(size, rounds, processes, plan):
-    """One size: what was taken, and how parts compare with the plan, each as a part of its own whole."""
+    """Makes the section of one size: costs, and parts compared with the plan, each as a share of its own whole."""
     wholes = [run for one in rounds for run in one["wholes"]]
     hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
     if len(hashes) != 1:
-        sys.exit(f"{size}: shares made another file than one bake: {sorted(hashes)}")
-    rows = [f"| one bake | | | | {span([w['processor_s'] for w in wholes], '{:.1f}')} | | {mib(wholes)} |"]
+        sys.exit(f"{size}: the files of shares and of one whole bake differ: {sorted(hashes)}")
+    rows = [f"| one whole bake | | | | {span([w['processor_s'] for w in wholes], '{:.1f}')} | | {mib(wholes)} |"]
     for count in processes:
         runs = [one[str(count)] for one in rounds]
         ratios = [total(one[str(count)]) / whole_seconds(one) for one in rounds]
@@ -116,21 +117,22 @@ def section(size, rounds, processes, plan):
                  for one in rounds for count in processes for run in one[str(count)][key]]
         off = [want * whole_seconds(one) / run["processor_s"] - 100 for one in rounds
                for count in processes for run, want in zip(one[str(count)][key], asked)]
-        name = "a band" if key == "band" else name
+        name = "one band" if key == "band" else name
         parts.append(f"| {name} | {span(asked, '{:.1f}')} | {span(found, '{:.1f}')} | {span(off, '{:+.0f}')} |")
     return f"""## {size} x {size}
 
-Processor seconds, and MiB of memory of the largest process of each kind{
-    "" if len(rounds) == 1 else f", of {len(rounds)} rounds"}. One bake before all of
-them and one after: what shares take is divided by their mean. The same SHA-256 each time.
+The table has processor seconds, and the memory in MiB of the largest process of each kind{
+    "" if len(rounds) == 1 else f", from {len(rounds)} rounds"}. The map was
+baked whole once before the shares and once after them; *times one bake* divides by the mean of both. All output files
+had the same SHA-256.
 
-| | share 0 | bands, in all | merge | in all | times one bake | MiB |
+| | share 0 | all bands | merge | sum | times one bake | MiB |
 |---|---|---|---|---|---|---|
 {chr(10).join(rows)}
 
-Parts in % of one bake, as `multum plan --shards` has them and as they were measured, and how far the plan is off:
+The next table has the costs of the parts in % of one bake: by `multum plan --shards`, and as measured.
 
-| | plan | measured | off, % of the measured |
+| | plan | measured | error of the plan, % of the measured cost |
 |---|---|---|---|
 {chr(10).join(parts)}
 """
@@ -139,14 +141,17 @@ Parts in % of one bake, as `multum plan --shards` has them and as they were meas
 def page_text(state, count, processes, planned):
     sections = [section(size, found["rounds"], processes, found["plan"])
                 for size, found in sorted(state["sizes"].items(), key=lambda item: int(item[0]))]
-    return f"""# What shares of one map take
+    return f"""# Costs of baking one map in shares
 
-Generated by `tools/lab/shares_document.py`. Do not edit. Measured: {state["source"]},
-on {state["machine"]}; plan: {planned}.
+This page shows processor time and memory of a bake that is divided into shares, next to one whole bake, and compares
+both with the plan.
 
-The four-quarter map of `multum testmap` as PNG, four lobes, defaults, in {count} bands
-([clusters](../how-to/clusters.md), "One large map on many machines"): share 0, then the bands, so many processes at a
-time, then the merge, all on one machine, with all its threads each.
+Generated by `tools/lab/shares_document.py -o docs/evidence/SHARES.md`. Do not edit. Measured: {state["source"]}, on
+{state["machine"]}; plan: {planned}.
+
+The input is the four-quarter map of `multum testmap` as a PNG, baked with defaults in {count} bands
+([clusters](../how-to/clusters.md), "One large map on many machines"). Share 0 was baked first. The bands followed, 1, 2
+or 4 at a time, and then the merge. All processes ran on one machine, and each used all of its threads.
 
 {chr(10).join(sections)}"""
 

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Every run of multum must give the pixels of the first: what is timed is then one piece of work.
+// Checks that every run of multum gives the pixels of the first run, so that all times are for the same work.
 void check_same(std::string& first, const std::string& path) {
   const std::string found = read_movmf_header(path).header.provenance.content_hash;
   if (first.empty()) first = found;
@@ -96,13 +96,16 @@ ResultView view_bake(const Json& result) {
   table.add(row_of(ours.at("name"), ours, kCosts));
   table.add(row_of(theirs.at("name"), theirs, kCosts));
   table.add(row_of("ratio", result.at("ratio"), {"wall", "cpu", "peak", "output"}));
-  return {fmt::format("A whole bake against maketx, {0} x {0}{1}", result.at("size").get<int>(),
+  return {fmt::format("A whole bake compared with maketx, {0} x {0}{1}", result.at("size").get<int>(),
                       result.contains("instructions") ? ", " + result["instructions"].get<std::string>() : ""),
           fmt::format(
-              "The four-quarter map, from a 16-bit PNG to a file that is synced to disk ({}). A: `{}`; B: `{}` "
-              "(OpenImageIO {}). {} pairs A B, after one run of each that does not count; the ratio is that of a "
-              "pair. CPU: user and system. maketx takes the PNG's normals for signed ones: compare its costs, not its "
-              "slopes.",
+              "Both programs read the four-quarter map from a 16-bit PNG and write a file that is synced to disk "
+              "({}). A is "
+              "`{}`. B is `{}` (OpenImageIO {}). After one run of each that does not count, A and B ran in {} pairs, "
+              "and "
+              "each ratio compares the runs of a pair. *CPU* is user and system time. maketx reads the normals of the "
+              "PNG "
+              "as signed numbers, so compare its costs, not its slopes.",
               result.at("file_system").get<std::string>(), ours.at("command").get<std::string>(),
               theirs.at("command").get<std::string>(), theirs.at("version").get<std::string>(),
               result.at("repetitions").get<int>()),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// States what was built, and how: measurements without it cannot be made again. Written anew at each build
+// States what was built and how, so that measurements can be repeated. Every build writes it anew
 // (write_build_info.cmake).
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace multum::bench {
 
-/// The commit, abbreviated; "-dirty" is appended when tracked files but documents differed from it; "unknown" outside a
-/// repository.
+/// The abbreviated commit. "-dirty" is appended if tracked files, except for documents, differed from it. "unknown"
+/// outside a repository.
 std::string built_commit();
 
 std::string compiler_name();  // "GNU 12.2.0, Release"

@@ -25,7 +25,7 @@
 namespace multum::bench {
 namespace {
 
-// One level, ready to be fitted by either program: all texels in one launch.
+// One level, ready for both programs, with all texels in one launch.
 class LevelBench {
  public:
   LevelBench(Device& device, const NormalMap& map, const LevelSchedule& level, const std::vector<MultumVmfLobe>& parent,
@@ -130,7 +130,7 @@ class LevelBench {
     return result_;
   }
 
-  // Mean |difference| of a r and a between the two programs: both did the same work.
+  // Mean |difference| of a r and a between the two programs, to check that both did the same work.
   double mean_difference() {
     const std::vector<MultumVmfLobe>& found = kernel_result();
     const std::size_t texels = found.size() / lobes_;
@@ -163,7 +163,7 @@ class LevelBench {
 
 using Json = nlohmann::ordered_json;
 
-// All cores, half of them or a quarter: where work is little, waking threads costs more than they do.
+// Tries all cores, half and a quarter of them: with little work, waking threads costs more than it saves.
 int fastest_threads(LevelBench& bench, Instructions instructions) {
   int best = core_count();
   double least = 0.0;
@@ -235,9 +235,9 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   Json levels = Json::array();
   ContentHash hash;
   for (const LevelSchedule& level : schedule.levels) {
-    if (level.fit.parent_width == 0) continue;  // the coarsest has no parent: its start is another program
+    if (level.fit.parent_width == 0) continue;  // the coarsest level has no parent, so another program starts it
     progress_advance(progress, 0);              // a chance to cancel
-    // Each level starts from the level above it as the kernels fitted it.
+    // Each level starts from the level above it, as fitted by the kernels.
     LevelBench bench(device, map, level, parent, options);
     levels.push_back(run_level(bench, level.level, options, instructions));
     parent = bench.kernel_result();
@@ -270,7 +270,7 @@ namespace {
 
 std::string threads_text(const Json& result) {
   const int threads = result.at("threads").get<int>();
-  return threads > 0 ? fmt::format("{} threads", threads) : "as many threads as are fastest at each level";
+  return threads > 0 ? fmt::format("{} threads", threads) : "the fastest number of threads for each level";
 }
 
 ResultView view_kernels(const Json& result) {
@@ -279,8 +279,9 @@ ResultView view_kernels(const Json& result) {
     table.add({std::to_string(level.at("level").get<int>()), rounded_text(level.at("kernels_ms").get<double>())});
   table.add({"all", rounded_text(result.at("kernels_ms").get<double>())});
   return {"EM kernels",
-          fmt::format("EM of the four-quarter map, {0} x {0}, {1} lobes, {2} iterations, every level but the coarsest; "
-                      "medians of {3} runs. {4} G lobe evaluations a second.",
+          fmt::format("The benchmark fits the four-quarter map of {0} x {0} texels by EM, with {1} lobes and {2} "
+                      "iterations, on every level except for the coarsest. Times are medians of {3} runs. The kernels "
+                      "computed {4} billion lobe evaluations per second.",
                       result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
                       result.at("repetitions").get<int>(),
                       rounded_text(result.at("evaluations_per_s").get<double>() / 1e9)),
@@ -303,13 +304,15 @@ ResultView view_em(const Json& result) {
   table.add({"all", rounded_text(result.at("kernels_ms").get<double>()),
              rounded_text(result.at("yardstick_ms").get<double>()), rounded_text(result.at("ratio").get<double>()),
              "-"});
-  return {"EM kernels against plain C++",
-          fmt::format("EM of the four-quarter map, {0} x {0}, {1} lobes, {2} iterations, every level but the coarsest; "
-                      "kernels and yardstick (`em_yardstick.cpp`: the same sums in C++ with {6} and OpenMP, "
-                      "{3}) in turns, {4} pairs a level, from the same starts; the ratio is that "
-                      "of a pair, in the last row that of the sums of medians. Mean difference: of amplitudes and "
-                      "first moments; where lobes outnumber normals, rounding picks between equal optima. {5} G lobe "
-                      "evaluations a second.",
+  return {"EM kernels compared with plain C++",
+          fmt::format("The benchmark fits the four-quarter map of {0} x {0} texels by EM, with {1} lobes and {2} "
+                      "iterations, on every level except for the coarsest. The yardstick "
+                      "(`tools/lab/bench/yardsticks/em_yardstick.cpp`) computes the same sums in C++ with {6} and "
+                      "OpenMP, on {3}. Kernels and yardstick ran alternately, in {4} pairs per level, from the same "
+                      "starts. Each ratio compares the two runs of a pair; the last row compares the sums of the "
+                      "medians. *Mean difference* is the difference between the amplitudes and first moments of both. "
+                      "If lobes outnumber normals, rounding chooses between equal optima. The kernels computed {5} "
+                      "billion lobe evaluations per second.",
                       result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
                       threads_text(result), result.at("repetitions").get<int>(),
                       rounded_text(result.at("evaluations_per_s").get<double>() / 1e9),

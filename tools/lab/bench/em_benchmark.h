@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EM kernels against the C++ yardstick, in turns (A B A B ...) on the same samples and starts.
+// Compares the EM kernels with the C++ yardstick, alternately (A B A B ...), on the same samples and starts.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -17,13 +17,13 @@ struct EmBenchmarkOptions {
   int lobes = 6;   // 4, 6 or 8
   int iterations = 10;
   int repetitions = 7;
-  int threads = 2;        // of the yardstick, and of a processor that is the device; 0: of each level the fastest
-  std::string device;     // as Device::open() has it
-  bool yardstick = true;  // false: the kernels alone
-  std::optional<Instructions> instructions;  // of both; nullopt: the widest that the processor has
+  int threads = 2;        // for the yardstick, and for a processor as device; 0: the fastest number per level
+  std::string device;     // as for Device::open()
+  bool yardstick = true;  // false: only the kernels
+  std::optional<Instructions> instructions;  // for both; nullopt: the widest of the processor
 };
 
-/// Milliseconds of both, a level, and their ratio; the sum over levels; the mean difference of results.
+/// Returns milliseconds of both per level, their ratios, the sums over levels, and the mean difference of results.
 nlohmann::ordered_json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress);
 
 ResultView view_em(const nlohmann::ordered_json& result);

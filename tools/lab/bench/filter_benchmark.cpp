@@ -33,7 +33,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr float kPlaneSide = 60.0f;
-constexpr float kMapRepeats = 40.0f;  // of the map across the plane
+constexpr float kMapRepeats = 40.0f;  // repetitions of the map across the plane
 constexpr int kTaps[] = {1, 2, 4, 16};
 constexpr float kBiases[] = {0.0f, -0.25f, -0.5f, -0.79f};
 constexpr int kShadedTaps[] = {2, 4};
@@ -59,7 +59,7 @@ struct FilterSetting {
   int taps;
   float bias;
   bool shades_taps;
-  int evaluations = 0;  // of a pixel's light; 0: by taps
+  int evaluations = 0;  // of light per pixel; 0: by taps
 
   gl::TextureFilter filter() const { return {taps, bias, shades_taps, false, evaluations}; }
   bool flickers() const {
@@ -82,7 +82,7 @@ std::vector<FilterSetting> all_settings() {
   return settings;
 }
 
-// A camera that moves by a part of a pixel to a few pixels each frame: forwards, to the side, and turning.
+// A camera that moves forwards, moves to the side or turns, by a part of a pixel up to a few pixels per frame.
 gl::RenderScene moved_view(const std::string& motion, int frame) {
   gl::RenderScene scene = plane_view();
   const auto t = static_cast<float>(frame);
@@ -109,7 +109,7 @@ struct MapFile {
   std::string name, path;
 };
 
-// As tools/lab/papers/maps.py has it.
+// Finds the same maps as tools/lab/papers/maps.py.
 std::vector<MapFile> find_maps(const FilterBenchmarkOptions& options, const ScratchFolder& folder, Progress* progress) {
   std::vector<MapFile> maps;
   if (options.maps.empty()) {
@@ -126,7 +126,7 @@ std::vector<MapFile> find_maps(const FilterBenchmarkOptions& options, const Scra
   return maps;
 }
 
-// Where the map's statistics leave its green undecided, up is taken.
+// Assumes green up if the map's statistics do not decide.
 MovmfMipmap bake_and_read(const FilterBenchmarkOptions& options, const ScratchFolder& folder, const MapFile& map,
                           int lobe_count, Progress* progress) {
   const std::string file = folder / "lobes.ndf.exr";
@@ -140,7 +140,7 @@ MovmfMipmap bake_and_read(const FilterBenchmarkOptions& options, const ScratchFo
   return mipmap;
 }
 
-// What is drawn of a map, by any filter.
+// A method that draws a map, with any filter.
 struct Method {
   std::string name;
   gl::Material* material;
@@ -210,7 +210,7 @@ class MapStudy {
     result["pictures"] = rows;
   }
 
-  // The least of several: of all threads, so that what other programs do counts little.
+  // Takes the lowest of several times, over all threads, so that other programs hardly count.
   double frame_processor_ms(const Method& method, const gl::RenderScene& scene) {
     double least = 1e30;
     for (int i = 0; i < kTimedRuns; ++i) {
@@ -222,7 +222,7 @@ class MapStudy {
     return least;
   }
 
-  // The mean over neighbours in time of sum |(f' - f) - (t' - t)| / sum t, f a frame and t its reference.
+  // Mean over neighbouring frames of sum |(f' - f) - (t' - t)| / sum t, where f is a frame and t its reference.
   static double flicker_of(const std::vector<gl::FloatImage>& frames, const std::vector<gl::FloatImage>& references) {
     double sum = 0.0;
     for (std::size_t i = 0; i + 1 < frames.size(); ++i) {

@@ -30,14 +30,14 @@ using Json = nlohmann::ordered_json;
 constexpr int kLobesMax = 8;
 constexpr float kAnisotropies[] = {1.0f, 16.0f};
 
-// The picture of `multum-view` untold: the map sixty times across a plane seen at a glancing angle.
+// The default picture of `multum-view`: the map sixty times across a plane at a glancing angle.
 constexpr float kRepeats = 60.0f;
 
 gl::RenderScene plane_scene() {
   gl::RenderScene scene;
   scene.uv_scale = kRepeats;
   scene.brdf.exponent = 100.0f;
-  scene.filter.is_drivers = true;  // whose anisotropy is what is timed
+  scene.filter.is_drivers = true;  // the benchmark times the driver's anisotropy
   return scene;
 }
 
@@ -63,7 +63,7 @@ std::unique_ptr<gl::Material> read_harmonics(const gl::GlFunctions& functions, c
   return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(file), anisotropy);
 }
 
-// Something to draw, with how long it took.
+// A method to draw, and its times.
 struct Subject {
   std::string name;
   float anisotropy;
@@ -119,7 +119,7 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
   return subjects;
 }
 
-// All of one anisotropy, in turns; the first is what the others are compared with.
+// Times all subjects of one anisotropy alternately. Ratios compare with the first subject.
 void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOptions& options,
                           std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
   const gl::Mesh mesh(functions, horizon_plane(kRepeats));
@@ -170,7 +170,7 @@ Json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progr
 }
 
 ResultView view_frames(const Json& result) {
-  MarkdownTable table({"what is drawn", "anisotropy", "textures, MiB", "a frame, ms", "to Toksvig's"});
+  MarkdownTable table({"method", "anisotropy", "textures, MiB", "time per frame, ms", "ratio to Toksvig"});
   for (const Json& row : result.at("rows"))
     table.add({row.at("name").get<std::string>(), fmt::format("{:.0f}", row.at("anisotropy").get<double>()),
                rounded_text(row.at("gpu_bytes").get<double>() / (1 << 20)),
@@ -178,12 +178,14 @@ ResultView view_frames(const Json& result) {
   return {
       "Frames",
       fmt::format(
-          "Pictures of {} x {} of the four-quarter map of {} x {}, all levels, {:.0f} times across a plane "
-          "that runs to the horizon, Blinn-Phong with s = 100, one light. Times by the driver's clock "
-          "(GL_TIME_ELAPSED), {} of each in turns after one that does not count. Averaged normals are drawn from two "
-          "RGBA32F textures, where engines keep a BC5 normal and a BC4 roughness: the memory named is theirs, and "
-          "their "
-          "frames are faster.",
+          "Pictures of {} x {} pixels show the four-quarter map of {} x {} texels with all levels, repeated {:.0f} "
+          "times "
+          "across a plane that runs to the horizon, with Blinn-Phong, s = 100, and one light. Times come from the "
+          "driver's "
+          "clock (GL_TIME_ELAPSED). Each method ran {} times, alternately, after one run that does not count. Averaged "
+          "normals are drawn from two RGBA32F textures. Engines use a BC5 normal and a BC4 roughness instead: the "
+          "table has "
+          "the memory of the engines' textures, and their frames are faster.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
           result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
       table.text()};

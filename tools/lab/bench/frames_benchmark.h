@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times a frame of a baked map, beside the averaged normal map with Toksvig's rule that users have today: lobes,
-// moments and harmonics on a plane that runs to the horizon, with and without anisotropic filtering.
+// Times frames of baked maps as lobes, moments and harmonics, next to averaged normals with Toksvig's rule. The plane
+// runs to the horizon, with and without anisotropic filtering.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,13 +15,13 @@ namespace multum::bench {
 struct FramesBenchmarkOptions {
   int size = 1024;  // map side, even
   int width = 1920, height = 1080;
-  int repetitions = 7;  // of every picture, in turns
+  int repetitions = 7;  // of every picture, alternately
   std::string device;   // that bakes
   gl::ContextBackend context = gl::ContextBackend::kAuto;
-  std::string folder;  // where files go; empty: the system's folder for temporary files
+  std::string folder;  // for files; empty: the system's temporary folder
 };
 
-/// Milliseconds by the driver's clock, texture bytes, and the ratio to Toksvig's frame of the same turn.
+/// Returns milliseconds by the driver's clock, bytes of textures, and the ratio to Toksvig's frame of the same turn.
 nlohmann::ordered_json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progress);
 
 ResultView view_frames(const nlohmann::ordered_json& result);

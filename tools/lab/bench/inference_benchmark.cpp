@@ -23,24 +23,24 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Stacks from one end of the rule to the other: rows of few entries share texels with many others when pictures are
-// stacked, and rows that were averaged have many entries, each beside all others in A^T A.
+// Stacks that differ in their ratio of entries. Rows of few entries share texels with many rows of other stacked
+// pictures. Averaged rows have many entries, and A^T A combines each with all others.
 struct StackShape {
   int views, sub_pixels;
 };
 constexpr StackShape kStacks[] = {{1, 1}, {2, 1}, {4, 1}, {8, 1}, {1, 2}, {2, 2},
                                   {4, 2}, {8, 2}, {1, 3}, {2, 3}, {1, 4}};
-// Of textures that solvers are timed on: what conjugate gradient makes of little-seen texels on its way, many times as
-// much, ends within the bounds, so that both sides do the same. And of those that iterations are counted on.
+// Contrast of the textures for timed solves, and for counted iterations. At the low contrast, conjugate gradient keeps
+// rarely seen texels within the bounds, although it overshoots many times, so both solvers do the same work.
 constexpr double kTimedContrast = 0.02, kCountedContrast = 0.3;
-constexpr int kLaunchesATime = 4;  // of a product, so that the wait at the end counts little
+constexpr int kLaunchesATime = 4;  // per timed product, so that the final wait counts little
 
-// Pictures of one texture, and their matrices one below the other.
+// Pictures of one texture, with their matrices stacked.
 struct Stack {
   std::vector<FilterMatrix> matrices;
   std::vector<InferenceView> views;
   SparseRows rows, columns;
-  std::vector<float> colours, contrasted_colours;  // of textures of both contrasts
+  std::vector<float> colours, contrasted_colours;  // textures of both contrasts
 
   Stack(int texture_side, int view_count, int sub_pixels, int threads) {
     for (int v = 0; v < view_count; ++v)
@@ -90,7 +90,7 @@ std::size_t count_at_bounds(const std::vector<float>& texels) {
       std::count_if(texels.begin(), texels.end(), [](float x) { return x <= 0.0f || x >= 1.0f; }));
 }
 
-// Conjugate gradient of that many iterations, as the yardstick's: no regularisers, one step.
+// Settings for conjugate gradient with this many iterations, like the yardstick: no regularisers, one step.
 InferenceSettings plain_settings(int iterations, InferenceForm form) {
   InferenceSettings settings;
   settings.pyramid_weight = 0.0;
@@ -101,7 +101,7 @@ InferenceSettings plain_settings(int iterations, InferenceForm form) {
   return settings;
 }
 
-// The fastest of the ways, by the better of two solves of a few iterations.
+// Chooses the fastest variant by the better of two solves with a few iterations.
 YardstickWay fastest_way(const Stack& stack, const std::vector<YardstickWay>& ways, const std::vector<float>& start) {
   YardstickWay fastest = ways.front();
   double least = std::numeric_limits<double>::infinity();
@@ -116,7 +116,7 @@ YardstickWay fastest_way(const Stack& stack, const std::vector<YardstickWay>& wa
   return fastest;
 }
 
-// Whole solves, and what each iteration more of them takes.
+// Times of whole solves and of single iterations.
 struct SolveTimes {
   std::vector<double> solve, iteration;
 
@@ -191,7 +191,7 @@ struct Product {
   std::vector<double> ms = {};
 };
 
-// The three products in turns.
+// Times the three products alternately.
 Json run_products(Device& device, const Stack& stack, const SparseRows& normal, int repetitions) {
   std::vector<Product> products;
   const auto add = [&](const char* name, const SparseRows& rows, std::size_t column_count) {
@@ -224,7 +224,7 @@ Json run_products(Device& device, const Stack& stack, const SparseRows& normal, 
   return result;
 }
 
-// Iterations to the solver's own tolerance; null where its limit does not do.
+// Counts iterations to the solver's own tolerance; null if the limit is reached first.
 Json run_convergence(Device& device, const Stack& stack, InferenceForm form, int threads) {
   Json result = Json::array();
   const std::vector<float> zero(3 * stack.texel_count(), 0.0f);

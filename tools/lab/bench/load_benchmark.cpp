@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr StorageEncoding kEncodings[] = {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat};
-// Every one that a file may have; of the levels of zip the fastest, the one that OpenEXR 3.1 takes untold, the last.
+// Every compression of a file. For zip: the fastest level, the default level of OpenEXR 3.1, and the highest.
 constexpr const char* kCompressions[] = {"none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz"};
 
 double seconds_of(const std::function<void()>& body) {
@@ -45,7 +45,9 @@ struct Workplace {
   int threads;
 };
 
-// From the page cache. OpenEXR's pool of threads only grows by itself: without any, calls do their work themselves.
+// Reads from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows; with 0 threads, calls
+// do
+// the work themselves.
 MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& times) {
   Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
   MovmfMipmap mipmap;
@@ -53,7 +55,7 @@ MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& ti
   return mipmap;
 }
 
-// One file once: written and synced, read, handed to GL until GL says that it is done. Returns the checksum of what was
+// Writes and syncs a file, reads it, and uploads it until GL has finished. Returns the checksum of the pixels that were
 // read.
 std::string measure_once(const Workplace& at, const MovmfMipmap& mipmap, const char* compression, FileTimes& times) {
   const BakedWriteOptions options{compression, BakedWriteOptions().tile_size, at.threads};
@@ -68,8 +70,8 @@ std::string measure_once(const Workplace& at, const MovmfMipmap& mipmap, const c
   }));
   const std::string hash = movmf_content_hash(found, at.threads);
   if (hash != found.header.provenance.content_hash)
-    throw Error(ErrorCode::kVerification, fmt::format("{}: checksum of what was read is {}, expected {} as written",
-                                                      at.path, hash, found.header.provenance.content_hash));
+    throw Error(ErrorCode::kVerification, fmt::format("{}: read the checksum {}, expected {} as written", at.path, hash,
+                                                      found.header.provenance.content_hash));
   return hash;
 }
 
@@ -95,7 +97,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
   const ScratchFolder folder(options.folder);
   const MovmfMipmap baked = bake_as_floats(options, folder, progress);
   const Workplace at{*context, folder / "rounded.ndf.exr", threads};
-  FileTimes cold;  // the first file pays for starting threads and for memory that the system has not given yet
+  FileTimes cold;  // the first file pays for starting threads and for new memory
   measure_once(at, baked, kCompressions[0], cold);
   Json files = Json::array();
   ContentHash all;
@@ -143,16 +145,17 @@ ResultView view_load(const Json& result) {
       row.push_back(spread_text(parse_spread(file.at(key))));
     table.add(row);
   }
-  return {
-      "Files: size, writing, reading, upload",
-      fmt::format(
-          "The four-quarter map of {0} x {0}, {1} lobes, all levels. Write: checksum, compression and sync "
-          "to disk ({2}) with {3} threads. Read: to floats, from the page cache, by one thread and by {3}, "
-          "multum-view by all that there are. Upload: converted and handed to GL as textures until GL has finished, as "
-          "multum-view does. Figures of {4} runs, in turns.",
-          result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("file_system").get<std::string>(),
-          threads, result.at("repetitions").get<int>()),
-      table.text()};
+  return {"Files: size, writing, reading, upload",
+          fmt::format(
+              "The file has the four-quarter map of {0} x {0} texels with {1} lobes and all levels. *Write* includes "
+              "checksum, compression and sync to disk ({2}) with {3} threads. *Read* decodes to floats from the page "
+              "cache, with "
+              "one thread and with {3}; multum-view uses all threads. *Upload* converts the data and gives it to GL as "
+              "textures, "
+              "as multum-view does, until GL has finished. All encodings ran alternately, {4} times each.",
+              result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("file_system").get<std::string>(),
+              threads, result.at("repetitions").get<int>()),
+          table.text()};
 }
 
 }  // namespace multum::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times what a runtime waits for: reading a baked file and handing it to GL as multum-view does, for every encoding and
-// compression, beside what each takes on the disk and to write.
+// Times the reading of a baked file and its upload to GL as in multum-view, for every encoding and compression, with
+// sizes on disk and times of writing.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,14 +15,13 @@ namespace multum::bench {
 struct LoadBenchmarkOptions {
   int size = 1024;      // map side, even
   int lobes = 4;        // 1..8
-  int repetitions = 3;  // of every file
-  int threads = 0;      // OpenEXR's, for reading and writing; 0: all cores
+  int repetitions = 3;  // per file
+  int threads = 0;      // of OpenEXR, for reading and writing; 0: all cores
   gl::ContextBackend context = gl::ContextBackend::kOsmesa;
-  std::string folder;  // where files go; empty: the system's folder for temporary files
+  std::string folder;  // for files; empty: the system's temporary folder
 };
 
-/// Bakes once, as floats, and rounds that to each encoding. Throws Error(kVerification) when a file reads back
-/// differently.
+/// Bakes once as floats and rounds to each encoding. Throws Error(kVerification) if a file reads back differently.
 nlohmann::ordered_json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress);
 
 ResultView view_load(const nlohmann::ordered_json& result);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-bench: two programs in one run, in turns, ratios with their spread; and the documents made of such figures.
+// multum-bench: runs two programs alternately and reports ratios with their spread, and writes documents of such
+// figures.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -41,7 +42,7 @@ constexpr int kSizeMin = 16, kSizeMax = 32768;  // of `multum testmap`
 
 const Choices<Instructions> kInstructions = {{"avx2", Instructions::kAvx2}, {"avx512", Instructions::kAvx512}};
 
-// The line that was typed, without the file that the result went to: that says nothing of how it was measured.
+// The command line without the file of the result, which does not affect the measurement.
 std::string command_line(int argc, char** argv) {
   std::vector<std::string> command = {"multum-bench"};
   for (int i = 1; i < argc; ++i) {
@@ -52,7 +53,7 @@ std::string command_line(int argc, char** argv) {
   return command_text(command);
 }
 
-// A subcommand, the file that its result goes to (empty: none), and what runs it once its options are known.
+// A subcommand, the file of its result (empty: none), and the function that runs it with its options.
 struct Benchmark {
   CLI::App* command;
   std::string json;
@@ -70,10 +71,9 @@ CLI::Option* add_side(CLI::App& command, const std::string& option, int& side, c
 
 template <typename Options>
 void add_bake_options(CLI::App& command, Options& options) {
-  command.add_option("--lobes", options.lobes, "lobes a texel")->check(CLI::Range(1, 8))->capture_default_str();
+  command.add_option("--lobes", options.lobes, "lobes per texel")->check(CLI::Range(1, 8))->capture_default_str();
   command.add_option("--threads", options.threads, "threads to use (default: all cores)")->check(CLI::Range(1, 1024));
-  command
-      .add_option("--folder", options.folder, "where maps and results go for the time being (default: $TMPDIR, /tmp)")
+  command.add_option("--folder", options.folder, "folder for temporary maps and results (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
 }
 
@@ -83,20 +83,20 @@ void add_repetitions(CLI::App& command, Options& options, const std::string& hel
 }
 
 Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
-  CLI::App* command = app.add_subcommand("em", "EM kernels against a plain C++ SIMD yardstick");
+  CLI::App* command = app.add_subcommand("em", "compare the EM kernels with plain C++ (SIMD)");
   command->add_option("--size", em.size, "side of the map, a power of two")
       ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048, 4096}))
       ->capture_default_str();
-  command->add_option("--lobes", em.lobes, "lobes a texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
+  command->add_option("--lobes", em.lobes, "lobes per texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
   command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
-  add_repetitions(*command, em, "pairs of runs a level");
-  command->add_option("--threads", em.threads, "0: as many as are fastest, of each level")
+  add_repetitions(*command, em, "pairs of runs per level");
+  command->add_option("--threads", em.threads, "0: the fastest number for each level")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--device", em.device, kDeviceHelp);
   add_choice(*command, "--instructions", em.instructions, kInstructions,
-             "vector instructions of the yardstick, and of kernels on PoCL (default: the widest that there are)");
-  command->add_flag("!--no-yardstick", em.yardstick, "time the kernels alone");
+             "vector instructions of the yardstick, and of kernels on PoCL (default: the widest)");
+  command->add_flag("!--no-yardstick", em.yardstick, "time only the kernels");
   return {command, "", [&em](Progress* progress) {
             if (em.threads > 0) set_pocl_threads(em.threads);
             return run_em_benchmark(em, progress);
@@ -104,12 +104,14 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
 }
 
 Benchmark add_infer(CLI::App& app, InferenceBenchmarkOptions& infer) {
-  CLI::App* command = app.add_subcommand("infer", "texture inference's solver against Eigen's");
+  CLI::App* command = app.add_subcommand("infer", "compare the solver of texture inference with Eigen");
   command->add_option("--size", infer.size, "side of the texture, a power of two")
       ->check(CLI::IsMember({32, 64, 128, 256, 512, 1024, 2048}))
       ->capture_default_str();
-  command->add_option("--views", infer.views, "of the largest stack")->check(CLI::Range(1, 64))->capture_default_str();
-  command->add_option("--iterations", infer.iterations, "of a timed solve")
+  command->add_option("--views", infer.views, "views of the largest stack")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--iterations", infer.iterations, "iterations of a timed solve")
       ->check(CLI::Range(4, 400))
       ->capture_default_str();
   add_repetitions(*command, infer, "pairs of runs");
@@ -122,138 +124,138 @@ Benchmark add_infer(CLI::App& app, InferenceBenchmarkOptions& infer) {
 }
 
 Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
-  CLI::App* command = app.add_subcommand(
-      "bake", "multum bake against maketx --bumpslopes, whole programs: time, processor time, memory");
+  CLI::App* command =
+      app.add_subcommand("bake", "compare multum bake with maketx --bumpslopes: time, processor time, memory");
   add_side(*command, "--size", bake.size, "side of the map");
   add_bake_options(*command, bake);
   add_repetitions(*command, bake, "pairs of runs");
   add_choice(*command, "--instructions", bake.instructions, kInstructions,
-             "vector instructions of multum's kernels on PoCL (default: the widest that there are)");
-  command->add_option("options", bake.bake_options, "behind --: more options of multum bake");
+             "vector instructions of multum's kernels on PoCL (default: the widest)");
+  command->add_option("options", bake.bake_options, "after --: more options of multum bake");
   return {command, "", [&bake](Progress* progress) { return run_bake_benchmark(bake, progress); }};
 }
 
 Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
-  CLI::App* command = app.add_subcommand("scale", "multum bake of maps that double in size, a process each");
+  CLI::App* command = app.add_subcommand("scale", "time multum bake on maps that double in size, one process per map");
   add_side(*command, "--size-min", scale.size_min, "side of the first map");
-  add_side(*command, "--size-max", scale.size_max, "sides double up to this");
+  add_side(*command, "--size-max", scale.size_max, "sides double up to this side");
   add_bake_options(*command, scale);
-  add_repetitions(*command, scale, "runs a size");
-  command->add_option("options", scale.bake_options, "behind --: more options of multum bake");
+  add_repetitions(*command, scale, "runs per size");
+  command->add_option("options", scale.bake_options, "after --: more options of multum bake");
   return {command, "", [&scale](Progress* progress) { return run_scale_benchmark(scale, progress); }};
 }
 
 Benchmark add_load(CLI::App& app, LoadBenchmarkOptions& load) {
-  CLI::App* command =
-      app.add_subcommand("load", "files of every encoding and compression: size, writing, reading, upload to GL");
+  CLI::App* command = app.add_subcommand(
+      "load", "measure files of every encoding and compression: size, writing, reading, upload to GL");
   add_side(*command, "--size", load.size, "side of the map");
   add_bake_options(*command, load);
-  add_repetitions(*command, load, "of every file");
-  add_choice(*command, "--context", load.context, kContextBackends, "who gives the GL context");
+  add_repetitions(*command, load, "runs per file");
+  add_choice(*command, "--context", load.context, kContextBackends, "source of the GL context");
   return {command, "", [&load](Progress* progress) { return run_load_benchmark(load, progress); }};
 }
 
 Benchmark add_frames(CLI::App& app, FramesBenchmarkOptions& frames) {
-  CLI::App* command = app.add_subcommand("frames", "frames of lobes, moments and harmonics beside averaged normals");
+  CLI::App* command =
+      app.add_subcommand("frames", "time frames of lobes, moments and harmonics, next to averaged normals");
   add_side(*command, "--size", frames.size, "side of the map");
   const auto set_picture = [&frames](const std::string& text) {
     const bool is_size = std::sscanf(text.c_str(), "%dx%d", &frames.width, &frames.height) == 2;
     if (!is_size || frames.width < 1 || frames.height < 1 || frames.width > 8192 || frames.height > 8192)
       throw CLI::ValidationError("--picture", "is '" + text + "', expected WIDTHxHEIGHT, 1 to 8192 pixels each");
   };
-  command->add_option_function<std::string>("--picture", set_picture, "its size, pixels (default: 1920x1080)");
-  add_repetitions(*command, frames, "of every picture, in turns");
+  command->add_option_function<std::string>("--picture", set_picture,
+                                            "size of the picture in pixels (default: 1920x1080)");
+  add_repetitions(*command, frames, "runs per picture");
   command->add_option("--device", frames.device, kDeviceHelp);
-  command->add_option("--folder", frames.folder, "where bakes go for the time being (default: $TMPDIR, /tmp)")
+  command->add_option("--folder", frames.folder, "folder for temporary bakes (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
-  add_choice(*command, "--context", frames.context, kContextBackends, "who gives the GL context");
+  add_choice(*command, "--context", frames.context, kContextBackends, "source of the GL context");
   return {command, "", [&frames](Progress* progress) { return run_frames_benchmark(frames, progress); }};
 }
 
 Benchmark add_filters(CLI::App& app, FilterBenchmarkOptions& filters) {
-  CLI::App* command = app.add_subcommand("filters", "errors, flicker and frame times over taps, level bias and lobes");
+  CLI::App* command =
+      app.add_subcommand("filters", "measure errors, flicker and frame times by taps, level bias and lobes");
   command->add_option("--maps", filters.maps, "folder of normal maps (default: the four-quarter map)")
       ->check(CLI::ExistingDirectory);
-  command->add_option("--maps-max", filters.maps_max, "of these, in the order of their names")
+  command->add_option("--maps-max", filters.maps_max, "number of maps, in the order of their names")
       ->check(CLI::Range(1, 100000));
   add_side(*command, "--size", filters.map_size, "side of the four-quarter map");
-  command->add_option("--reference-noise", filters.noise_max, "of reference pictures, relative L1")
+  command->add_option("--reference-noise", filters.noise_max, "noise of reference pictures, relative L1")
       ->check(CLI::Range(1e-4, 1.0))
       ->capture_default_str();
   command->add_option("--device", filters.device, kDeviceHelp);
-  command->add_option("--folder", filters.folder, "where bakes go for the time being (default: $TMPDIR, /tmp)")
+  command->add_option("--folder", filters.folder, "folder for temporary bakes (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
-  add_choice(*command, "--context", filters.context, kContextBackends, "who gives the GL context");
+  add_choice(*command, "--context", filters.context, kContextBackends, "source of the GL context");
   return {command, "", [&filters](Progress* progress) { return run_filter_benchmark(filters, progress); }};
 }
 
 CLI::App* add_on_gpu(CLI::App& app, OnGpuOptions& options, std::string& from) {
-  CLI::App* command = app.add_subcommand(
-      "on-gpu", "measure everything that a GPU does with multum: OUTPUT.json and OUTPUT.md, written after each step");
-  command->add_option("--minutes", options.minutes, "for all steps; what does not fit any more is left out")
+  CLI::App* command =
+      app.add_subcommand("on-gpu", "measure multum on a GPU; write OUTPUT.json and OUTPUT.md after each step");
+  command->add_option("--minutes", options.minutes, "minutes for all steps; steps that do not fit are left out")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
-  command->add_option("-o,--output", options.output, "what the two files are called, without their endings")
-      ->capture_default_str();
+  command->add_option("-o,--output", options.output, "name of the two files, without extension")->capture_default_str();
   command->add_option("--device", options.device, kDeviceHelp);
-  command->add_flag("--any-device", options.any_device, "take a processor, and GL in software, where there is no GPU");
-  command->add_flag("--small", options.small, "small maps and few of them, to try the command itself");
-  command->add_option("--folder", options.folder, "where maps and bakes go for the time being (default: $TMPDIR, /tmp)")
+  command->add_flag("--any-device", options.any_device, "without a GPU, use a processor and GL in software");
+  command->add_flag("--small", options.small, "few and small maps, to try the command");
+  command->add_option("--folder", options.folder, "folder for temporary maps and bakes (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
-  command->add_option("--from", from, "measure nothing: write the page of this OUTPUT.json again, to OUTPUT.md")
+  command->add_option("--from", from, "measure nothing; write the page of this OUTPUT.json again to OUTPUT.md")
       ->check(CLI::ExistingFile);
   return command;
 }
 
 CLI::App* add_coverage(CLI::App& app, CoverageDocumentOptions& coverage) {
-  CLI::App* command = app.add_subcommand("coverage", "make a page of how often intervals of errors hold");
+  CLI::App* command = app.add_subcommand("coverage", "make the page about the coverage of error intervals");
   command->add_option("-o,--output", coverage.output, "Markdown file to write")->required();
   command->add_option("--maps", coverage.maps, "folder of normal maps")->required()->check(CLI::ExistingDirectory);
-  command->add_option("--side", coverage.side, "of larger maps a mosaic this large is baked")
+  command->add_option("--side", coverage.side, "side of the mosaic that replaces larger maps")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   command->add_option("--replicates", coverage.replicates, "choices of footprints")
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();
-  command->add_option("--map-count", coverage.map_count, "of the folder's maps, the first by name; 0: all")
+  command->add_option("--map-count", coverage.map_count, "number of maps, in the order of their names; 0: all")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--commit", coverage.commit, "named in the document")->default_val(built_commit());
+  command->add_option("--commit", coverage.commit, "commit that the document states")->default_val(built_commit());
   command->add_option("--threads", coverage.threads)->check(CLI::Range(1, 256))->capture_default_str();
   return command;
 }
 
 void add_allow_dirty(CLI::App& command, bool& allow_dirty) {
-  command.add_flag("--allow-dirty", allow_dirty,
-                   "make it although it was measured with sources that are not committed: the document says so");
+  command.add_flag("--allow-dirty", allow_dirty, "accept uncommitted sources; the document states them");
 }
 
 CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
-  CLI::App* command = app.add_subcommand("accuracy", "make docs/evidence/ACCURACY.md: every figure of it");
+  CLI::App* command = app.add_subcommand("accuracy", "make docs/evidence/ACCURACY.md");
   command->add_option("-o,--output", accuracy.output, "Markdown file to write")->required();
   command->add_option("--maps", accuracy.maps, "folder of real maps")->check(CLI::ExistingDirectory);
   command->add_option("--brdfs", accuracy.brdfs, "folder of measured BRDFs")->check(CLI::ExistingDirectory);
   command
       ->add_option("--section", accuracy.sections,
-                   "make these alone, and keep the others of a document that is there (default: all)")
+                   "make only these sections, and keep the others of an existing document (default: all)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kSections), std::end(kSections))));
   command->add_option("--size", accuracy.size, "side of the four-quarter map")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
-  command->add_option("--commit", accuracy.commit, "named in the document")->default_val(built_commit());
-  command->add_flag("--quick", accuracy.is_quick,
-                    "sweep few settings of every representation: to see how a page looks");
+  command->add_option("--commit", accuracy.commit, "commit that the document states")->default_val(built_commit());
+  command->add_flag("--quick", accuracy.is_quick, "sweep few settings of every representation, to try the page");
   add_allow_dirty(*command, accuracy.allow_dirty);
   command->add_option("--threads", accuracy.threads)->check(CLI::Range(1, 256))->capture_default_str();
   return command;
 }
 
 CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
-  CLI::App* command = app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md of results: runs nothing");
+  CLI::App* command = app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md from results; runs nothing");
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
   command
       ->add_option("--json", document.results,
-                   "a result of em, bake, scale, load, infer or frames; more than one in this order")
+                   "result of em, bake, scale, load, infer or frames; repeatable, in this order")
       ->required();
   add_allow_dirty(*command, document.allow_dirty);
   return command;
@@ -261,19 +263,18 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
 
 int run_benchmark(const Benchmark& benchmark, const std::string& command) {
   if (!benchmark.json.empty()) check_writable(benchmark.json);
-  const auto progress = make_terminal_progress(false);  // for its Ctrl-C: files that were made go away
+  const auto progress = make_terminal_progress(false);  // handles Ctrl-C and removes files
   const Json result = make_result(benchmark.command->get_name(), command, benchmark.run(progress.get()));
   const ResultView view = view_of(result);
   fmt::print("{}, on {}\n\n{}\n\n{}\nresult hash {}\n", view.title, result.at("device").get<std::string>(), view.method,
              view.table, result.at("result_hash").get<std::string>().substr(0, 16));
   if (!benchmark.json.empty()) write_text_file(benchmark.json, result.dump(2) + "\n");
-  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
+  if (std::fflush(stdout) != 0) throw Error(ErrorCode::kEnvironment, "cannot write standard output");
   return 0;
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("multum-bench: benchmarks that pair multum with a yardstick in one run and report ratios",
-               "multum-bench");
+  CLI::App app("multum-bench: compare multum with other programs in one run, and report ratios", "multum-bench");
   app.require_subcommand(1);
   app.failure_message(usage_error);
   EmBenchmarkOptions em;
@@ -289,7 +290,8 @@ int run(int argc, char** argv) {
                                        add_load(app, load),      add_infer(app, infer), add_frames(app, frames),
                                        add_filters(app, filters)};
   for (Benchmark& benchmark : benchmarks)
-    benchmark.command->add_option("--json", benchmark.json, "write the result here too, for multum-bench document");
+    benchmark.command->add_option("--json", benchmark.json,
+                                  "also write the result to this file, for multum-bench document");
   AccuracyDocumentOptions accuracy;
   BenchmarksDocumentOptions document;
   CoverageDocumentOptions coverage;
@@ -297,8 +299,8 @@ int run(int argc, char** argv) {
   const CLI::App* accuracy_command = add_accuracy(app, accuracy);
   const CLI::App* document_command = add_document(app, document);
   std::string contexts_json;
-  CLI::App* contexts_command = app.add_subcommand("contexts", "list the GL contexts that this machine gives");
-  contexts_command->add_option("--json", contexts_json, "write them to this file, too");
+  CLI::App* contexts_command = app.add_subcommand("contexts", "list the GL contexts of this machine");
+  contexts_command->add_option("--json", contexts_json, "also write them to this file");
   const CLI::App* on_gpu_command = add_on_gpu(app, on_gpu, on_gpu_from);
   prepare_commands(app);
   try {

@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-// Tests that need no other program; of the last but two those that read no sources.
+// Tests that need no other program. Filters leave out cases that read source files.
 constexpr std::pair<const char*, const char*> kTests[] = {{"kernel_test", "*"},
                                                           {"pyramid_test", "*"},
                                                           {"inference_test", "*"},
@@ -44,7 +44,7 @@ constexpr std::pair<const char*, const char*> kTests[] = {{"kernel_test", "*"},
                                                           {"probe_test", "*"},
                                                           {"gl_stability_test", "GlslCases.Hold*"}};
 
-// A step may take so many times what it wants, so that no step takes what the others need.
+// A step may take this many times its estimate, so that it leaves time for other steps.
 constexpr double kPatience = 4.0;
 
 Json read_json(const std::string& path) {
@@ -61,8 +61,9 @@ class OnGpuRun {
         end_(Clock::now() + std::chrono::milliseconds(static_cast<long>(options.minutes * 60000.0))) {
     const DriverSearch drivers = find_drivers();
     name_drivers(drivers, folder_.path());
-    // Nothing is compiled already, and nothing of the user's is written to. A small run, whose times are no figures,
-    // takes what it is given.
+    // Starts with empty caches and does not write to the user's caches. A small run, whose times do not count, uses
+    // existing
+    // caches.
     for (const char* variable : {"MULTUM_CACHE_DIR", "POCL_CACHE_DIR", "CUDA_CACHE_PATH"}) {
       if (options_.small && std::getenv(variable) != nullptr) continue;
       const std::string cache = folder_ / variable;
@@ -115,7 +116,7 @@ class OnGpuRun {
     return json;
   }
 
-  // Runs a program for at most so long; its exit code must be one of those given.
+  // Runs a program for at most this many seconds; its exit code must be one of `expected`.
   ChildResult child(const std::vector<std::string>& command, double seconds, const std::vector<int>& expected = {0}) {
     ChildLimits limits;
     limits.time_max = std::chrono::milliseconds(static_cast<long>(seconds * 1000.0));
@@ -161,7 +162,7 @@ class OnGpuRun {
     write_text_file(options_.output + ".md", page_of_run(result_));
   }
 
-  // By what a child lists, as Device::open() chooses; a driver that crashes ends the child.
+  // Chooses as Device::open() does, from a child's list, so that a driver that crashes only ends the child.
   void choose_device() {
     const std::string listed = folder_ / "devices.json";
     child({neighbouring_program("multum"), "devices", "--json", listed}, 60);
@@ -203,7 +204,7 @@ class OnGpuRun {
     return map;
   }
 
-  // A bake's report, with what the whole process took and the checksum of what it wrote.
+  // Returns a bake's report, with costs of the whole process and the checksum of its output.
   Json bake_once(const std::string& map, const std::string& device, const std::vector<std::string>& more, double left) {
     const std::string output = folder_ / "baked.ndf.exr", report = folder_ / "report.json";
     BakeCommandOptions bake;
@@ -241,7 +242,7 @@ class OnGpuRun {
     return result;
   }
 
-  // Once for what is compiled, once as it is from then on, and once with every launch timed, which costs some of them.
+  // Bakes three times: to compile, to time, and with every launch timed, which costs some of them time.
   Json bake(int size, const std::string& device, double left) {
     const std::string map = map_of(size, left);
     if (size <= 4096) bake_once(map, device, {"--no-measure"}, left);
@@ -253,7 +254,7 @@ class OnGpuRun {
     return result;
   }
 
-  // Beside the yardstick once.
+  // Times the EM kernels, with the yardstick for one device.
   Json em(int size, const std::string& device, bool with_yardstick, double left) {
     std::vector<std::string> command = {"em", "--size", std::to_string(size), "--device", device, "--threads", "0"};
     command.insert(command.end(), {"--repetitions", options_.small ? "1" : size > 2048 ? "2" : "5"});
@@ -285,12 +286,12 @@ class OnGpuRun {
     return read_json(file);
   }
 
-  // The tests' own program says what failed.
+  // Runs a test program, which reports its own failures.
   Json tests(const std::string& name, const std::string& filter, double left) {
     const std::string file = folder_ / "tests.json";
     std::error_code ignored;
     fs::remove(file, ignored);
-    // A machine lent for its GPU often has no OSMesa.
+    // Machines with a GPU often have no OSMesa.
     setenv("MULTUM_TEST_GL", result_.value("is_gpu", false) ? "egl" : "osmesa", 1);
     child({neighbouring_program(name), "--gtest_brief=1", "--gtest_filter=" + (options_.small ? "Numerics*" : filter),
            "--gtest_output=json:" + file},
@@ -310,7 +311,7 @@ class OnGpuRun {
   Progress* progress_;
   const ScratchFolder folder_;
   const Clock::time_point end_;
-  std::vector<std::pair<std::string, std::string>> devices_;  // what a row calls it, and its number
+  std::vector<std::pair<std::string, std::string>> devices_;  // name in a row, and number
   Json result_;
   bool has_broken_ = false;
 };

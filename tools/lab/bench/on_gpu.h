@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures everything that is worth measuring on a machine with a GPU, in minutes and without installing anything: one
-// JSON file and one page, written anew after every step, so that a run that is cut short keeps what it has. Each step
-// is a child process: what a driver cannot do is a line of the table, not the end.
+// Measures a machine with a GPU in minutes, without installing anything. Writes one JSON file and one page anew after
+// every step, so that an interrupted run keeps its results. Each step is a child process, so a failure of a driver is a
+// line of the table and does not end the run.
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@
 namespace multum::bench {
 
 struct OnGpuOptions {
-  double minutes = 8.0;           // all steps together; what does not fit any more is left out
-  std::string output = "on_gpu";  // OUTPUT.json and OUTPUT.md are written
-  std::string device;             // as Device::open() has it; empty: the first GPU
-  bool any_device = false;        // take a processor, and GL in software, where there is no GPU
-  bool small = false;             // maps of 128 and fewer runs, to try the command itself
-  std::string folder;             // where maps and bakes go; empty: the system's folder for temporary files
+  double minutes = 8.0;           // for all steps together; steps that do not fit are left out
+  std::string output = "on_gpu";  // writes OUTPUT.json and OUTPUT.md
+  std::string device;             // as for Device::open(); empty: the first GPU
+  bool any_device = false;        // without a GPU, use a processor and GL in software
+  bool small = false;             // maps of 128 texels and few runs, to try the command
+  std::string folder;             // for maps and bakes; empty: the system's temporary folder
 };
 
-/// Returns the exit code: 0 when every step that was begun ended well, kVerification where a check failed. Throws
-/// Error(kEnvironment) without a GPU, unless any device will do.
+/// Returns the exit code: 0 if all steps that began ended well, kVerification if a check failed. Throws
+/// Error(kEnvironment) without a GPU, unless `any_device` is set.
 int run_on_gpu(const OnGpuOptions& options, const std::string& command, Progress* progress);
 
-/// The page of a file that run_on_gpu() wrote. Throws Error(kInput) that names the file.
+/// Makes the page from a file of run_on_gpu(). Throws Error(kInput) that names the file.
 std::string on_gpu_page(const std::string& json_path);
 
 }  // namespace multum::bench

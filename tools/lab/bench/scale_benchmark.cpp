@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Up to this size a run is short enough for a cold start to show, and each size starts with one that does not count.
+// Up to this size, a cold start would show in the times, so each size starts with a run that does not count.
 constexpr int kWarmUpSizeMax = 2048;
 
 Json run_size(const ScaleBenchmarkOptions& options, int size, const std::string& map, const std::string& baked,
@@ -71,8 +71,8 @@ Json run_scale_benchmark(const ScaleBenchmarkOptions& options, Progress* progres
 }
 
 ResultView view_scale(const Json& result) {
-  MarkdownTable table({"side", "wall, s", "to the size before", "ns a texel", "CPU, s", "peak memory, MiB",
-                       "to the size before", "output, MB"});
+  MarkdownTable table({"side", "wall, s", "ratio to the row above", "ns per texel", "CPU, s", "peak memory, MiB",
+                       "ratio to the row above", "output, MB"});
   const Json* before = nullptr;
   for (const Json& row : result.at("sizes")) {
     table.add({std::to_string(row.at("size").get<int>()), spread_text(parse_spread(row.at("wall_s"))),
@@ -82,9 +82,11 @@ ResultView view_scale(const Json& result) {
     before = &row;
   }
   return {"Whole bakes of growing maps",
-          fmt::format("`{}`, the four-quarter map from a 16-bit PNG to a file that is synced to disk ({}), a process a "
-                      "run; {} runs a size, after one that does not count up to {} x {}. Four times the texels should "
-                      "take four times as long.",
+          fmt::format("`{}` bakes the four-quarter map from a 16-bit PNG to a file that is synced to disk ({}). Each "
+                      "run is "
+                      "a process of its own, with {} runs per size. Sizes up to {} x {} have one more run before, "
+                      "which does "
+                      "not count. Four times as many texels should take four times as long.",
                       result.at("sizes").at(0).at("command").get<std::string>(),
                       result.at("file_system").get<std::string>(), result.at("repetitions").get<int>(), kWarmUpSizeMax,
                       kWarmUpSizeMax),

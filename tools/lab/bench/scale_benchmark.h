@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how `multum bake` grows with the map: sizes that double, a process each.
+// Measures how the costs of `multum bake` grow with the map: sizes double, and each run is a process.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,11 +13,11 @@ namespace multum::bench {
 
 struct ScaleBenchmarkOptions {
   int size_min = 512;                     // map side, even
-  int size_max = 4096;                    // sizes double while they are no larger
+  int size_max = 4096;                    // sizes double up to this size
   int lobes = 4;                          // 1..8
   int repetitions = 3;                    // runs a size
   int threads = 0;                        // 0: all cores
-  std::string folder;                     // where files go; empty: the system's folder for temporary files
+  std::string folder;                     // for files; empty: the system's temporary folder
   std::vector<std::string> bake_options;  // more options of `multum bake`
 };
 

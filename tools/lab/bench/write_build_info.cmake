@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Writes OUTPUT, the source of build_info.h: which commit of SOURCE_FOLDER is built, and by which COMPILER. The file is
-# left alone when nothing changed, so that nothing is compiled again.
-# Git looks no higher than SOURCE_FOLDER, or a copy inside another repository would take that one's commit; and it takes
-# no lock, or it would now and then refuse a commit that is made during a build.
+# Writes OUTPUT, the source of build_info.h, with the commit of SOURCE_FOLDER and the COMPILER. An unchanged file is not
+# written again, so that nothing is compiled again. Git must not search above SOURCE_FOLDER, or a copy inside another
+# repository would get that repository's commit. Git must not take a lock, or commits during a build would sometimes
+# fail.
 get_filename_component(ceiling ${SOURCE_FOLDER} DIRECTORY)
 set(commit unknown)
 # Documents may differ: they are made one after another, and no figure depends on them.

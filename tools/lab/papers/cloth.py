@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A square of cloth that falls on a sphere: position-based dynamics (Müller et al. 2007), of Han et al. 2007, fig. 5.
+"""Simulates a square of cloth that falls on a sphere (Han et al. 2007, fig. 5) by position-based dynamics (Müller et
+al. 2007).
 
-Distances of neighbours (threads), of diagonals (shear) and of second neighbours (bending) are restored after each step,
-one set of constraints that share no vertex after the other. Units are the sphere's: radius 0.6, the cloth 2 x 2.
+Each step restores the distances of neighbours (threads), diagonals (shear) and second neighbours (bending), one set of
+constraints without common vertices after the other. The sphere has radius 0.6, and the cloth has 2 x 2 units.
 """
 import numpy as np
 
@@ -12,14 +13,14 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def constraint_sets():
-    """[(first vertices, second vertices, rest length, stiffness)]: within one no vertex appears twice."""
+    """Lists (first vertices, second vertices, rest length, stiffness); no vertex appears twice within one entry."""
     index = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
     spacing = WIDTH / (SIDE - 1)
     sets = []
     for rows, columns, stiffness in ((0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.5), (1, -1, 0.5), (0, 2, 0.15), (2, 0, 0.15)):
         first = index[:SIDE - rows, max(0, -columns):SIDE - max(0, columns)]
         second = index[rows:, max(0, columns):SIDE + min(0, columns)]
-        # pairs that follow one another along the constraint's direction share a vertex: every other one is a set
+        # pairs that follow each other along the constraint's direction share a vertex, so each set has every other pair
         place = np.arange(first.shape[0])[:, None] // rows if rows else np.arange(first.shape[1])[None, :] // columns
         odd = np.broadcast_to(place % 2 == 1, first.shape)
         rest = spacing * np.hypot(rows, columns)
@@ -30,7 +31,7 @@ def constraint_sets():
 def drape(steps):
     """Yields positions [SIDE, SIDE, 3] at each of `steps`, which ascend."""
     along = np.linspace(-WIDTH / 2, WIDTH / 2, SIDE)
-    # a little askew, so that folds are no mirror images
+    # slightly rotated, so that folds are not symmetric
     here = np.dstack([np.broadcast_to(along[None, :], (SIDE, SIDE)), np.broadcast_to(along[:, None], (SIDE, SIDE)),
                       RADIUS + 0.05 + 0.01 * np.sin(3 * along[None, :] + 1) * np.cos(2 * along[:, None])])
     here, before = here.reshape(-1, 3).copy(), here.reshape(-1, 3).copy()
@@ -53,7 +54,7 @@ def drape(steps):
 
 
 def rest_on_sphere(here, before):
-    """Moves vertices out of the sphere and the floor; where they touch, half of their sliding is lost."""
+    """Moves vertices out of the sphere and the floor. Vertices that touch them lose half of their sliding."""
     length = np.linalg.norm(here, axis=1)
     inside = length < RADIUS + THICKNESS
     here[inside] *= ((RADIUS + THICKNESS) / length[inside])[:, None]
@@ -64,7 +65,7 @@ def rest_on_sphere(here, before):
 
 
 def write_obj(path, positions, repeats):
-    """A mesh with smooth normals; the map goes `repeats` times along each side."""
+    """Writes a mesh with smooth normals; the map is repeated `repeats` times along each side."""
     right, up = np.gradient(positions, axis=1), np.gradient(positions, axis=0)
     normals = np.cross(right, up)
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hakura, Lengyel and Snyder 2000, "Parameterized Animation Compression": figures 10 to 12, and their two demos as
-pages that play.
+"""Hakura, Lengyel and Snyder 2000, "Parameterized Animation Compression": figures 10 to 12, and the paper's two demos
+as pages that play.
 
-Their scenes are described, not published; the fields of the shared data were made after the description, at half the
-resolution: a vase, a glass, a table in a room under a swinging light (figures 10 and 11), and the same with a turning
-knot in the place of their gewgaw (figure 12). The codec of views is here AV1, by ffmpeg, in the place of MPEG-4.
+The paper describes its scenes but does not publish them. The fields of the shared data follow the description at half
+the resolution: a vase, a glass and a table in a room under a swinging light (figures 10 and 11), and the same room with
+a turning knot instead of the paper's gewgaw (figure 12). The codec of views is AV1 by ffmpeg instead of MPEG-4.
 docs/evidence/PLAYBACK.md has whole curves of size and error.
 """
 import json
@@ -24,9 +24,9 @@ from study import StepFailed, text  # noqa: E402
 
 TITLE = "Hakura et al. 2000: parameterized animation compression"
 TARGETS = (384, 768)
-VIEWS, COSINES, WAVELETS = "views, AV1, one key frame a block", "textures, cosines", "textures, wavelets"
+VIEWS, COSINES, WAVELETS = "views, AV1, one key frame per block", "textures, cosines", "textures, wavelets"
 CODERS = {COSINES: ("--coder", "dct"), WAVELETS: ("--coder", "wavelet")}
-# (ratio, MSE) of figure 10; theirs are MPEG-4, Laplacian DCT, Laplacian SPIHT.
+# (ratio, MSE) of figure 10; the paper's methods are MPEG-4, Laplacian DCT, Laplacian SPIHT.
 PUBLISHED = {384: {VIEWS: (355, 13.5), COSINES: (366, 11.8), WAVELETS: (379, 8.66)},
              768: {VIEWS: (570, 29.8), COSINES: (732, 18.1), WAVELETS: (751, 16.5)}}
 DEMOS = {"field_demo1": "Demo 1: views of the room, and a swinging light",
@@ -35,7 +35,7 @@ COMBINED = '[[layer]]\nname = "radiance"\npasses = [""]\ndepends_on = [{}]\n\n'
 
 
 class FieldStudy:
-    """A field's frames, and its textures inferred."""
+    """Frames of a field and its inferred textures."""
 
     def __init__(self, study, name):
         self.study, self.name, self.programs = study, name, Programs(study.programs)
@@ -56,7 +56,7 @@ class FieldStudy:
         return output
 
     def combined(self):
-        """The same with one layer of all light."""
+        """Infers textures with one layer for all light."""
         job = self.study.path(f"{self.name}_combined.toml")
         text = re.sub(r"^\[\[layer\]\]\n(?:(?!\[\[object).*\n)*", "", self.job.read_text(), flags=re.MULTILINE)
         names = ", ".join(f'"{one}"' for one in self.field.parameters)
@@ -64,7 +64,7 @@ class FieldStudy:
         return self.infer(job, f"{self.name}_combined")
 
     def packed(self, label, ratio, options, inferred=None):
-        """(ratio, MSE, frames) of textures."""
+        """Packs textures; returns (ratio, MSE, frames)."""
         name = f"{self.name}_{re.sub(r'[^a-z0-9]+', '_', label)}_{ratio}"
         file, unpacked = self.study.path(f"{name}.mpt"), self.study.path(f"{name}_unpacked")
         self.study.run("multum", "pack", inferred or self.inferred, "-o", file, "--ratio", ratio, "--quiet", *options)
@@ -72,25 +72,25 @@ class FieldStudy:
         return self.field.raw_bytes / file.stat().st_size, mse(frames, self.traced), frames
 
     def video(self, ratio):
-        """The best quality of AV1 that is no larger than raw frames over the ratio; the smallest where none is."""
+        """Codes the best AV1 within the bytes of raw frames / ratio, or the smallest AV1 if none fits."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
     def page_that_plays(self):
-        """NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Its bytes, and
-        those of the field."""
+        """Writes NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Returns
+        the bytes of the page and of the field."""
         packed, page = self.study.path(f"{self.name}_plays.mpt"), self.study.path(f"{self.name}_plays.html")
         self.study.run("multum", "pack", self.inferred, "-o", packed, "--ratio", TARGETS[0], "--quiet")
         self.study.run("multum", "player", packed, "-o", page)
         return page.stat().st_size, packed.stat().st_size
 
     def crop(self):
-        """Where things stand on the table: rows and columns."""
+        """Returns the rows and columns with the objects on the table."""
         height, width = self.field.height, self.field.width
         return (slice(height // 6, 5 * height // 6), slice(width // 4, 3 * width // 4))
 
     def strip(self, name, shown):
-        """`shown`: (frames, caption) each, one sample of all."""
+        """Writes a strip with the middle sample of each. `shown`: (frames, caption)."""
         middle = len(self.traced) // 2
         self.study.strip(name, [(frames[middle].astype(np.float32) / 255, caption) for frames, caption in shown],
                          zoom=2, crop=self.crop(), kind="jpg")
@@ -98,9 +98,9 @@ class FieldStudy:
 
 def compression(study, field):
     study.heading("Figure 10: a scene under a swinging light, 384:1 and 768:1")
-    study.paragraph("Error and ratio as in the paper: MSE in 8-bit values of all samples of the field, one block of 8",
-                    "x 8; of textures everything counts that a player needs but the scene file. Figures of the paper",
-                    "are of another scene, at 640 x 480.")
+    study.paragraph("Error and compression are defined as in the paper: MSE in 8-bit values over all samples of the",
+                    "field, with one block of 8 x 8. For textures, everything that a player needs counts, except for",
+                    "the scene file. The paper's figures show another scene, at 640 x 480 pixels.")
     rows = []
     for ratio in TARGETS:
         results = {VIEWS: field.video(ratio)} if shutil.which("ffmpeg") else {}
@@ -113,9 +113,10 @@ def compression(study, field):
             rows.append([label, f"{reached:.0f}:1", f"{error:.1f}",
                          over(error, results[VIEWS][1]) if VIEWS in results else "-",
                          f"{theirs[0]}:1", f"{theirs[1]}", over(theirs[1], PUBLISHED[ratio][VIEWS][1])])
-    study.table(["", "ratio", "MSE", "over views", "published: ratio", "MSE", "over views"], rows)
+    study.table(["", "compression", "MSE", "MSE / MSE of views", "published compression", "published MSE",
+                 "published MSE / MSE of views"], rows)
     if not shutil.which("ffmpeg"):
-        study.paragraph("Views are left out: ffmpeg is not there (Debian: apt-get install ffmpeg).")
+        study.paragraph("Views are left out: found no ffmpeg (Debian: apt-get install ffmpeg).")
 
 
 def layers_and_pyramids(study, field):
@@ -130,23 +131,23 @@ def layers_and_pyramids(study, field):
     results = [(label, theirs, *field.packed(label, TARGETS[0], (*CODERS[WAVELETS], *options), inferred))
                for label, inferred, options, theirs in ways]
     field.strip("figure11", [(field.traced, "traced"), *[(frames, label) for label, _, _, _, frames in results]])
-    study.table([f"wavelets at {TARGETS[0]}:1", "ratio", "MSE", "published MSE"],
+    study.table([f"wavelets at {TARGETS[0]}:1", "compression", "MSE", "published MSE"],
                 [[label, f"{reached:.0f}:1", f"{error:.1f}", f"{theirs}"]
                  for label, theirs, reached, error, _ in results])
     if not has_pyramids:
-        study.paragraph("`multum pack` has no `--pyramid` here, so that plain ones are left out.")
+        study.paragraph("`multum pack` has no `--pyramid` here, so plain pyramids are left out.")
 
 
 def moving_object(study, field):
     study.heading("Figure 12: an object that turns")
     samples = " x ".join(map(str, field.field.counts))
-    study.paragraph(f"Views and turns of a reflecting knot, {samples} samples; theirs has 24 x 48, and storage that",
-                    "was shared out by hand.")
+    study.paragraph(f"The field has views and turns of a reflecting knot, with {samples} samples. The field of the",
+                    "paper has 24 x 48 samples, and its authors divided the storage by hand.")
     results = {VIEWS: field.video(361)} if shutil.which("ffmpeg") else {}
     results["textures"] = field.packed("textures", 361, ())
     field.strip("figure12", [(field.traced, "traced"), *[
         (frames, f"{label}, {reached:.0f}:1") for label, (reached, _, frames) in results.items()]])
-    study.table(["", "ratio", "MSE", "published: ratio", "MSE"],
+    study.table(["", "compression", "MSE", "published compression", "published MSE"],
                 [[label, f"{reached:.0f}:1", f"{error:.1f}", "361:1", {VIEWS: "10.9", "textures": "10.3"}[label]]
                  for label, (reached, error, _) in results.items()])
 
@@ -155,8 +156,9 @@ def pages_that_play(study, fields):
     if not fields:
         return
     study.heading("The demos, played")
-    study.paragraph("Each page has all in itself: the packed field, its geometry, the decoder and the player. It opens",
-                    "from disk, in any browser with WebGL 2 and WebAssembly; docs/evidence/PLAYBACK.md says how fast.")
+    study.paragraph("Each page contains everything: the packed field, its geometry, the decoder and the player. It",
+                    "opens from disk in any browser with WebGL 2 and WebAssembly. docs/evidence/PLAYBACK.md has its",
+                    "speed.")
     rows = []
     for field in fields:
         try:
@@ -169,22 +171,22 @@ def pages_that_play(study, fields):
         study.html(f'<h3><a href="{file}">{text(title)}</a></h3><object type="text/html" data="{file}" '
                    f'aria-label="{text(title)}" style="width:100%;height:46rem;border:0"></object>')
     if rows:
-        study.table(["", "ratio", "bytes of the field", "of the page"], rows)
+        study.table(["", "compression", "bytes of the field", "bytes of the page"], rows)
 
 
 def reproduce(study):
     study.has_made_maps, fields = False, []
     for name, figures in (("field_demo1", (compression, layers_and_pyramids)), ("field_demo2", (moving_object,))):
         if study.data is None or not (study.data / name / "scene.json").is_file():
-            study.paragraph(f"{name} is not among the shared data: what is made of it is left out.")
+            study.paragraph(f"{name} is missing in the shared data, so its figures are left out.")
             continue
         field = FieldStudy(study, name)
         fields.append(field)
         for figure in figures:
             figure(study, field)
-    study.paragraph("docs/evidence/ANIMATION.md has the errors of inferred textures over those of forward "
-                    "mapping. Its",
-                    "forward mapping is not the paper's: pixels are splatted bilinearly, where the paper resamples",
-                    "with a Lanczos-windowed sinc of 16 x 16 taps. Of that one no factor is stated here.",
-                    "docs/evidence/PLAYBACK.md has curves of error over size, and what each part of the coder brings.")
+    study.paragraph("docs/evidence/ANIMATION.md compares the errors of inferred textures with the errors of forward",
+                    "mapping. This forward mapping splats pixels bilinearly; the paper resamples with a",
+                    "Lanczos-windowed sinc of 16 x 16 taps. This page therefore states no factor over the paper's",
+                    "forward mapping. docs/evidence/PLAYBACK.md has curves of error over size, and the effect of each",
+                    "part of the coder.")
     pages_that_play(study, fields)

@@ -13,7 +13,7 @@ from study import (ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, read_
 TITLE = "Han et al. 2007: frequency domain normal map filtering"
 FRAME = ("--size", "400x300")
 PLAIN = ("mip", "toksvig", "lean-jacobian")
-# At as many points of each pixel as lobes take evaluations.
+# Shaded at as many points per pixel as lobes take evaluations.
 POINTS = ("points", "toksvig-points", "lean-jacobian-points")
 BASELINES = (REFERENCE, *PLAIN, *POINTS)
 LABELS = {REFERENCE: "reference", "multum": "multum", "mip": "averaged normals", "toksvig": "Toksvig",
@@ -32,8 +32,9 @@ def v_groove(study):
     source = study.testmap("groove", "--quarter", "grooves")
     study.bake("groove", source, "--green", "up")
     study.heading("Figure 1: a V-groove")
-    study.paragraph("Two slopes and a floor. Near by each has its own highlight; far off all three lie in one pixel,",
-                    "and their average points straight up, where almost no normal of the map does.")
+    study.paragraph("The groove has two slopes and a floor. From near, each has its own highlight. From far, all",
+                    "three are in one pixel, and their average points straight up, where the map has almost no",
+                    "normals.")
     lobes = ("--brdf", "blinn-phong:60", "--diffuse", "0.4", "--specular", "0.15", "--light", "-0.775,0.442,0.445",
              *FRAME)
     near = study.view("groove_near", "groove", *lobes, "--repeat", "60", "--camera", "0,0,0.7,0,0.7,0,45",
@@ -50,7 +51,7 @@ def v_groove(study):
     level = 5
     reference = density_of_normals(normals[:32, :32].reshape(-1, 3), directions)
     fitted = density_of_lobes(read_lobes(study.path("groove.ndf.exr"), level)[:, 0, 0], directions)
-    study.paragraph("The distribution of normals under one texel of level 5, and the four lobes that stand for it:")
+    study.paragraph("The distribution of normals under one texel of level 5, and its four lobes:")
     study.figures([(picture(reference, inside, reference.max()), "the normals"),
                    (picture(fitted, inside, reference.max()), "four lobes")], name="groove_ndf", small=True)
 
@@ -77,8 +78,8 @@ def methods(study):
 def harmonics(study):
     source = study.path("quarters_normal.png")
     study.heading("Figure 3: spherical harmonics and anisotropic filtering, Lambert")
-    study.paragraph("Nine coefficients a texel. They are plain averages, so that a filter of several taps is",
-                    "right for them; averaged normals lose their darkness, for max(n . l, 0) is not linear.")
+    study.paragraph("A texel has nine coefficients. They are plain averages, so a filter with several taps is exact",
+                    "for them. Averaged normals have errors, because max(n . l, 0) is not linear.")
     study.bake("sh2", source, "--green", "up", "--ndf", "sh", "--sh-order", "2")
     matt = ("--source", source, "--green", "up", "--brdf", "lambert", "--diffuse", "0.9", "--light", "0.9,0.3,0.3",
             *FRAME)
@@ -97,12 +98,12 @@ def measured_materials(study):
     study.heading("Figure 4: measured materials")
     found = [] if study.data is None else sorted((study.data / "brdf").glob("merl_*.json"))
     if not found:
-        study.paragraph("Passed over: no measured BRDFs are at hand (MULTUM_SHARED_DATA, folder brdf).")
+        study.paragraph("Left out: found no measured BRDFs in the folder brdf of MULTUM_SHARED_DATA.")
         return
     source = study.path("quarters_normal.png")
     study.bake("sh8", source, "--green", "up", "--ndf", "sh", "--sh-order", "8")
-    study.paragraph("Fits to MERL materials in factors of the half angle: the one of theta_h is convolved with the",
-                    "normals, by harmonics up to order 8 or by six lobes.")
+    study.paragraph("The materials are fits to MERL materials, as products of factors of the half angle. The factor",
+                    "of theta_h is convolved with the normals, by harmonics up to order 8 or by six lobes.")
     rows = []
     for path in [p for p in found if "fabric" in p.name or "rubber" in p.name]:
         label = path.stem.replace("merl_nbrdf_", "")
@@ -123,9 +124,9 @@ def draped_cloth(study):
     weave = None if study.data is None else study.data / "normal/pm_0010.webp"
     has_fabric, has_weave = fabric is not None and fabric.is_file(), weave is not None and weave.is_file()
     source = weave if has_weave else study.path("quarters_normal.png")
-    study.paragraph("The cloth is simulated (tools/lab/papers/cloth.py). Harmonics of order 8 of a",
-                    "woven map." if has_weave else "made map (MULTUM_SHARED_DATA has a woven one).",
-                    "From near by the middle is hardly filtered and the corners are.")
+    study.paragraph("tools/lab/papers/cloth.py simulates the cloth. The normals are harmonics of order 8 of a",
+                    "woven map." if has_weave else "generated map (MULTUM_SHARED_DATA has a woven one).",
+                    "From near, the filter changes the middle little and the corners much.")
     study.bake("cloth", source, *(() if has_weave else ("--green", "up")), "--ndf", "sh", "--sh-order", "8")
     material = ("--brdf", fabric if has_fabric else "blinn-phong:12", "--source", source, "--light", "0.3,-0.5,0.8,3",
                 "--up", "0,0,1", "--repeat", "1", *FRAME)
@@ -151,11 +152,12 @@ def draped_cloth(study):
 
 
 def environment_light(study):
-    """Figure 9: a mesh in low-frequency light, and in all of it."""
+    """Figure 9: a mesh in low-frequency light, and in the full environment."""
     study.heading("Figure 9: a mesh under an environment")
-    study.paragraph("Diffuse light by harmonics up to order 2. The highlight by harmonics of the light as the half",
-                    "vector sees it, up to order 8 (Han, section 8), which serves broad highlights; or by maps",
-                    "filtered for lobes of every width, which serves sharp ones too.")
+    study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the",
+                    "light as the half vector sees it, up to order 8 (Han, section 8); they suit broad highlights.",
+                    "The second column uses maps that are filtered for lobes of every width; they suit sharp",
+                    "highlights too.")
     light = study.path("sky.exr")
     write_sky(light)
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
@@ -182,10 +184,10 @@ def changing_light(study):
     """Section 8's dynamic lighting: an environment that turns and fades into another."""
     study.heading("Section 8: an environment that changes at run time")
     frames = 5
-    study.paragraph("A sky turns by 90 degrees and fades into dusk. From frame to frame the harmonics up to order 2",
-                    "and the filtered maps are mixed of those of both skies, in which they are linear; an environment",
-                    "that no frame knew before costs what the column of a new one has. Harmonics to order 8 of the",
-                    "light over half vectors (Han's highlights) are made anew in every frame in any case.")
+    study.paragraph("A sky turns by 90 degrees and fades into dusk. In each frame, the harmonics up to order 2 and",
+                    "the filtered maps are mixed from both skies, because both are linear in the light. A completely",
+                    "new environment costs the time in the column of new environments. Harmonics up to order 8 of the",
+                    "light over half vectors (Han's highlights) are computed anew in every frame in any case.")
     light, dusk = study.path("sky512.exr"), study.path("dusk512.exr")
     write_sky(light, 512)
     sky = read_picture(light)
@@ -210,7 +212,7 @@ def changing_light(study):
     study.strip("changing_light", [(box_reduced(read_picture(folder / f"frame_{k:04}.png")[:, :, :3], 2),
                                     f"frame {k + 1}") for k in range(frames)], kind="jpg")
     study.table(["relative L1", "first frame", "in the middle", "last"], errors)
-    study.table(["processor time a frame, ms", "a new environment, 512 x 256", "the mixture of two", "into the shader"],
+    study.table(["processor time per frame, ms", "new environment, 512 x 256", "mixture of two", "to the shader"],
                 [[words, f"{spent[0]['made']:.0f}", f"{np.median([s['made'] for s in spent[1:-1]]):.1f}",
                   f"{np.median([s['set'] for s in spent[1:-1]]):.0f}"] for words, spent in costs])
 
@@ -232,13 +234,13 @@ def shininess(study, material):
 
 
 def starts(study):
-    """Section 7.2's choice of lobes to start from, Hochbaum and Shmoys', beside the search."""
+    """Section 7.2: the start of lobes by Hochbaum and Shmoys, compared with the search."""
     source = study.path("quarters_normal.png")
     study.heading("Section 7.2: where EM starts")
-    study.paragraph("The paper starts a texel's lobes from those of its children that lie farthest apart (Hochbaum and",
-                    "Shmoys). Here texels start from their parent, so that the choice is that of the coarsest texel:",
-                    "normals that lie farthest apart, beside the search of the default "
-                    "(docs/contributing/ALGORITHMS.md).")
+    study.paragraph("The paper starts a texel's lobes from the lobes of its children that are farthest apart",
+                    "(Hochbaum and Shmoys). multum starts texels from their parent, so only the coarsest texel needs",
+                    "a choice. The table compares a start from the normals that are farthest apart with the default",
+                    "search (docs/contributing/ALGORITHMS.md).")
     shown, rows = [], []
     for count in (4, 6):
         views = {}
@@ -263,10 +265,10 @@ def lobe_counts(study):
     level, row, column = 5, 3, 3
     block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
     reference = density_of_normals(block, directions)
-    study.heading("Figure 7: one texel's normals, by one to six lobes, and by planar Gaussians")
-    study.paragraph("A texel of level 5 of the scales, whose normals reach 72 degrees: near the rim of the disk a",
-                    "planar Gaussian is a broad smear on the sphere. The error is that of the density shown, over",
-                    "solid angle.")
+    study.heading("Figure 7: the normals of one texel, as one to six lobes and as planar Gaussians")
+    study.paragraph("The texel is on level 5 of the map of scales, and its normals reach 72 degrees. Near the rim of",
+                    "the disk, a planar Gaussian becomes a broad smear on the sphere. The error compares the",
+                    "densities in the pictures, over solid angle.")
     shown, rows = [(picture(reference, inside, reference.max()), "the normals")], []
     for count in range(1, 7):
         vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))
@@ -277,7 +279,7 @@ def lobe_counts(study):
         rows.append([count, percent(density_error(density, reference, directions, inside)),
                      *[percent(measured(bake, level, "blinn-phong:100")) for bake in (vmf_bake, gmm_bake)]])
     study.figures(shown, name="lobes", small=True)
-    study.table(["lobes", "density, vmf", "highlight s = 100, level 5, vmf", "the same, gmm"], rows)
+    study.table(["lobes", "density, vmf", "highlight s = 100, level 5, vmf", "highlight, gmm"], rows)
 
 
 def measured(bake, level, brdf):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every representation on every map: one table of picture errors, one of frame times, beside the usual baselines.
+"""Compares every representation on every map with other methods: a table of picture errors and a table of frame times.
 
-With MULTUM_SHARED_DATA the maps are the normal maps of its folder normal/; else those that multum makes.
+With MULTUM_SHARED_DATA, the maps are the normal maps of its folder normal/. Otherwise multum generates them.
 """
 import re
 
@@ -17,7 +17,7 @@ REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lob
                    ("gmm, 4 lobes", "gmm", ("--ndf", "gmm")),
                    ("sh, order 8", "sh8", ("--ndf", "sh", "--sh-order", "8")),
                    ("sh, order 4", "sh4", ("--ndf", "sh")), ("moments", "moments", ("--ndf", "moments")))
-# The last two are shaded at as many points of each pixel as four lobes take evaluations.
+# The last two are shaded at as many points per pixel as four lobes take evaluations.
 BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
              ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"), ("averaged normals, 4 points", "points"))
 MATERIAL_RUNS = 5  # of each material
@@ -25,7 +25,7 @@ NORMAL_MAP = re.compile(r"^(pm_\d+|.*(normal|_norm|_nm?|flakes5n))\.(png|jpg|web
 
 
 def maps(study):
-    """(name, path, options that say how to read it)."""
+    """Yields (name, path, options for reading the map)."""
     if study.data is not None and (study.data / "normal").is_dir():
         for path in sorted((study.data / "normal").iterdir()):
             if NORMAL_MAP.match(path.name):
@@ -36,7 +36,7 @@ def maps(study):
 
 
 def reading_of(study, path):
-    """Nothing, unless the map's statistics leave its green undecided: then the same for every representation."""
+    """Returns --green up if the map's statistics do not decide, the same for every representation; else nothing."""
     try:
         study.bake("probe", path, "--ndf", "moments", "--no-measure")
         return ()
@@ -47,12 +47,12 @@ def reading_of(study, path):
 
 
 def frame_ratio(view):
-    """Of one run's own frames: multum's time over Toksvig's."""
+    """Divides multum's frame time by Toksvig's frame time in the same run."""
     return view.frame_ms["multum"] / view.frame_ms["toksvig"]
 
 
 def draw_every_map(study):
-    """The tables of errors and of frame times."""
+    """Makes the tables of errors and of frame times."""
     columns, errors, ratios, milliseconds, guessed = [*REPRESENTATIONS, *BASELINES], [], [], [], []
     references = []
     for name, path, reading in maps(study):
@@ -85,20 +85,21 @@ def draw_every_map(study):
                 [["median", *[percent(e) for e in np.median([row for _, row in errors], axis=0)]]])
     counts = [one["samples"] for one in references]
     study.paragraph(f"References have {min(counts)} to {max(counts)} samples per pixel; their noise is at most",
-                    f"{percent(max(one['noise_relative_l1'] for one in references))} of themselves.")
+                    f"{percent(max(one['noise_relative_l1'] for one in references))}.")
     if guessed:
-        study.paragraph(f"Read with --green up, which their statistics do not tell: {', '.join(guessed)}.")
+        study.paragraph("Read with --green up, because their statistics do not show green's direction:",
+                        f"{', '.join(guessed)}.")
     study.heading("Frame times")
-    study.paragraph("One frame of 320 x 240 over Toksvig's of the same run: medians over the maps, and the least and",
-                    "the most.")
+    study.paragraph("The table has the time of a frame of 320 x 240 pixels, divided by the time of Toksvig in the",
+                    "same run: medians over the maps, and the lowest and the highest ratio.")
     low, middle, high = (np.percentile(ratios, q, axis=0) for q in (0, 50, 100))
     study.table(["", *labels], [["ms", *[f"{value:.1f}" for value in np.median(milliseconds, axis=0)]],
-                                ["over Toksvig's", *[f"{value:.2f}" for value in middle]],
-                                ["least to most", *[f"{a:.2f} to {b:.2f}" for a, b in zip(low, high)]]])
+                                ["ratio to Toksvig", *[f"{value:.2f}" for value in middle]],
+                                ["lowest to highest", *[f"{a:.2f} to {b:.2f}" for a, b in zip(low, high)]]])
 
 
 def draw_every_material(study):
-    """Frame times of every BRDF and light, on one map."""
+    """Measures frame times of every BRDF and light, on one map."""
     normal = study.testmap("materials", "--quarter", "grooves", size=256)
     sky = study.path("sky.exr")
     write_sky(sky)
@@ -119,7 +120,7 @@ def draw_every_material(study):
         row = [words]
         for _, option, _ in kinds:
             try:
-                # Toksvig's own frame is of the same BRDF and light
+                # Toksvig's frame in the same run has the same BRDF and light.
                 ratios = [frame_ratio(study.view("materials", f"materials_{option}", "--source", normal, "--size",
                                                  "320x240", "--repeat", "40", *options, compare=("toksvig",)))
                           for _ in range(MATERIAL_RUNS)]
@@ -130,13 +131,15 @@ def draw_every_material(study):
                 row.append("refused")
         rows.append(row)
     study.heading("Frame times of materials")
-    study.paragraph("One frame of 320 x 240, grooves, 256 x 256, over one of Toksvig's averaged normal with the same",
-                    f"BRDF and light, in the same run: the medians of {MATERIAL_RUNS} runs.")
+    study.paragraph("The table has the time of a frame of 320 x 240 pixels with the map of grooves, 256 x 256 texels.",
+                    "This time is divided by the time of Toksvig's averaged normal with the same BRDF and light in",
+                    f"the same run. Numbers are medians of {MATERIAL_RUNS} runs.")
     study.table(["", *[label for label, _, _ in kinds]], rows)
 
 
 def draw_same_filter(study):
-    """What is left where the reference averages over the texels that the filter takes."""
+    """Compares errors against two references: one averages over the texels that the filter takes, one over the
+    pixel."""
     normal = study.testmap("same_filter")
     study.bake("same_filter", normal, "--green", "up", "--no-measure")
     methods = (("4 vMF lobes", "multum"), ("Toksvig", "toksvig"), ("LEAN as published", "lean"),
@@ -149,17 +152,18 @@ def draw_same_filter(study):
                               "--reference-of", of, compare=("reference", *[name for _, name in methods[1:]]))
             columns.append((f"s = {exponent}, {'same filter' if of == 'texels' else 'pixel'}",
                             {name: relative_l1(view[name], view["reference"]) for _, name in methods}))
-    study.heading("What the picture's filter costs")
-    study.paragraph("Highlights alone on the four-quarter map, against a reference that averages over the texels that",
-                    "the filter takes, and against one that averages over the pixel: the difference is the filter's.")
+    study.heading("Error of the picture's filter")
+    study.paragraph("The table has errors of highlights on the four-quarter map. One reference averages over the",
+                    "texels that the filter takes, and the other reference averages over the pixel. The difference",
+                    "between both errors comes from the filter.")
     study.table(["", *[words for words, _ in columns]],
                 [[label, *[percent(errors[name]) for _, errors in columns]] for label, name in methods])
 
 
 def reproduce(study):
     study.samples = None  # as many as the reference's noise takes
-    study.paragraph("The oblique plane under one light, Blinn-Phong of s = 100, all by multum-view's own filter:",
-                    "relative L1 of each picture against samples of the map itself.")
+    study.paragraph("The scene is the oblique plane under one light, with Blinn-Phong and s = 100. multum-view's own",
+                    "filter draws all pictures. Errors are relative L1 errors against samples of the map itself.")
     draw_every_map(study)
     draw_every_material(study)
     draw_same_filter(study)

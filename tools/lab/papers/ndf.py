@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Distributions of normals as pictures: what a texel covers, and what lobes or planar Gaussians make of it.
+"""Draws distributions of normals: the normals of a texel, and their lobes or planar Gaussians.
 
-A density is shown over the disk of (n_x, n_y), seen from above: the rim is a normal that lies in the surface.
+The density is shown over the disk of (n_x, n_y), seen from above. At the rim, normals are parallel to the surface.
 """
 import numpy as np
 import OpenImageIO as oiio
@@ -11,14 +11,14 @@ SMOOTHING = 300.0  # kappa of the kernel that turns single normals into a densit
 
 
 def read_normals(path):
-    """Of an unsigned normal map with green up, as `multum testmap` writes it: [height, width, 3], unit."""
+    """Reads an unsigned normal map with green up, as `multum testmap` writes it: [height, width, 3], unit vectors."""
     n = read_picture(path)[:, :, :3].astype(np.float64) * 2 - 1
     return n / np.linalg.norm(n, axis=2, keepdims=True)
 
 
 def read_lobes(path, level):
-    """(a r, a) of a coarse level's lobes [lobe, height, width, 4] (docs/reference/file_format.md; `level` at least
-    1)."""
+    """Returns (a r, a) of a coarse level's lobes [lobe, height, width, 4] (docs/reference/file_format.md). `level` is
+    at least 1."""
     source = oiio.ImageInput.open(str(path))
     count = source.spec()["multum:lobeCount"]
     lobes = [np.asarray(source.read_image(1 + j, level - 1, 0, 4, oiio.FLOAT)) for j in range(count)]
@@ -27,7 +27,7 @@ def read_lobes(path, level):
 
 
 def disk(size):
-    """Unit vectors [size, size, 3] over the disk, and where it is."""
+    """Returns unit vectors [size, size, 3] over the disk, and which pixels are inside."""
     axis = (np.arange(size) + 0.5) / size * 2 - 1
     x, y = np.meshgrid(axis, -axis)
     inside = x * x + y * y < 1
@@ -35,7 +35,7 @@ def disk(size):
 
 
 def vmf(kappa, cosine):
-    """kappa / (4 pi sinh kappa) exp(kappa t), in the form that does not overflow."""
+    """kappa / (4 pi sinh kappa) exp(kappa t), in a form that does not overflow."""
     return kappa / (2 * np.pi * -np.expm1(-2 * kappa)) * np.exp(kappa * (cosine - 1))
 
 
@@ -50,7 +50,7 @@ def kappa_of(mean_cosine):
 
 
 def density_of_normals(normals, directions):
-    """Of [count, 3] normals, each smoothed by a vMF of SMOOTHING."""
+    """Returns the density of [count, 3] normals, each smoothed by a vMF of SMOOTHING."""
     flat = directions.reshape(-1, 3)
     total = np.zeros(len(flat))
     for block in np.array_split(normals, max(1, len(normals) // 64)):
@@ -59,7 +59,7 @@ def density_of_normals(normals, directions):
 
 
 def density_of_lobes(lobes, directions):
-    """Of a texel's lobes [lobe, 4], convolved with the same kernel: mean cosines multiply
+    """Returns the density of a texel's lobes [lobe, 4], convolved with the same kernel: mean cosines multiply
     (docs/contributing/ALGORITHMS.md)."""
     total = np.zeros(directions.shape[:2])
     smoothing_cosine = 1 / np.tanh(SMOOTHING) - 1 / SMOOTHING
@@ -72,7 +72,7 @@ def density_of_lobes(lobes, directions):
 
 
 def picture(density, inside, peak):
-    """Grey, brighter where it is denser; a quarter of the peak is half as bright as the peak."""
+    """Draws a density in grey: a quarter of the peak is half as bright as the peak."""
     grey = np.where(inside, np.sqrt(np.clip(density / peak, 0, 1)), 0.0)
     rgb = np.dstack([grey, grey, grey])
     rgb[~inside] = (0.02, 0.03, 0.06)

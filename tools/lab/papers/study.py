@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One paper's comparisons: runs multum and multum-view, keeps what they draw as arrays, and writes a page.
+"""Makes one paper's comparisons: runs multum and multum-view, keeps their pictures as arrays, and writes a page.
 
-Pictures are linear RGB, float32 [height, width, 3], as multum-view writes them to EXR files; those on the page are PNGs
-of the same numbers. Every figure of the page comes from a file that stays beside it.
+Pictures are linear RGB, float32 [height, width, 3], as multum-view writes them to EXR files. The page has PNGs of the
+same numbers. Every figure of the page comes from a file next to the page.
 """
 import json
 import pathlib
@@ -18,22 +18,22 @@ import OpenImageIO as oiio
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from report_page import STYLE, machine, machine_words, table, text  # noqa: E402
 
-# multum-view's name of the picture that others are held to: many samples of the finest normals a pixel.
+# multum-view's name of the picture to which others are compared: many samples of the finest normals per pixel.
 REFERENCE = "reference"
-# A filter of elongated footprints, of every method that can have one.
+# A filter with elongated footprints, for every method that supports one.
 ELONGATED_FILTER = ("--taps", "8")
 ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear
 
 
 class StepFailed(Exception):
-    """A program that was run said no: its command, exit code and last words."""
+    """A program failed: its command, exit code and last output."""
 
 
 def read_picture(path, subimage=0, miplevel=0):
-    """All channels, float32 [height, width, channels]."""
+    """Reads all channels as float32 [height, width, channels]."""
     source = oiio.ImageInput.open(str(path))
     if source is None:
-        raise StepFailed(f"{path}: cannot be read: {oiio.geterror()}")
+        raise StepFailed(f"cannot read {path}: {oiio.geterror()}")
     if not source.seek_subimage(subimage, miplevel):
         raise StepFailed(f"{path}: has no part {subimage}, level {miplevel}")
     pixels = source.read_image(subimage, miplevel, 0, source.spec().nchannels, oiio.FLOAT)
@@ -42,23 +42,24 @@ def read_picture(path, subimage=0, miplevel=0):
 
 
 def srgb(linear):
-    """Displayed values, 0..1."""
+    """Returns displayed values, 0..1."""
     c = np.clip(linear, 0.0, 1.0)
     return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
 
 
 def write_picture(path, pixels, kind=oiio.UINT8):
-    """`pixels` as they are to be stored: 0..1 for integers."""
+    """Writes `pixels` in the range of the file: 0..1 for integers."""
     height, width, channels = pixels.shape
     output = oiio.ImageOutput.create(str(path))
     if output is None or not output.open(str(path), oiio.ImageSpec(width, height, channels, kind)):
-        raise StepFailed(f"{path}: cannot be written: {oiio.geterror()}")
+        raise StepFailed(f"cannot write {path}: {oiio.geterror()}")
     output.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
     output.close()
 
 
 def write_sky(path, width=256):
-    """A made latitude-longitude environment, linear: sky, ground, a sun of five degrees, three bright windows."""
+    """Writes a generated latitude-longitude environment, linear: sky, ground, a sun of five degrees, three bright
+    windows."""
     height = width // 2
     polar = (np.arange(height) + 0.5)[:, None] / height * np.pi
     azimuth = (np.arange(width) + 0.5)[None, :] / width * 2 * np.pi
@@ -74,7 +75,7 @@ def write_sky(path, width=256):
 
 
 def relative_l1(picture, reference):
-    """sum |picture - reference| / sum reference, linear: what multum-view and the bakes report."""
+    """sum |picture - reference| / sum reference, linear, as in the reports of multum-view and of bakes."""
     return float(np.abs(picture - reference).sum() / reference.sum())
 
 
@@ -85,22 +86,23 @@ def box_reduced(picture, factor):
 
 
 def colour_distance(picture, reference):
-    """Tan et al.'s "normalized Euclidean color error per pixel", which they do not define: here the distance of the
-    displayed (sRGB, clamped) colours over that of black and white, its mean over the pixels that the object covers."""
+    """Tan et al.'s "normalized Euclidean color error per pixel". The paper does not define it. Here it is the distance
+    between displayed (sRGB, clamped) colours, divided by the distance between black and white, averaged over the pixels
+    that the object covers."""
     covered = reference.max(axis=2) > 0
     return float((np.linalg.norm(srgb(picture) - srgb(reference), axis=2) / np.sqrt(3))[covered].mean())
 
 
 def flicker(frames, references):
-    """How much frames change beyond what the reference's do: the mean over neighbours in time of
-    sum |(f' - f) - (r' - r)| / sum r. 0: as steady as the reference."""
+    """Mean over neighbouring frames of sum |(f' - f) - (r' - r)| / sum r: the change of frames that the reference
+    does not have. At 0, frames are as steady as the reference."""
     changes = [np.abs((frames[i + 1] - frames[i]) - (references[i + 1] - references[i])).sum() / references[i].sum()
                for i in range(len(frames) - 1)]
     return float(np.mean(changes))
 
 
 class View:
-    """What one run of multum-view drew: pictures by name (REFERENCE, "multum", "toksvig", ...), and its report."""
+    """The result of one run of multum-view: pictures by name (REFERENCE, "multum", "toksvig", ...), and its report."""
 
     def __init__(self, pictures, report):
         self.pictures, self.report = pictures, report
@@ -112,8 +114,8 @@ class View:
 
 class Study:
     def __init__(self, title, folder, programs, data, size, samples):
-        """`programs`: folder of multum and multum-view; `data`: folder of shared real data, or None; `size`: texels a
-        side of the maps that are made; `samples`: a pixel of the reference."""
+        """`programs`: folder of multum and multum-view; `data`: folder of shared real data, or None; `size`: texels
+        per side of generated maps; `samples`: per pixel of the reference."""
         self.title, self.folder, self.programs, self.data = title, folder, programs, data
         self.size, self.samples, self.picture_count = size, samples, 0
         self.has_made_maps = True
@@ -125,7 +127,7 @@ class Study:
     # ---- steps
 
     def run(self, program, *arguments):
-        """Runs a program to its end; its output is in commands.txt. Returns seconds."""
+        """Runs a program until it ends and records its command. Returns seconds."""
         command = [str(self.programs / program), *map(str, arguments)]
         shown = " ".join([program, *(shlex.quote(str(a).replace(f"{self.folder}/", "")) for a in arguments)])
         print(f"  {shown[:150]}", flush=True)
@@ -142,13 +144,14 @@ class Study:
         return self.folder / name
 
     def testmap(self, name, *options, size=None):
-        """Makes NAME_normal.png and NAME_albedo.png; returns the first's path. Options of `multum testmap`."""
+        """Makes NAME_normal.png and NAME_albedo.png with options of `multum testmap`; returns the path of the normal
+        map."""
         normal = self.path(f"{name}_normal.png")
         self.run("multum", "testmap", self.path(name), "--size", size or self.size, *options)
         return normal
 
     def torus(self):
-        """A mesh that shows every angle; returns its path."""
+        """Makes a mesh that shows all angles; returns its path."""
         mesh = self.path("torus.obj")
         if not mesh.is_file():
             subprocess.run([sys.executable, pathlib.Path(__file__).resolve().parents[2] / "torus_mesh.py", mesh],
@@ -165,7 +168,7 @@ class Study:
         return loaded
 
     def view(self, name, baked, *options, compare=(), samples=None):
-        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and what else `compare` names. `samples`: of this reference."""
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum", and the methods in `compare`. `samples`: of this reference."""
         report = self.path(f"{name}.view.json")
         command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
                    "--report", report, *options]
@@ -200,7 +203,7 @@ class Study:
         self.parts.append(markup)
 
     def figures(self, shown, exposure=1.0, name="figure", small=False):
-        """`shown`: (linear picture, caption) each, beside one another."""
+        """Puts pictures next to each other. `shown`: (linear picture, caption)."""
         files = []
         for picture, caption in shown:
             self.picture_count += 1
@@ -209,15 +212,15 @@ class Study:
         self.picture_files(files, small)
 
     def picture_files(self, files, small=False):
-        """Pictures that lie in the folder: (file, caption) each, beside one another; `small`: no larger than a tile."""
+        """Puts pictures of the folder next to each other: (file, caption). `small`: no larger than a tile."""
         cells = [f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}"></a>'
                  f"<figcaption>{text(caption)}</figcaption></figure>" for file, caption in files]
         self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
 
     def strip(self, name, shown, zoom=1, crop=None, kind="png"):
-        """One picture, NAME.png, of several beside one another. `shown`: (displayed values 0..1, caption) each, in
-        squares of `zoom` x `zoom`; `crop`: rows and columns, as slices, of each. docs/evidence/images has it as
-        NAME.KIND."""
+        """Writes one picture, NAME.png, with several next to each other. `shown`: (displayed values 0..1, caption),
+        enlarged to squares of `zoom` x `zoom`. `crop`: slices of rows and columns. In docs/evidence/images, the
+        picture is NAME.KIND."""
         parts = [picture[crop] if crop else picture for picture, _ in shown]
         enlarged = [part.repeat(zoom, 0).repeat(zoom, 1) for part in parts]
         write_picture(self.path(f"{name}.png"), np.concatenate(enlarged, axis=1))
@@ -243,12 +246,13 @@ class Study:
         partial.replace(self.path("index.html"))
 
     def section(self):
-        """What docs/evidence/PAPERS.md has of this page."""
-        of_maps = f"Maps that are made: {self.size} x {self.size}. " if self.has_made_maps else ""
-        # What leads to a picture of the page alone says nothing here.
+        """Returns the section of docs/evidence/PAPERS.md for this page."""
+        of_maps = f"Generated maps have {self.size} x {self.size} texels. " if self.has_made_maps else ""
+        # Leaves out paragraphs that introduce a picture of the HTML page.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
                  if not part.endswith(":") or behind.startswith(("|", "!"))]
-        return "\n\n".join([f"## {self.title}", of_maps + machine_words(self.devices, self.contexts, self.versions),
+        return "\n\n".join([f"## {self.title}", of_maps + "Measured with " +
+                            machine_words(self.devices, self.contexts, self.versions),
                             *parts]) + "\n"
 
     def write_document_pictures(self, folder):

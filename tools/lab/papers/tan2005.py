@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tan, Lin, Quan, Guo and Shum 2005, "Multiresolution Reflectance Filtering": figures 4, 6, 7 and 8.
 
-Their scenes (a carved silver disk, golden armour) are not published. The disk is here the map of rings, once across a
-square; the armour is the map of hemispherical scales, repeated. What carries over is which method is nearer to the
-reference, and by what factor, not the figure's own value: tables have the factors beside those of the paper.
+The paper's scenes (a carved silver disk, golden armour) are not published. The map of rings, once across a square,
+replaces the disk. The repeated map of hemispherical scales replaces the armour. The order of methods and the ratios of
+their errors carry over, not the values of the figures, so tables have ratios next to the paper's ratios.
 
-The material is theirs: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F. They
-print it without shadowing and masking; here both are in, in the reference as in every method.
+The material follows the paper: Cook-Torrance's highlight with Schlick's Fresnel factor F(v.h), and Lambert times 1 - F.
+The paper prints it without shadowing and masking. Here both are included, for the reference and for every method.
 """
 import numpy as np
 from report_page import percent
@@ -22,13 +22,13 @@ DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0
 OURS = "planar Gaussians, 4 (their method)"
 BASELINES = (("Toksvig", "toksvig"), ("LEAN, slopes as published", "lean"),
              ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
-             # At as many points of each pixel as four lobes take evaluations.
+             # Shaded at as many points per pixel as four lobes take evaluations.
              ("Toksvig, 4 points", "toksvig-points"), ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"),
              ("averaged normals, 4 points", "points"))
 
 
 def camera(distance, height, field=45):
-    """Looks at the middle of the plane from in front of it."""
+    """A camera in front of the plane that looks at its middle."""
     return ("--camera", f"0,{30 - distance:.3f},{height:.3f},0,30,0,{field}")
 
 
@@ -37,22 +37,22 @@ def mean(measure, shown, targets):
 
 
 def beside(rows, label):
-    """The colour error of `rows`, label to error, and in brackets over the first's."""
+    """Returns the colour error of `label`, and in brackets its ratio to the first row. `rows`: label to error."""
     return f"{rows[label]:.3f} ({rows[label] / next(iter(rows.values())):.2f})"
 
 
 def factors(study, rows, published):
-    """A table of colour errors beside the paper's. `rows`: label to (colour error, cells of further columns);
-    `published`: label to the paper's colour error; the first row is their method."""
+    """Makes a table of colour errors next to the paper's errors. `rows`: label to (colour error, further cells);
+    `published`: label to the paper's colour error. The first row is the paper's method."""
     head, further = next(iter(rows)), [name for name, _ in next(iter(rows.values()))[1]]
-    study.table(["method", "colour error", "over theirs", "published", "over theirs, published", *further],
+    study.table(["method", "colour error", "ratio to their method", "published", "published ratio", *further],
                 [[label, f"{error:.3f}", f"{error / rows[head][0]:.2f}",
                   *([f"{published[label]:.3f}", f"{published[label] / published[head]:.2f}"] if label in published
                     else ["-", "-"]), *[cell for _, cell in cells]] for label, (error, cells) in rows.items()])
 
 
 def zoom(study):
-    """Figure 4: three neighbouring frames of a camera that zooms out, against Toksvig's."""
+    """Figure 4: three neighbouring frames of a camera that zooms out, compared with Toksvig."""
     distances = (1.0, 1.06, 1.12)
     drawn = {}
     for i, far in enumerate(distances):
@@ -70,25 +70,27 @@ def zoom(study):
     few = [f["few"][REFERENCE] for f in frames]
     texels = [f["texels"][REFERENCE] for f in frames]
     study.heading("Figure 4: three frames of a zoom")
-    study.paragraph("A carved disk, the camera moving away by 6 % a frame. Flicker is what a picture changes from",
-                    "frame to frame beyond what the reference changes, relative to the reference: 0 is as steady as",
-                    "the reference. The paper's colour errors are against 16 rays a pixel.")
+    study.paragraph("The camera moves away from a carved disk by 6 % per frame. Flicker is the change of a picture",
+                    "from frame to frame that the reference does not have, relative to the reference. At 0, the",
+                    "picture is as steady as the reference. The paper's colour errors are against 16 rays per pixel.")
     for label, pictures in [("reference", references), *list(shown.items())[:3]]:
         study.figures([(picture, f"{label}, frame {i + 1}") for i, picture in enumerate(pictures)], name="zoom")
     own = {label: mean(colour_distance, pictures, texels) for label, pictures in shown.items()}
     rows = {label: (mean(colour_distance, pictures, few),
                     [("against all samples", f"{mean(colour_distance, pictures, references):.3f}"),
-                     ("against the same filter's reference", beside(own, label)),
+                     ("against the reference with the same filter", beside(own, label)),
                      ("relative L1", percent(mean(relative_l1, pictures, references))),
                      ("flicker", percent(flicker(pictures, references)))]) for label, pictures in shown.items()}
     factors(study, rows, {OURS: 0.060, "Toksvig": 0.165})
     ours, theirs = rows[OURS][0], rows["Toksvig"][0]
-    study.paragraph(f"The paper's factor over Toksvig is 2.75; here it is {theirs / ours:.2f}, and",
-                    f"{own['Toksvig'] / own[OURS]:.2f} against the reference of the same filter.")
-    study.paragraph(f"16 samples a pixel are themselves {mean(colour_distance, few, references):.3f} off those of",
-                    f"{study.samples}, {percent(mean(relative_l1, few, references))} in relative L1. The reference of",
-                    "the same filter averages over the texels that the filter takes: against it errors are the",
-                    "methods' own, without the blur that all of them share.")
+    study.paragraph("In the paper, Toksvig has 2.75 times the error of the paper's method. Here, the factor is",
+                    f"{theirs / ours:.2f}, and {own['Toksvig'] / own[OURS]:.2f} against the reference with the same",
+                    "filter.")
+    study.paragraph(f"16 samples per pixel differ from {study.samples} samples by",
+                    f"{mean(colour_distance, few, references):.3f} in colour error and by",
+                    f"{percent(mean(relative_l1, few, references))} in relative L1. The reference with the same filter",
+                    "averages over the texels that the filter takes. Errors against this reference come only from the",
+                    "methods, without the blur that all methods share.")
 
 
 def alignment(study):
@@ -97,8 +99,9 @@ def alignment(study):
     aligned = study.view("aligned", "disk_gmm", *where, compare=(REFERENCE,))
     unaligned = study.view("unaligned", "disk_gmm_unaligned", *where)
     study.heading("Figures 5 and 6: alignment")
-    study.paragraph("The Gaussians of every texel fitted by themselves are as near to its normals as aligned ones, but",
-                    "between texels the filter mixes the first of one with the first of the other, whatever they are.")
+    study.paragraph("Gaussians that are fitted independently for every texel approximate the normals as well as",
+                    "aligned ones. Between texels, however, the filter mixes the first Gaussian of one texel with the",
+                    "first Gaussian of the other, even if they have nothing in common.")
     study.figures([(unaligned["multum"], "unaligned Gaussians"), (aligned[REFERENCE], "reference"),
                    (aligned["multum"], "aligned Gaussians")], name="alignment")
     study.table(["Gaussians", "colour error", "relative L1"],
@@ -108,7 +111,8 @@ def alignment(study):
 
 
 def fournier(study):
-    """Figure 7: several peaks a texel, shaded before they are filtered, and anisotropic filtering of ours."""
+    """Figure 7: several peaks per texel, shaded before they are filtered, and anisotropic filtering of aligned
+    lobes."""
     where, frame = (*DISK, *camera(60, 14, 30)), FRAME
     finer = ("--size", f"{FINER * WIDTH}x{FINER * HEIGHT}")
     wide = study.view("oblique_gmm", "disk_gmm", *where, *frame, *ELONGATED_FILTER, compare=(REFERENCE,))
@@ -118,30 +122,30 @@ def fournier(study):
     theirs = study.view("oblique_fournier", "disk_unaligned", *where, *frame, *ROUND_FILTER, "--shade-first")
     reference, fitting = wide[REFERENCE], box_reduced(many["multum"], FINER)
     study.heading("Figure 7: Fournier's Phong peaks")
-    study.paragraph("A disk at a grazing angle. Fournier fits Phong peaks to every texel by itself; they cannot be",
-                    "mixed, so that all eight texels of a trilinear footprint are shaded, and a wider footprint cannot",
-                    f"be had. Aligned lobes are mixed by the filter, here with {' '.join(ELONGATED_FILTER)}. Peaks are",
-                    "here vMF lobes of an unaligned bake.")
+    study.paragraph("The camera sees a disk at a grazing angle. Fournier fits Phong peaks to every texel",
+                    "independently, and such peaks cannot be mixed. All eight texels of a trilinear footprint must",
+                    "therefore be shaded, and a wider footprint is impossible. The filter mixes aligned lobes, here",
+                    f"with {' '.join(ELONGATED_FILTER)}. Peaks are here vMF lobes of an unaligned bake.")
     rows = [(OURS + ", elongated filter", wide["multum"], wide),
             ("vMF lobes, elongated filter", lobes["multum"], lobes),
             ("planar Gaussians, round filter", round_filter["multum"], round_filter),
-            (f"planar Gaussians, {FINER} x {FINER} round lookups a pixel", fitting, many),
+            (f"planar Gaussians, {FINER} x {FINER} round lookups per pixel", fitting, many),
             ("peaks, all eight texels shaded", theirs["multum"], theirs)]
     study.figures([(reference, "reference"), *[(picture, label) for label, picture, _ in rows]], name="fournier")
     factors(study, {label: (colour_distance(picture, reference),
                             [("relative L1", percent(relative_l1(picture, reference))),
                              ("frame, ms", f"{view.frame_ms['multum']:.1f}")]) for label, picture, view in rows},
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
-    study.paragraph("Many small lookups in the place of one stand for a filter that has the pixel's own shape: what is",
-                    "left with them is the Gaussians' error, what the other rows have beyond it is their filter's.",
-                    "The elongated filter's picture differs from the round one's by",
-                    f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor of the",
-                    "paper is that of the peaks over a filter that fits its pixel:",
+    study.paragraph("Many small lookups per pixel act like a filter with the pixel's own shape. Their error is the",
+                    "error of the Gaussians; the other rows add the error of their filter. The picture of the",
+                    "elongated filter differs from the picture of the round filter by",
+                    f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The paper's factor",
+                    "compares the peaks with a filter that fits the pixel. Here, this factor is",
                     f"{colour_distance(theirs['multum'], reference) / colour_distance(fitting, reference):.1f}.")
 
 
 def armour(study):
-    """Figure 8: golden armour from near and far, against a BRDF that stays as it is near by."""
+    """Figure 8: golden armour from near and far, compared with a BRDF that does not change with distance."""
     gold = ("--mesh", study.torus(), "--repeat", "3", "--up", "0,0,1", "--light", "0.5,-0.6,1", *GOLD, *FRAME)
     far_away = ("--camera", "0.6,-6,5,0,0,0,28")
     near = study.view("armour_near", "armour_gmm", *gold, "--camera", "0.5,-2.6,0.9,0.3,-1,0.2,24",
@@ -152,22 +156,22 @@ def armour(study):
     texels = study.view("armour_texels", "armour_gmm", *gold, *far_away, "--reference-of", "texels",
                         compare=(REFERENCE,))
     study.heading("Figure 8: golden armour")
-    study.paragraph("Hemispherical scales, near and far. With a fixed BRDF and averaged normals the far one shines",
-                    "like a smooth ring.")
+    study.paragraph("Hemispherical scales are seen from near and far. With a fixed BRDF and averaged normals, the far",
+                    "armour shines like a smooth ring.")
     study.figures([(near["multum"], "near, planar Gaussians"), (far["multum"], "far, planar Gaussians"),
                    (far[REFERENCE], "far, reference"), (far["mip"], "far, fixed BRDF")], name="armour")
     rows = {OURS: far["multum"], "planar Gaussians, 8": eight["multum"], "vMF lobes, 4": lobes["multum"],
             "fixed BRDF": far["mip"], "fixed BRDF, 4 points": far["points"]}
     own = {label: colour_distance(picture, texels[REFERENCE]) for label, picture in rows.items()}
     factors(study, {label: (colour_distance(picture, far[REFERENCE]),
-                            [("against the same filter's reference", beside(own, label)),
+                            [("against the reference with the same filter", beside(own, label)),
                              ("relative L1", percent(relative_l1(picture, far[REFERENCE])))])
                     for label, picture in rows.items()}, {OURS: 0.058, "fixed BRDF": 0.175})
     factor = lambda errors: f"{errors['fixed BRDF'] / errors[OURS]:.2f}"
-    study.paragraph("The paper has a factor of 3.0 between a fixed BRDF and its method; here it is",
+    study.paragraph("In the paper, a fixed BRDF has 3.0 times the error of the paper's method. Here, the factor is",
                     f"{factor({label: colour_distance(rows[label], far[REFERENCE]) for label in rows})}, and",
-                    f"{factor(own)} against the reference of the same filter. Four lobes are few for scales that fill",
-                    "the hemisphere, which the armour of the paper need not do.")
+                    f"{factor(own)} against the reference with the same filter. Four lobes are few for scales that",
+                    "fill the hemisphere; the armour of the paper may not fill it.")
 
 
 def reproduce(study):
@@ -179,9 +183,10 @@ def reproduce(study):
                                   ("armour", scales, ()), ("armour_gmm", scales, ("--ndf", "gmm")),
                                   ("armour_gmm8", scales, ("--ndf", "gmm", "--lobes", "8"))):
         study.bake(name, source, "--green", "up", *options)
-    study.paragraph("Their disk and armour are not published: a map of rings and one of hemispherical scales stand in",
-                    "for them. The colour error is theirs in words, the mean distance of displayed colours over that",
-                    "of black and white; its value depends on the scene, the factor between two methods less so.")
+    study.paragraph("The disk and the armour of the paper are not published. A map of rings and a map of",
+                    "hemispherical scales replace them. The paper describes its colour error only in words: the mean",
+                    "distance between displayed colours, divided by the distance between black and white. The value",
+                    "of this error depends on the scene; the ratio between two methods depends on it less.")
     zoom(study)
     alignment(study)
     fournier(study)

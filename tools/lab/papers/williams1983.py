@@ -13,7 +13,7 @@ TITLE = "Williams 1983: pyramidal parametrics"
 
 
 def sheet(study, name, caption, *options):
-    """One run of multum-view that writes a sheet; returns the rows of its report."""
+    """Runs multum-view to write a sheet; returns the rows of its report."""
     study.run("multum-view", *options, "-o", study.path(f"{name}.png"), "--report", study.path(f"{name}.view.json"))
     study.picture_files([(f"{name}.png", caption)], name != "colours")
     loaded = json.loads(study.path(f"{name}.view.json").read_text())
@@ -24,8 +24,9 @@ def sheet(study, name, caption, *options):
 
 def colours(study):
     study.heading("Magnification and compression")
-    study.paragraph("A picture on a plane that runs to the horizon: magnified near by, compressed far off. Sampled",
-                    "at the nearest texel it breaks into blocks and into noise; the pyramid is smooth in both.")
+    study.paragraph("The picture covers a plane that runs to the horizon, so it is magnified near the camera and",
+                    "compressed far away. The nearest texel gives blocks and noise. The pyramid is smooth in both",
+                    "cases.")
     study.testmap("picture")
     study.run("multum", "mip", study.path("picture_albedo.png"), "-o", study.path("picture.exr"))
     rows = sheet(study, "colours", "the reference and three ways to look up", "pyramid", study.path("picture.exr"),
@@ -35,7 +36,7 @@ def colours(study):
 
 
 def bumpy_ball(path, steps=192, bumps=0.05):
-    """A ball with bumps all over, as OBJ: curvature that no pixel of a small picture resolves."""
+    """Writes a ball with bumps as OBJ: pixels of a small picture cannot resolve its curvature."""
     def point(i, j):
         polar, azimuth = math.pi * i / steps, 2 * math.pi * j / steps
         radius = 1 + bumps * math.sin(9 * polar) * math.sin(9 * azimuth) * math.sin(polar)
@@ -58,9 +59,10 @@ def bumpy_ball(path, steps=192, bumps=0.05):
 
 def highlights(study):
     study.heading("Highlights")
-    study.paragraph("Light and highlights as a map over the normal. Where the surface turns far within a pixel, the",
-                    "finest level hits or misses the highlight; the level that the curvature calls for averages it.",
-                    "Flicker: the mean change of the error as the picture moves by parts of a pixel.")
+    study.paragraph("Light and highlights are stored as a map over the normal. Where the surface turns much within a",
+                    "pixel, the finest level hits or misses the highlight. The level that fits the curvature averages",
+                    "the highlight. Flicker is the mean change of the error while the picture moves by parts of a",
+                    "pixel.")
     lights = [option for direction in ("0.3,0.8,0.5", "-1,0.2,0.4,2", "0.6,-0.5,0.7", "-0.3,-0.2,1")
               for option in ("--light", direction)]
     study.run("multum", "reflectance", "-o", study.path("lights.exr"), "--brdf", "blinn-phong:300", *lights)
@@ -77,7 +79,7 @@ def highlights(study):
 
 
 def bumpy_positions(path, width=256, height=128, bumps=0.05):
-    """The ball as a grid of positions, for multum lod: x, y, z over azimuth and polar angle."""
+    """Writes the ball as a grid of positions for multum lod: x, y, z over azimuth and polar angle."""
     polar = (np.arange(height) + 0.5)[:, None] / height * np.pi
     azimuth = (np.arange(width) + 0.5)[None, :] / width * 2 * np.pi
     radius = 1 + bumps * np.sin(9 * polar) * np.sin(9 * azimuth) * np.sin(polar)
@@ -89,23 +91,24 @@ def bumpy_positions(path, width=256, height=128, bumps=0.05):
 
 def limited_curvature(study):
     study.heading("Curvature limited before rendering")
-    study.paragraph("The surface's own pyramid takes away what is smaller than the spacing of its points in pixels,",
-                    "before any highlight is looked up. Where lights have no pyramid, points half a pixel apart are",
-                    "nearer and steadier. With one the finest surface is nearer: limited, it lacks the spread of",
-                    "normals that the bumps had, which points a pixel apart lose altogether.")
+    study.paragraph("The surface's own pyramid removes details that are smaller than the spacing of its points in",
+                    "pixels, before any highlight is looked up. If lights have no pyramid, points half a pixel apart",
+                    "have lower errors and less flicker. If lights have a pyramid, the finest surface has lower",
+                    "errors. The limited surface lacks the spread of normals of its bumps, and points a pixel apart",
+                    "lose this spread completely.")
     study.run("multum", "lod", bumpy_positions(study.path("ball_points.exr")), "-o", study.path("ball_lod.exr"), "--of",
               "positions", "--swrap", "periodic", "--twrap", "clamp")
     found, shown, size = [], [], "28x28"
     for words, name, detail in (("finest", "finest", ("--surface-level", "0")),
                                 ("half a pixel", "half", ("--surface-spacing", "0.5")),
                                 ("a pixel", "whole", ("--surface-spacing", "1"))):
-        rows = sheet(study, f"limited_{name}", f"points: {words}; the reference, the finest lights, the level's",
+        rows = sheet(study, f"limited_{name}", f"points: {words}; the reference, the finest lights, lights by level",
                      "pyramid", study.path("lights.exr"), "--surface", study.path("ball_lod.exr"), *detail, "--lookup",
                      f"{REFERENCE},bilinear,level", "--shifts", "8", "--size", size, "--samples",
                      str(min(study.samples, 64)), "--pictures", study.path(f"limited_{name}"), "--exposure", "0.2")
         shown += [(read_picture(study.path(f"limited_{name}_{lookup}.png"))[:, :, :3], f"{words}, {caption}")
                   for lookup, caption in ((REFERENCE, "reference"), ("bilinear", "finest lights"),
-                                          ("level", "the level's"))]
+                                          ("level", "lights by level"))]
         found += [[words, row["name"], percent(row["relative_l1"]), f"{row['flicker']:.3f}"]
                   for row in rows if "relative_l1" in row]
     study.table(["spacing of points", "lookup of lights", "relative L1", "flicker"], found)
@@ -116,7 +119,7 @@ HILL_SIDE, OCTAVES = 257, 7  # the finest octave has a wave of 6 points
 
 
 def hills(study):
-    """A height field's pyramid."""
+    """Makes the pyramid of a height field."""
     y, x = np.mgrid[0:HILL_SIDE, 0:HILL_SIDE] / HILL_SIDE
     heights = sum(0.5 ** k * np.sin(2 ** k * 5 * x + k) * np.cos(2 ** k * 4 * y + 2 * k) for k in range(OCTAVES))
     write_picture(study.path("hills.exr"), (0.05 * heights)[:, :, None], oiio.FLOAT)
@@ -124,7 +127,7 @@ def hills(study):
 
 
 def draw_surface(study, name, pyramid, *options, factor=1, size=(160, 120)):
-    """A picture in linear RGB, and its row; `factor` x `factor` samples a pixel."""
+    """Returns a picture in linear RGB with `factor` x `factor` samples per pixel, and its row of the report."""
     width, height = size
     study.run("multum-view", "lod", study.path(pyramid), *options, "-o", study.path(f"{name}.exr"), "--report",
               study.path(f"{name}.view.json"), "--size", f"{factor * width}x{factor * height}")
@@ -139,9 +142,10 @@ def camera(distance):
 
 def boiling(study):
     study.heading("The surface's level from its projection")
-    study.paragraph("A zoom of 14 frames, each 8 % farther away. What pictures change from frame to frame beyond what",
-                    "the reference changes, the finest surface with 6 x 6 samples a pixel, is boiling. The level that",
-                    "keeps points a distance in pixels changes without a step; in whole levels it jumps.")
+    study.paragraph("The camera zooms out over 14 frames, 8 % farther away in each. Boiling is the change of pictures",
+                    "from frame to frame that the reference does not have. The reference is the finest surface with 6",
+                    "x 6 samples per pixel. If the level keeps points at a constant distance in pixels, it changes",
+                    "without steps. Whole levels jump.")
     frames = [3.0 * 1.08 ** k for k in range(14)]
     references = [draw_surface(study, f"zoom_reference{k}", "lod.exr", "--level", "0", *camera(d), factor=6)[0]
                   for k, d in enumerate(frames)]
@@ -167,7 +171,7 @@ def boiling(study):
 
 
 def torus_points(path, around=64, across=32):
-    """A fluted ring as a grid of control points, closed both ways."""
+    """Writes a fluted ring as a grid of control points, closed in both directions."""
     u = (np.arange(around) + 0.5)[None, :] / around * 2 * np.pi
     v = (np.arange(across) + 0.5)[:, None] / across * 2 * np.pi
     thick = 0.4 * (1 + 0.2 * np.sin(5 * u) * np.ones_like(v))
@@ -178,8 +182,9 @@ def torus_points(path, around=64, across=32):
 
 def patches(study):
     study.heading("Patches by their control points")
-    study.paragraph("A level's points as control points of bicubic B-spline patches: smooth where triangles of the",
-                    "same points show their edges. Errors are against the spline itself, in 32 x 32 cells a patch.")
+    study.paragraph("The points of a level are used as control points of bicubic B-spline patches. Patches are smooth",
+                    "where triangles of the same points show their edges. Errors are against the spline itself, drawn",
+                    "with 32 x 32 cells per patch.")
     study.run("multum", "lod", torus_points(study.path("torus_points.exr")), "-o", study.path("torus_lod.exr"), "--of",
               "positions", "--wrap", "periodic")
     view = ("--camera", "0.3,-3.2,2.2,0,0,0,38", "--up", "0,0,1", "--brdf", "blinn-phong:60", "--specular", "0.1",
@@ -194,13 +199,14 @@ def patches(study):
         rows.append([level, points, *[percent(relative_l1(picture, spline)) for picture in pictures.values()]])
         shown += [(srgb(pictures["triangles"]), f"{points} points as triangles"),
                   (srgb(pictures["8"]), "as patches of 8 x 8 cells")]
-    study.table(["level", "control points", "triangles of them", "patches of 2 x 2 cells", "4 x 4", "8 x 8"], rows)
+    study.table(["level", "control points", "triangles", *[f"patches of {n} x {n} cells" for n in (2, 4, 8)]], rows)
     study.strip("patches", shown)
 
 
 def levels_of_detail(study):
     study.heading("Levels of detail")
-    study.paragraph("A height field's pyramid, drawn at continuous levels: fewer points, smoother hills.")
+    study.paragraph("A height field's pyramid is drawn at continuous levels. Coarser levels have fewer points and",
+                    "smoother hills.")
     hills(study)
     shown = []
     for level in (0, 2, 3.5, 5):

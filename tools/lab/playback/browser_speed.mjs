@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast a player's page plays in headless Chromium with its software renderer, SwiftShader; prints JSON. Started by
-// tools/lab/playback/playing.py.
+// Measures how fast a player's page plays in headless Chromium with its software renderer, SwiftShader; prints JSON.
+// tools/lab/playback/playing.py runs it.
 //
 //   node browser_speed.mjs CHROMIUM PAGE.html [SECONDS]
 //
-// cached: the first two samples along the first parameter are decoded, and the position goes to and fro between them.
-// diagonal: every frame goes one sample further along all parameters, wrapped around; one diagonal after another, until
-// every sample was met, none twice; textures are forgotten before. Each frame waits for all of its textures.
+// cached: the first two samples along the first parameter are decoded, and the position moves between them.
+// diagonal: every frame moves one sample further along all parameters, wrapped around, until all samples were shown
+// once.
+// Textures are dropped before. Each frame waits for all of its textures.
 import { pathToFileURL } from "node:url";
 import { chromium } from "../../tests/service/web/node_modules/playwright-core/index.mjs";
 
@@ -23,10 +24,10 @@ async function measure(patience) {
   const { gl } = player.gl;
   const { sizes, supersampling } = player.description;
   const pixel = new Uint8Array(4);
-  const finish = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits for what is drawn
+  const finish = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits until drawing has finished
   const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
   const channel = new MessageChannel();
-  const turn = () => new Promise((resolve) => { // of the browser; setTimeout takes 4 ms
+  const turn = () => new Promise((resolve) => { // of the browser's loop; setTimeout takes 4 ms
     channel.port1.onmessage = resolve;
     channel.port2.postMessage(null);
   });
@@ -43,7 +44,7 @@ async function measure(patience) {
     await player.settled();
   }
 
-  // What is drawn alone: nothing is decoded, nothing is shown.
+  // Only draws: decodes nothing and shows nothing.
   result.draw = [];
   for (const isSmooth of [false, true]) {
     player.isSmooth = isSmooth;
@@ -63,8 +64,8 @@ async function measure(patience) {
     }
   }
 
-  // Where a picture's time goes, one sub-pixel a pixel: without objects; of them in 16 x 12 pixels, which leaves their
-  // corners; looked up in two mip levels, as at rest.
+  // Divides the time of a picture with one sub-pixel per pixel: without objects; with objects in 16 x 12 pixels, which
+  // leaves their corners; with lookups in two mip levels, as at rest.
   player.isSmooth = false;
   player.quality = fixedQuality(1);
   const p50 = () => {
@@ -92,7 +93,7 @@ async function measure(patience) {
     smallMs: drawnWith((all) => ({ ...all, width: 16, height: 12 })),
     twoLevelsMs: drawnWith((all) => ({ ...all, hasOneLevel: false })) };
 
-  // What a person sees: as often as the browser shows a frame, with as many sub-pixels as the page chooses.
+  // The page as a person sees it: frames at the browser's rate, with the number of sub-pixels that the page chooses.
   result.cached = [];
   for (const isSmooth of [false, true]) {
     player.setSmooth(isSmooth);
@@ -102,7 +103,7 @@ async function measure(patience) {
     while (last - begun < 1000 * patience) {
       player.moveTo(sizes.map((_, d) => (d === 0 ? 0.5 - 0.5 * Math.cos((last - begun) / 500) : 0)));
       last = await frame();
-      if (pictures === 0 && last - begun > 500 * patience) { // until then it chooses
+      if (pictures === 0 && last - begun > 500 * patience) { // until then, the page chooses
         [pictures, begun] = [player.statistics.frames, last];
       }
     }
@@ -120,7 +121,7 @@ async function measure(patience) {
     await player.settled();
     player.quality = fixedQuality(side);
     player.store.clear();
-    player.requestDraw = () => {}; // no pictures between
+    player.requestDraw = () => {}; // no pictures in between
     const decodedBefore = player.statistics.decoded;
     const parts = { waiting: 0, drawing: 0 };
     const list = [];

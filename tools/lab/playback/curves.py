@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curves of error over compression ratio: values between their points, and a picture of them."""
+"""Curves of error over compression: values between their points, and a picture."""
 import html
 import math
 
@@ -9,14 +9,14 @@ WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 820, 430, 56, 262, 20, 44
 
 
 def value_at(points, ratio):
-    """The error at a ratio, on the line between the points beside it, both axes logarithmic. `points`: (ratio, error)
-    in any order. None beyond the ends of the curve."""
+    """Interpolates the error at a ratio between neighbouring points, with both axes logarithmic. `points`: (ratio,
+    error) in any order. Returns None beyond the ends of the curve."""
     points = sorted(points)
     for (left, low), (right, high) in zip(points, points[1:]):
         if left <= ratio <= right:
             share = math.log(ratio / left) / math.log(right / left) if right > left else 0.0
             return math.exp(math.log(low) + share * math.log(high / low))
-    # A curve may begin where an encoder came to, a little smaller than was asked for: no better than the value there.
+    # An encoder may reach a slightly smaller size than asked, so a curve may begin there: its error is an upper bound.
     near = [error for at, error in points if 1 <= at / ratio < 1.05]
     return near[0] if near else None
 
@@ -26,7 +26,7 @@ def ticks(least, most):
 
 
 def apart(places, distance):
-    """The same places in their order, moved so that neighbours are `distance` apart."""
+    """Moves places so that neighbours are at least `distance` apart, and keeps their order."""
     order = sorted(range(len(places)), key=lambda i: places[i])
     moved, last = list(places), -math.inf
     for i in order:
@@ -35,8 +35,8 @@ def apart(places, distance):
 
 
 def picture(title, curves, marks):
-    """An SVG by itself, for light and dark pages. `curves`: (name, colour number, dash number, points (ratio, error));
-    `marks`: ratios with a line of their own."""
+    """Draws a self-contained SVG for light and dark pages. `curves`: (name, colour number, dash number, points (ratio,
+    error)); `marks`: ratios with a line of their own."""
     curves = [one for one in curves if one[3]]
     ratios = [ratio for *_, points in curves for ratio, _ in points]
     errors = [error for *_, points in curves for _, error in points]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of ray-traced frames, as jobs of `multum infer` describe them: their frames in the order of a video, in 8-bit
-values as a screen shows them, and errors of other frames beside them."""
+"""Fields of ray-traced frames from jobs of `multum infer`: their frames in the order of a video, in 8-bit values as
+on a screen, and errors against other frames."""
 import json
 import pathlib
 import sys
@@ -14,14 +14,14 @@ WHOLE = 1 - 1 / 512  # coverage of a pixel that one object has to itself
 
 
 def read_channels(path, names):
-    """Float32 [height, width, len(names)], and the file's attributes."""
+    """Reads float32 [height, width, len(names)], and the file's attributes."""
     source = oiio.ImageInput.open(str(path))
     if source is None:
-        sys.exit(f"{path}: cannot be read: {oiio.geterror()}")
+        sys.exit(f"cannot read {path}: {oiio.geterror()}")
     spec = source.spec()
     missing = [name for name in names if name not in spec.channelnames]
     if missing:
-        sys.exit(f"{path}: has no channel {', '.join(missing)}, only {', '.join(spec.channelnames)}")
+        sys.exit(f"{path}: found the channels {', '.join(spec.channelnames)}, expected also {', '.join(missing)}")
     pixels = np.asarray(source.read_image(oiio.FLOAT), dtype=np.float32)
     attributes = {one.name: one.value for one in spec.extra_attribs}
     source.close()
@@ -29,12 +29,12 @@ def read_channels(path, names):
 
 
 def eight_bit(linear):
-    """What a screen of gamma 2.2 gets of linear radiance: uint8, 255 for 1 and above, 0 for NaN."""
+    """Converts linear radiance for a screen of gamma 2.2: uint8, 255 for 1 and above, 0 for NaN."""
     return np.rint(255 * np.clip(np.nan_to_num(linear, nan=0.0), 0, 1) ** (1 / GAMMA)).astype(np.uint8)
 
 
 def squared_errors(frames, others):
-    """Of each pixel, the mean of red, green and blue: float32 [frame, height, width]."""
+    """Returns the mean over red, green and blue for each pixel: float32 [frame, height, width]."""
     return np.stack([((a.astype(np.int32) - b) ** 2).mean(axis=2, dtype=np.float32) for a, b in zip(frames, others)])
 
 
@@ -44,8 +44,8 @@ def mse(frames, others):
 
 
 class Field:
-    """A job's samples, along a path through the parameters on which neighbours differ by one step: the last parameter
-    fastest, to and fro."""
+    """A job's samples along a path through the parameters. The last parameter is fastest, forwards and backwards, so
+    that neighbours differ by one step."""
 
     def __init__(self, job):
         self.path = pathlib.Path(job)
@@ -62,13 +62,14 @@ class Field:
         return self.path.parent / sample[key]
 
     def traced_frames(self):
-        """uint8 [frame, height, width, 3]."""
+        """Returns uint8 [frame, height, width, 3]."""
         white = self.job.get("radiance_max", 1)
         return np.stack([eight_bit(read_channels(self.file(one, "radiance"), "RGB")[0] / white)
                          for one in self.samples])
 
     def object_numbers(self):
-        """Which of the job's objects covers most of each pixel, from 1; 0: none. uint8 [frame, height, width]."""
+        """Returns the number of the job's object that covers most of each pixel, from 1; 0: none. uint8 [frame, height,
+        width]."""
         known, frames = {}, []
         for one in self.samples:
             path = self.file(one, "object_index" if "object_index" in one else "geometry")
@@ -78,7 +79,7 @@ class Field:
         return np.stack(frames)
 
     def indexed(self, path):
-        """Of an object-index picture."""
+        """Reads numbers from an object-index picture."""
         source = oiio.ImageInput.open(str(path))
         values = np.asarray(source.read_image(oiio.UINT8)).reshape(self.height, self.width)
         source.close()
@@ -88,7 +89,7 @@ class Field:
         return numbers
 
     def cryptomatte(self, path):
-        """Of the first rank of a Cryptomatte whose manifest is in the file."""
+        """Reads numbers from the first rank of a Cryptomatte with its manifest in the file."""
         prefix = self.job.get("cryptomatte", "CryptoObject")
         planes, attributes = read_channels(path, [f"{prefix}00.r"])
         manifests = [json.loads(value) for name, value in attributes.items()
@@ -103,7 +104,8 @@ class Field:
 
 
 def serpentine(counts):
-    """Places of a grid, the last dimension fastest, each line of it the other way than the one before."""
+    """Lists the places of a grid. The last dimension is fastest, and each line runs in the opposite direction of the
+    line before."""
     if not counts:
         return [()]
     path, rest = [], serpentine(counts[1:])
@@ -113,7 +115,7 @@ def serpentine(counts):
 
 
 def silhouettes(numbers):
-    """Pixels with another object beside them, also across a corner. bool, the shape of `numbers`."""
+    """Finds pixels with another object next to them, also diagonally. Returns bool, in the shape of `numbers`."""
     edges = np.zeros(numbers.shape, bool)
     for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
         there = (slice(None), slice(dy, None), slice(max(dx, 0), numbers.shape[2] + min(dx, 0)))
@@ -126,8 +128,8 @@ def silhouettes(numbers):
 
 
 def error_places(errors, numbers, names):
-    """Where squared errors sit: rows (object or "", "silhouette" or "interior", share of pixels, MSE there, its part of
-    the MSE of all). "": pixels without an object."""
+    """Divides squared errors by place. Returns rows (object or "", "silhouette" or "interior", share of pixels, their
+    MSE, their part of the whole MSE). "" stands for pixels without an object."""
     edges, rows = silhouettes(numbers), []
     for number, name in enumerate(["", *names]):
         for kind, where in (("interior", ~edges), ("silhouette", edges)):

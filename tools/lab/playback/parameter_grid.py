@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Changes the grid of parameters of a job of `multum infer`: one that runs over two things at once becomes two, and
-fewer parameters leave the samples at the middle of the others. Jobs are texts of TOML as `multum animation` writes
-them: what is not of the grid stays as it is."""
+"""Changes the parameters of a job of `multum infer`: splits a parameter that runs over two things, or keeps only the
+first parameters, with the middle samples of the others. Jobs are TOML texts as `multum animation` writes them, and the
+rest of the text does not change."""
 import json
 import math
 import re
@@ -9,7 +9,7 @@ import sys
 
 
 def tables(job):
-    """The text before the first [[...]], and each of them with what belongs to it."""
+    """Splits a job into the text before the first [[...]], and each [[...]] with its lines."""
     return re.split(r"^(?=\[\[)", job, flags=re.MULTILINE)
 
 
@@ -26,7 +26,7 @@ def count_of(table):
 
 
 def with_value(table, key, value):
-    """`value` is given as JSON has it, which TOML reads."""
+    """Sets a key; `value` is written as JSON, which TOML can read."""
     changed, count = re.subn(rf"^{key} = (\[.*?\]|\"[^\"]*\"|\S+)", lambda _: f"{key} = {json.dumps(value)}", table,
                              count=1, flags=re.MULTILINE)
     if count != 1:
@@ -39,7 +39,7 @@ def list_of(table, key):
 
 
 def with_split_parameter(job, name, parts):
-    """Of the parameter `name`, the parameters `parts`, (name, count) each; the last runs fastest."""
+    """Replaces the parameter `name` by `parts`, (name, count); the last part is fastest."""
     parameters = [table for table in tables(job) if is_a(table, "parameter")]
     place = next((k for k, table in enumerate(parameters) if name_of(table) == name), None)
     if place is None:
@@ -68,7 +68,7 @@ def with_split_parameter(job, name, parts):
 
 
 def with_leading_parameters(job, kept):
-    """The first `kept` parameters alone, at the middle samples of the others."""
+    """Keeps only the first `kept` parameters, at the middle samples of the others."""
     parameters = [table for table in tables(job) if is_a(table, "parameter")]
     names = [name_of(table) for table in parameters]
     middle = [count_of(table) // 2 for table in parameters]

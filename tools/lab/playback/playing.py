@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a packed field plays: seconds to random samples beside AV1's, frames a second, borders of blocks, memory, and the
-same in a browser. `multum-view play` draws; everything is measured on one core, except in the browser.
+"""Measures how a packed field plays: times to random samples next to AV1, frames per second, borders of blocks, memory,
+and the same in a browser. `multum-view play` draws. Everything except the browser runs on one core.
 
-Rows of kind "playing". A machine that does other work beside makes times longer and spreads wide: other work is to be
-stopped.
+Writes rows of kind "playing". Stop other work on the machine, because it makes times longer and more variable.
 """
 import itertools
 import json
@@ -32,13 +31,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 def quantile(values, p):
-    """The nearest rank."""
+    """Returns the quantile by the nearest rank."""
     ordered = sorted(values)
     return ordered[max(0, math.ceil(p * len(ordered)) - 1)]
 
 
 def diagonals(counts):
-    """Every place of the grid once: each frame a step further along all parameters, one diagonal after another."""
+    """Lists every place of the grid once: each frame is a step further along all parameters, one diagonal after
+    another."""
     places = {}
     for begin in itertools.product(*map(range, counts)):
         for step in range(max(counts)):
@@ -47,15 +47,15 @@ def diagonals(counts):
 
 
 class Player:
-    """Plays one packed file through places, one a frame, on one core."""
+    """Plays one packed file along places, one per frame, on one core."""
 
     def __init__(self, programs, file, parameters, scratch):
         self.programs, self.file, self.parameters, self.scratch = programs, file, parameters, scratch
         self.core = min(os.sched_getaffinity(0))
 
     def play(self, places, *options):
-        """Frames of statistics.json, and the whole of it. The first place is drawn twice: what compiles shaders is left
-        out."""
+        """Returns the frames of statistics.json, and the whole file. Draws the first place twice and drops the first
+        frame, which compiles shaders."""
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir()
         path = self.scratch / "path.json"
@@ -74,7 +74,7 @@ class Player:
 
 
 def seek_rows(player, streams, counts):
-    """p50 and p99 of each round, of both programs in turns over the same random samples."""
+    """Returns p50 and p99 of each round. Both programs seek the same random samples alternately."""
     chooser = random.Random(SEED)
     rounds = []
     for _ in range(ROUNDS):
@@ -117,13 +117,14 @@ def frame_times(frames):
 
 
 def measure_playing(measurement, video_codecs, quality_of):
-    """`measurement`: a FieldMeasurement. `quality_of(codec)`: the -crf whose error is nearest to the packed file's."""
+    """`measurement`: a FieldMeasurement. `quality_of(codec)`: the -crf with the error most similar to the packed
+    file."""
     field, programs = measurement.field, measurement.programs
 
     def packed(label, options):
         file = measurement.scratch / (re.sub(r"\W+", "_", label) + ".mpt")
         if not file.exists() and programs.pack(measurement.inferred, file, [*measurement.main, *options]).code != 0:
-            raise SystemExit(f"{file}: cannot be packed")
+            raise SystemExit(f"multum pack cannot write {file}")
         return file
 
     def player_of(label, options=()):
@@ -174,7 +175,7 @@ def measure_playing(measurement, video_codecs, quality_of):
 
 
 def measurement_fits(player, places, size):
-    """Whether a frame's textures fit in so much memory."""
+    """Tests whether a frame's textures fit into this much memory."""
     with tempfile.TemporaryDirectory() as folder:
         words = ["play", player.file, "--path", f"{player.parameters[0]}=0", "--frames", "1", "--no-wait", "--memory",
                  size, "-o", folder, "--context", player.programs.context, "--supersampling", "1"]
@@ -194,6 +195,11 @@ def in_browser(programs, file, browser):
 
 # ---- the page
 
+def spoken(codec):
+    """Returns the name of a codec for use in a sentence."""
+    return f"{codec.replace(', a key', ' with a key')} frames" if ", a key frame every" in codec else codec
+
+
 def spread(values, digits=1):
     return f"{statistics.median(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
 
@@ -208,22 +214,29 @@ def seek_section(row, table):
         ratios = ["1" if name == "multum" else spread([one[name][key] / one["multum"][key] for one in row["rounds"]], 2)
                   for key in ("p50", "p99")]
         shown = {"multum": "decoded to textures, processor ms",
-                 "multum, drawn": "the same, uploaded and drawn on one core, elapsed ms"}
+                 "multum, drawn": "decoded, uploaded and drawn on one core, elapsed ms"}
         lines.append([shown.get(name, f"{name}, dav1d, processor ms"),
                       spread([one[name]["p50"] for one in row["rounds"]]),
                       spread([one[name]["p99"] for one in row["rounds"]]), *ratios, decoded])
     verdict = []
     for name in videos:
         ratio = statistics.median(one["multum"]["p50"] / one[name]["p50"] for one in row["rounds"])
-        verdict.append(f"{ratio:.1f} times {name}'s")
+        verdict.append(f"{ratio:.1f} times as long as {spoken(name)}")
     return ["#### To any sample from a cold cache",
-            table(["ms", "p50", "p99", "p50 over the first", "p99 over the first", "decoded at most"], lines),
-            f"Random samples, {len(row['rounds'])} rounds, all in turns on one core and one thread; medians of rounds, "
-            "their range in brackets, ratios within a round. AV1 at the quality whose error is nearest to the packed "
-            f"file's, from the key frame to the frame by lib{row['decoder']}, without conversion of colours. A median "
-            f"seek takes {' and '.join(verdict)}; at most half of it was asked for. A block is decoded whole, all of "
-            "its samples' coefficients, before its first texture is there; and textures hold all that any view of a "
-            "block sees, several times the texels of a frame."]
+            table(["ms", "p50", "p99", "p50 / p50 of the first row", "p99 / p99 of the first row",
+                   "decoded at most"], lines),
+            f"All programs looked up random samples alternately in {len(row['rounds'])} rounds, on one core and one "
+            f"thread. The "
+            "table has medians of the rounds, with their range in brackets, and ratios within a round. AV1 has the "
+            "quality "
+            "whose error is most similar to the error of the packed file. "
+            f"lib{row['decoder']} decodes from the key frame to the frame, without conversion of colours. The median "
+            f"seek "
+            f"takes {' and '.join(verdict)}. A block is decoded whole, with the coefficients of all its samples, "
+            f"before its "
+            "first texture is available. Its textures cover everything that any view of the block sees, which is "
+            "several "
+            "times the texels of a frame."]
 
 
 def rate_section(found, table):
@@ -234,13 +247,15 @@ def rate_section(found, table):
             if row:
                 lines.append([name, f"{side} x {side}", f"{row['per_second']:.1f}", f"{row['worst_ms']:.0f}",
                               *[f"{row[key]:.1f}" for key in ("decoding_ms", "upload_ms", "prepare_ms", "draw_ms")]])
-    return ["#### Frames a second", table(
-        ["path", "sub-pixels", "frames a second", "worst frame, ms", "decoding, processor ms a frame", "upload, ms",
-         "preparing, ms", "drawing, ms"], lines),
-        "`multum-view play` with Mesa's software renderer, on one core with all that it decodes. Cached: the view "
-        "moves within a sample. Diagonal: each frame is one sample further along all parameters, until all samples "
-        "were met, and waits for its textures; the paper's figures for such a path are 2.4 to 8.8 frames a second on "
-        "average and 1.3 at worst, on hardware of 1999, and 34 cached."] if lines else []
+    return ["#### Frames per second", table(
+        ["path", "sub-pixels", "frames per second", "slowest frame, ms", "decoding, processor ms per frame",
+         "upload, ms", "preparing, ms", "drawing, ms"], lines),
+        "`multum-view play` draws with Mesa's software renderer and decodes on the same core. On the *cached* path, "
+        "the "
+        "view moves within a sample. On the *diagonal* path, each frame is one sample further along all parameters, "
+        "until all samples were shown, and each frame waits for its textures. For such a path, the paper states 2.4 to "
+        "8.8 frames per second on average and 1.3 in the worst case, on hardware of 1999, and 34 on the cached "
+        "path."] if lines else []
 
 
 def border_section(found, table):
@@ -254,12 +269,14 @@ def border_section(found, table):
                               f"{row['per_second']:.1f}", f"{row['worst_ms']:.0f}", f"{row['decoding_worst_ms']:.1f}",
                               row["chunks_most"]])
     return ["#### Across the borders of blocks", table(
-        ["options", "bytes", "MSE", "frames decoded ahead", "frames a second", "worst frame, ms",
+        ["options", "bytes", "MSE", "frames decoded ahead", "frames per second", "slowest frame, ms",
          "most decoding in a frame, processor ms", "most chunks in a frame"], lines),
-        "The diagonals again, with 1 x 1 sub-pixels; what is not used for 4 frames is forgotten. Staggered, the blocks "
-        "of the objects begin at different samples, so that fewer are decoded in one frame, and those at the ends are "
-        "smaller. What is decoded with nothing ahead is the same in every run; frames' times are not, on a machine "
-        "with other work."] if lines else []
+        "The path is the diagonal with 1 x 1 sub-pixels. Textures that are not used for 4 frames are dropped. With "
+        "`--stagger`, the blocks of the objects begin at different samples, so fewer blocks are decoded in one frame, "
+        "and "
+        "the blocks at the ends are smaller. Without frames decoded ahead, decoding is the same in every run. Times "
+        "of frames "
+        "vary, because the machine does other work."] if lines else []
 
 
 def memory_section(found, table):
@@ -267,13 +284,14 @@ def memory_section(found, table):
     for size in MEMORIES:
         row = found.get(f"memory, {size}")
         if row and not row["fits"]:
-            lines.append([size, "-", "-", "-", "not even one frame fits, and that is said"])
+            lines.append([size, "-", "-", "-", "refused with a message: not even one frame fits"])
         elif row:
             lines.append([size, f"{row['bytes_most'] / 2 ** 20:.1f}", f"{row['mse']:.2f}",
-                          f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames a second"])
+                          f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames per second"])
     return ["#### Memory and quality", table(
-        ["`--memory`", "most held, MiB", "MSE beside frames that wait", "images not there in time, %", ""], lines),
-        "The diagonals with `--no-wait`: every frame shows what is decoded by then."] if lines else []
+        ["`--memory`", "peak, MiB", "MSE against frames that wait", "images that are late, %", ""], lines),
+        "The path is the diagonal with `--no-wait`: every frame shows the textures that are decoded in "
+        "time."] if lines else []
 
 
 def browser_section(row, found, table):
@@ -282,7 +300,7 @@ def browser_section(row, found, table):
     lines = []
     for one in row["draw"]:
         own = found.get(f"cached, {one['side']} x {one['side']}")
-        lines.append([f"drawing alone, {'blended' if one['isSmooth'] else 'nearest'}", f"{one['side']} x {one['side']}",
+        lines.append([f"only drawing, {'blended' if one['isSmooth'] else 'nearest'}", f"{one['side']} x {one['side']}",
                       f"{one['perSecond']:.1f}", f"{one['p50Ms']:.1f}", f"{one['p99Ms']:.1f}",
                       f"{own['per_second']:.1f}" if own and not one["isSmooth"] else ""])
     for one in row["cached"]:
@@ -294,18 +312,28 @@ def browser_section(row, found, table):
                       f"{one['p99Ms']:.1f}", f"{own['per_second']:.1f}" if own else ""])
     diagonal, profile = row["diagonal"][0], row["profile"]
     return ["#### In the browser", table(
-        ["path", "sub-pixels", "frames a second", "p50, ms", "p99, ms", "`multum-view play`, frames a second"], lines),
-        f"Headless Chromium {row['browser']} with SwiftShader, {row['width']} x {row['height']} pixels, all cores. "
-        "Drawing alone waits for each frame's end; shown is what the page does when it is moved, with as many "
-        f"sub-pixels as it chooses. Of a frame of the diagonal {diagonal['waitingMs']:.0f} ms are waiting for textures "
-        f"from {diagonal['workers']} worker, {diagonal['drawingMs']:.0f} ms uploading and drawing. 60 frames a second "
-        f"cached and 30 along the diagonal were asked for. What stands in the way is the drawing: of "
-        f"{profile['wholeMs']:.1f} ms for a picture of one sub-pixel a pixel, {profile['withoutObjectsMs']:.1f} are "
-        f"for one without objects (its mean and sRGB), {profile['smallMs']:.1f} for one of 16 x 12 pixels (corners "
-        "of triangles); the rest is looking two textures of halves up for each pixel. While it moves on a slow device "
-        f"that is in one mip level; in two, as at rest, a picture takes {profile['twoLevelsMs']:.1f} ms. The page "
-        "draws more sub-pixels as long as frames take less than 45 ms: it shows fewer and finer pictures a second than "
-        "it could draw. The slowest frame of the diagonal is its first, for which all chunks are decoded."]
+        ["path", "sub-pixels", "frames per second", "p50, ms", "p99, ms",
+         "frames per second of `multum-view play`"], lines),
+        f"The browser is headless Chromium {row['browser']} with SwiftShader, {row['width']} x {row['height']} "
+        f"pixels, on "
+        "all cores. *Only drawing* waits for the end of each frame. *Shown* is the page while the view moves, with the "
+        "number "
+        "of sub-pixels that it chooses.",
+        f"A frame of the diagonal waits {diagonal['waitingMs']:.0f} ms for textures from {diagonal['workers']} "
+        f"worker, and "
+        f"needs {diagonal['drawingMs']:.0f} ms for uploading and drawing. Drawing is the slowest part. A picture with "
+        f"one "
+        f"sub-pixel per pixel takes {profile['wholeMs']:.1f} ms: {profile['withoutObjectsMs']:.1f} ms without objects "
+        f"(mean "
+        f"and sRGB), {profile['smallMs']:.1f} ms with 16 x 12 pixels (corners of triangles), and the rest for looking "
+        f"up "
+        "two textures of half floats for each pixel. While the view moves on a slow device, the page reads one mip "
+        "level. "
+        f"At rest it reads two, and a picture takes {profile['twoLevelsMs']:.1f} ms.",
+        "The page draws more sub-pixels as long as frames take less than 45 ms, so it shows fewer and finer pictures "
+        "per "
+        "second than it could draw. The slowest frame of the diagonal is its first frame, for which all chunks are "
+        "decoded."]
 
 
 def playing_section(rows, name, table):

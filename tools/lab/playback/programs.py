@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs multum and multum-view on a field, and what each run took: infers textures, packs, unpacks, draws frames."""
+"""Runs multum and multum-view on a field and measures each run: infers textures, packs, unpacks, draws frames."""
 import pathlib
 import re
 import shutil
@@ -35,19 +35,19 @@ class Programs:
                         self.context, *options])
 
     def unknown_option(self, options):
-        """The first of them that `multum pack` does not have; None where it has all."""
+        """Returns the first option that `multum pack` does not know; None if it knows all."""
         return next((one for one in options
                      if one.startswith("--") and not re.search(rf"(?<![\w-]){one}(?![\w-])", self.pack_help)), None)
 
     def pack(self, folder, file, options):
-        """Its code is USAGE where the command line is refused: a size that cannot be met, an option's value."""
+        """Packs textures. The code is USAGE if a size cannot be reached or an option's value is refused."""
         done = run([self.multum, "pack", folder, "-o", file, "--quiet", *options])
         if done.code not in (0, USAGE):
             sys.exit(f"exit code {done.code} of multum pack {' '.join(map(str, options))}\n{done.text}")
         return done
 
     def drawn_frames(self, folder, field):
-        """uint8 [frame, height, width, 3], of all samples."""
+        """Returns uint8 [frame, height, width, 3] of all samples."""
         white, frames = field.job.get("radiance_max", 1), []
         for begin in range(0, len(field.samples), SAMPLES_A_RUN):
             with tempfile.TemporaryDirectory() as pictures:
@@ -60,7 +60,7 @@ class Programs:
         return np.stack(frames)
 
     def unpacked_frames(self, file, field, scratch):
-        """Of a packed field. `scratch`: a folder beside the file's own, emptied before and behind."""
+        """Draws a packed field. `scratch`: a folder, not the file's own, that is emptied before and after."""
         shutil.rmtree(scratch, ignore_errors=True)
         succeed([self.multum, "unpack", file, "-o", scratch, "--quiet"])
         frames = self.drawn_frames(scratch, field)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What video and picture codecs make of frames, by Debian's ffmpeg: bytes of the stream without container, and the
-frames that come out. Colours are BT.709 YCbCr of full range, 4:4:4, 10 bit, converted here, exactly and for all alike.
+"""Codes frames with video and picture codecs of Debian's ffmpeg: bytes of the stream without container, and the decoded
+frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. They are converted here, exactly and equally for all
+codecs.
 """
 import os
 import pathlib
@@ -11,8 +12,8 @@ import tempfile
 
 import numpy as np
 
-MISSING = ("ffmpeg is not there, which codes the videos that multum is compared with; install it (Debian: "
-           "apt-get install ffmpeg), or leave the videos out: --parts without 'video'")
+MISSING = ("found no ffmpeg, which codes the videos for the comparison. Install it (Debian: apt-get install "
+           "ffmpeg), or leave the videos out: --parts without 'video'.")
 TO_YCBCR = np.array([[0.2126, 0.7152, 0.0722],
                      [-0.2126 / 1.8556, -0.7152 / 1.8556, 0.5],
                      [0.5, -0.7152 / 1.5748, -0.0722 / 1.5748]])
@@ -20,7 +21,7 @@ OFFSET = np.array([0.0, 512.0, 512.0])
 
 
 def ycbcr(frames):
-    """uint16 [frame, 3, height, width], 0..1023, of uint8 RGB [frame, height, width, 3]."""
+    """Converts uint8 RGB [frame, height, width, 3] to uint16 [frame, 3, height, width], 0..1023."""
     planes = np.einsum("pc,fyxc->fpyx", TO_YCBCR, frames.astype(np.float64) * (1023 / 255))
     return np.clip(np.rint(planes + OFFSET[:, None, None]), 0, 1023).astype("<u2")
 
@@ -32,8 +33,8 @@ def rgb(planes):
 
 class Codec:
     def __init__(self, name, kind, key_distance, qualities, options, overhead):
-        """`kind`: ffmpeg's format of a bare stream; `qualities`: of -crf, the best first; `overhead`: bytes a frame
-        that mark where it begins, as a container does."""
+        """`kind`: ffmpeg's format of a bare stream; `qualities`: values of -crf, the best first; `overhead`: bytes
+        per frame that mark its beginning, as in a container."""
         self.name, self.kind, self.qualities, self.overhead = name, kind, qualities, overhead
         self.key_distance, self.options = key_distance, options
 
@@ -74,7 +75,7 @@ def version():
 
 
 def coded(codec, quality, frames):
-    """Bytes of the stream, and the decoded frames, uint8 RGB like `frames`."""
+    """Returns bytes of the stream, and the decoded frames as uint8 RGB like `frames`."""
     count, height, width, _ = frames.shape
     raw = ["-f", "rawvideo", "-pix_fmt", "yuv444p10le", "-s", f"{width}x{height}", "-r", "30"]
     with tempfile.TemporaryDirectory() as folder:
@@ -85,12 +86,12 @@ def coded(codec, quality, frames):
         ffmpeg("-f", codec.kind, "-i", stream, "-f", "rawvideo", "-pix_fmt", "yuv444p10le", planes)
         decoded = np.fromfile(planes, "<u2").reshape(-1, 3, height, width)
         if len(decoded) != count:
-            sys.exit(f"{codec.name}: {len(decoded)} frames come out, expected {count}")
+            sys.exit(f"{codec.name}: {len(decoded)} decoded frames, expected {count}")
         return os.path.getsize(stream) - codec.overhead * count, rgb(decoded.astype(np.float64))
 
 
 def best_within(codec, size_max, frames):
-    """Bytes and frames of the best quality that takes at most so many bytes; of the smallest where none does."""
+    """Returns bytes and frames of the best quality within this many bytes, or of the smallest stream if none fits."""
     low, high = 1, 63
     best = coded(codec, high, frames)
     while low < high:  # sizes fall as the number of the quality rises

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long dav1d takes to any frame of an AV1 stream: from the key frame before it to the frame itself, on one thread,
-within this process, so that no start of a program counts. The library's frames are what is timed, not their colours'
-conversion. Structures of libdav1d 1.0 are only ever filled by itself, but for the first members of its settings.
+"""Times dav1d's way to any frame of an AV1 stream: from the key frame before it to the frame, on one thread in this
+process, so that starting a program does not count. Only decoding is timed, not the conversion of colours. The library
+fills all structures of libdav1d 1.0, except for the first members of its settings.
 """
 import ctypes
 import os
@@ -18,7 +18,7 @@ AGAIN = -11  # -EAGAIN
 
 
 def ivf_stream(codec, quality, frames):
-    """Units of an AV1 stream, one a shown frame, bytes."""
+    """Returns the units of an AV1 stream as bytes, one per shown frame."""
     count, height, width, _ = frames.shape
     with tempfile.TemporaryDirectory() as folder:
         stream, planes = os.path.join(folder, "stream.ivf"), os.path.join(folder, "planes")
@@ -34,7 +34,7 @@ def ivf_stream(codec, quality, frames):
         units.append(text[at + 12:at + 12 + size])
         at += 12 + size
     if len(units) != count:
-        sys.exit(f"{codec.name}: {len(units)} units for {count} frames, expected as many")
+        sys.exit(f"{codec.name}: {len(units)} units for {count} frames, expected one per frame")
     return units
 
 
@@ -48,8 +48,8 @@ class Dav1d:
             sys.exit(f"libdav1d {self.version}, expected 1.*")
 
     def decoded(self, units):
-        """Seconds, processor seconds, and the number of frames shown, of units one after another in a new decoder,
-        whose making counts too: what a jump does to a stream."""
+        """Decodes units with a new decoder, as after a jump, and includes its creation. Returns seconds, processor
+        seconds and the number of shown frames."""
         lib, context = self.library, ctypes.c_void_p()
         settings = (ctypes.c_int * (SETTINGS_BYTES // 4))()
         data, picture = ctypes.create_string_buffer(DATA_BYTES), ctypes.create_string_buffer(PICTURE_BYTES)
@@ -78,15 +78,15 @@ class Dav1d:
 
 
 class VideoSeeks:
-    """Of one stream."""
+    """Seeks frames of one stream."""
 
     def __init__(self, codec, quality, frames):
         self.codec, self.units, self.decoder = codec, ivf_stream(codec, quality, frames), Dav1d()
         if self.decoder.decoded(self.units)[2] != len(self.units):
-            sys.exit(f"{codec.name}: dav1d shows other than one frame a unit")
+            sys.exit(f"{codec.name}: expected one frame of dav1d per unit")
 
     def seek(self, frame):
-        """Seconds, processor seconds, frames decoded."""
+        """Returns seconds, processor seconds and the number of decoded frames."""
         first = frame - frame % self.codec.key_distance
         seconds, worked, shown = self.decoder.decoded(self.units[first:frame + 1])
         if shown != frame + 1 - first:

@@ -32,7 +32,7 @@ namespace {
 constexpr AccuracyPoint kPoints[] = {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY,
                                      AccuracyPoint::kBetween};
 
-// What a bake reached: errors in %, looked up by level, point and BRDF.
+// Errors of a bake in %, looked up by level, point and BRDF.
 class Errors {
  public:
   explicit Errors(const std::vector<AccuracyRow>& rows) {
@@ -94,7 +94,7 @@ Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, co
   return Errors(measure_accuracy(device, mipmap, map, albedo, every_texel(threads), nullptr));
 }
 
-// Fits of all variants, whose kernels have been compiled.
+// Times fits of all variants after their kernels were compiled.
 std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::vector<Variant>& variants) {
   std::printf("times, %d rounds\n", kTimedRounds);
   std::vector<std::function<void()>> runs;
@@ -109,7 +109,7 @@ std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::
 MovmfSettings with_lobes(int lobes) {
   MovmfSettings settings;
   settings.lobe_count = lobes;
-  settings.periodic_x = settings.periodic_y = true;  // as `multum bake` does unless told otherwise
+  settings.periodic_x = settings.periodic_y = true;  // the default of `multum bake`
   return settings;
 }
 
@@ -144,22 +144,22 @@ std::vector<Variant> compared_variants() {
   std::vector<Variant> variants;
   for (int lobes : {1, 2, 3, 4, 6, 8})
     variants.push_back({fmt::format("{} lobe{}", lobes, lobes == 1 ? "" : "s"), with_lobes(lobes)});
-  Variant unaligned{"4 lobes, every texel by itself", with_lobes(4)};
+  Variant unaligned{"4 lobes, unaligned", with_lobes(4)};
   make_unaligned(unaligned.settings);
   variants.push_back(unaligned);
-  Variant no_prior{"4 lobes, started from the parent, no prior", with_lobes(4)};
+  Variant no_prior{"4 lobes, started from the parent, without prior", with_lobes(4)};
   no_prior.settings.alignment = 0.0f;
   variants.push_back(no_prior);
   Variant one_pass{"4 lobes, one pass", with_lobes(4)};
   one_pass.settings.pass_count = 1;
   variants.push_back(one_pass);
-  Variant unsearched{"4 lobes, no start search", with_lobes(4)};
+  Variant unsearched{"4 lobes, without start search", with_lobes(4)};
   unsearched.settings.search_start = false;
   variants.push_back(unsearched);
-  Variant farthest{"4 lobes, started from farthest normals (the paper's)", with_lobes(4)};
+  Variant farthest{"4 lobes, started from the farthest normals (as in the paper)", with_lobes(4)};
   farthest.settings.farthest_start = true;
   variants.push_back(farthest);
-  Variant scanline{"4 lobes, scan-line order (the paper's)", with_lobes(4)};
+  Variant scanline{"4 lobes, scan-line order (as in the paper)", with_lobes(4)};
   scanline.settings.order = FitOrder::kScanline;
   variants.push_back(scanline);
   for (const int lobes : {4, 6}) {
@@ -208,20 +208,25 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
     colours += "\n";
   }
   return fmt::format(
-             "Levels 3 / 5 / 7, all texels, white. Times: of a fit, start included, on {} cores; the least of {} fits "
-             "of each, in turns, after one that compiled the kernels: what processors worked, and what went by.\n\n",
+             "The table has errors of levels 3 / 5 / 7, over all texels, for a white map. Times are for one fit, "
+             "including its "
+             "start, on {} cores: the shortest of {} fits. The rows ran alternately, after one fit of each that "
+             "compiled the "
+             "kernels. *Processor s* is processor time.\n\n",
              core_count(), kTimedRounds) +
          summary +
          fmt::format(
-             "\nThe same with another seed of the noise quarter: how far the figures are a matter of luck. Level "
-             "7 is only {0} x {0} texels.\n\n",
+             "\nThe next table has the same errors with other seeds of the noise quarter. It shows how much the "
+             "figures depend "
+             "on chance. Level 7 has only {0} x {0} texels.\n\n",
              std::max(options.size >> 7, 1)) +
          seeds +
-         "\nWith its colours (lobe colours against the colour of every normal), levels 3 / 5 / 7, texel centres:\n\n" +
+         "\nErrors with colours (colours of lobes, compared with the colour of every normal), levels 3 / 5 / 7, texel "
+         "centres:\n\n" +
          colours + tables;
 }
 
-// Bytes of the file, which is written beside the document for as long as it takes.
+// Size of the file, which is written next to the document and then removed.
 std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptions& options) {
   const std::string path = options.output + ".first_level.ndf.exr";
   BakedWriteOptions writing;
@@ -232,8 +237,7 @@ std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptio
   return bytes;
 }
 
-// What it costs to leave the finest levels to the normal map, and what it saves. Levels from the first that is stored
-// on are those of the other rows.
+// Errors and sizes if the finest levels come from the normal map. Stored levels are the same in all rows.
 std::string first_level_section(Device& device, const AccuracyDocumentOptions& options) {
   const FourQuarterMap map = make_four_quarter_map(options.size, 7);
   FitReport report;
@@ -259,16 +263,19 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
     }
   }
   return fmt::format(
-             "\n### Levels left to the normal map\n\nWith 4 lobes, stored from level L on (`multum bake --first-level "
-             "L`). Finer levels are one lobe a texel with the mean vector of the normal map's own levels; between L - "
-             "1 "
-             "and L both are shaded and mixed. Midway: the worse of x and y. Measured is what the filter mixes there: "
-             "renderers narrow the normal map's lobe to what a pixel sees ([ALGORITHMS](ALGORITHMS.md), \"The finest "
-             "levels from the normal map\"). Sizes in MB, of the file and on the GPU; "
-             "a BC5 normal and a BC4 roughness of this map take {:.1f} MB there.\n\n",
+             "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store levels from L on (`multum "
+             "bake "
+             "--first-level L`). Finer levels have one lobe per texel, with the mean vector of the normal map's own "
+             "levels. "
+             "Between levels L - 1 and L, both kinds are shaded and mixed. *Midway* is the worse of x and y. The "
+             "table has the "
+             "error of the filter's mixture. Renderers also narrow the normal map's lobe to the part that a pixel sees "
+             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes are in "
+             "MB, for the "
+             "file and on the GPU. A BC5 normal and a BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
              usual / 1e6) +
          "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
-         "file | GPU | times BC5 + BC4 |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
+         "file, MB | GPU, MB | GPU size / (BC5 + BC4) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
          rows;
 }
 
@@ -279,22 +286,30 @@ struct MapTable {
   std::string losses;
 };
 
-// Errors of all maps at levels 1 and up, by who made them and by exponent: at level 0 a texel is a normal, and whoever
-// keeps that is exact.
+// Errors of all maps at levels from 1 on, by method and exponent. Level 0 does not count: its texels are single
+// normals,
+// and methods that keep them are exact.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
-// Those whose rivals have as many channels are beside them.
+// A row of the table by channels. Methods with the same number of channels are next to each other.
 struct Rival {
-  const char* name;
-  int channels;  // a texel
+  const char* name;   // key of MapErrors
+  const char* title;  // in the table
+  int channels;       // per texel
 };
-constexpr Rival kRivals[] = {{"mip", 3},     {"Toksvig", 3},  {"1 lobe", 4},  {"LEAN", 5}, {"LEAN with Jacobian", 5},
-                             {"2 lobes", 8}, {"4 lobes", 16}, {"6 lobes", 24}};
+constexpr Rival kRivals[] = {{"mip", "averaged normals", 3},
+                             {"Toksvig", "Toksvig", 3},
+                             {"1 lobe", "1 lobe", 4},
+                             {"LEAN", "LEAN", 5},
+                             {"LEAN with Jacobian", "LEAN with its Jacobian", 5},
+                             {"2 lobes", "2 lobes", 8},
+                             {"4 lobes", "4 lobes", 16},
+                             {"6 lobes", "6 lobes", 24}};
 
 std::string equal_channels_table(const MapErrors& errors) {
-  MarkdownTable table({"stored", "channels a texel", "s = 20", "s = 100", "s = 500"});
+  MarkdownTable table({"texels hold", "channels per texel", "s = 20", "s = 100", "s = 500"});
   for (const Rival& rival : kRivals) {
-    std::vector<std::string> cells = {rival.name, std::to_string(rival.channels)};
+    std::vector<std::string> cells = {rival.title, std::to_string(rival.channels)};
     for (const double s : {20.0, 100.0, 500.0}) {
       const auto found = errors.find({rival.name, s});
       if (found == errors.end()) return "";
@@ -313,7 +328,7 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
   try {
     map = read_normal_map(path, {}, options.threads, nullptr);
   } catch (const Error&) {
-    return;  // not a normal map: refused with its reason by `multum bake`
+    return;  // not a normal map: `multum bake` refuses it too
   }
   if (map.report.encoding.find("height field") != std::string::npos) return;
   std::printf("%s\n", name.c_str());
@@ -348,7 +363,7 @@ void add_map(Device& device, const std::string& path, const AccuracyDocumentOpti
         tables[t].rows += fmt::format(" {0}{1:.1f}{0}/{2:.1f} |", worse ? "**" : "", ours, other.error * 100.0);
         if (!worse || level == 0) continue;
         ++tables[t].worse;
-        tables[t].losses += fmt::format("- {}, s = {}, level {}: {:.1f} % against {:.1f} % ({})\n", name, s, level,
+        tables[t].losses += fmt::format("- {}, s = {}, level {}: {:.1f} % by lobes, {:.1f} % by {}\n", name, s, level,
                                         ours, other.error * 100.0, baseline_name(other.baseline));
       }
       tables[t].rows += "\n";
@@ -365,15 +380,20 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   MapErrors errors;
   for (const std::string& path : paths) add_map(device, path, options, tables, errors);
   std::string text =
-      "Every file of the test folder that `multum bake` takes for a normal map, texel "
-      "centres, all texels of "
-      "every level, in %: this bake / the best of Toksvig, LEAN and LEAN with its Jacobian. Bold: worse than the "
-      "baseline by more "
-      "than 0.05 points. The baselines' normals are stored in 16 bits as the lobes are, their moments as floats. Cells "
-      "of level 0 are not counted: a texel is a normal there.\n"
-      "\n### By channels\n\nMedians, with the first and third quartile in brackets, over all maps and their levels 1 "
-      "and up, each cell once. A lobe has four channels, an averaged normal and Toksvig's, whose length tells how "
-      "they vary, three, LEAN five.\n\n" +
+      "The tables cover every file of the test folder that `multum bake` reads as a normal map, at texel centres, "
+      "with all "
+      "texels of every level. A cell has two errors in %: of this bake, and of the best other method among Toksvig, "
+      "LEAN and "
+      "LEAN with its Jacobian. Errors of this bake are bold if they are higher by more than 0.05 points. Normals of "
+      "the other "
+      "methods are stored in 16 bits, like lobes, and moments as floats. Cells of level 0 do not count, because a "
+      "texel of "
+      "level 0 is a single normal.\n\n"
+      "### By channels\n\nThe table has medians over all maps and their levels from 1 on, with the first and third "
+      "quartile in "
+      "brackets. Each cell counts once. A lobe has four channels. An averaged normal has three channels, also for "
+      "Toksvig: "
+      "its length shows how much normals vary. LEAN has five channels.\n\n" +
       equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
@@ -387,7 +407,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
-// A row a setting, an error a BRDF.
+// One row per setting and one error per BRDF.
 std::string errors_table(const TradeoffResult& result) {
   MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, processor ms",
                        "elapsed, ms", "GPU, MB"});
@@ -407,7 +427,7 @@ std::string errors_table(const TradeoffResult& result) {
   return table.text();
 }
 
-// Every representation, baked and measured by the code of `multum tradeoff`.
+// Bakes and measures every representation with the code of `multum tradeoff`.
 std::string representations_section(Device& device, const AccuracyDocumentOptions& options) {
   const ScratchFolder scratch("");
   TradeoffJob job;
@@ -426,13 +446,15 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   write_four_quarter_map(std::min(options.size, 512), 7, scratch / "quarters");
   std::string text =
       std::string(
-          "Settings that `multum tradeoff` sweeps. One figure a BRDF: the error of pixels, relative L1 in %, with half "
-          "of "
-          "its 95 % interval (docs/contributing/ALGORITHMS.md, \"Measured error\"), through the default filter: ") +
+          "The rows are the settings that `multum tradeoff` sweeps. Each BRDF has one figure: the error of pixels, "
+          "relative "
+          "L1 in %, with half of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured error\"), "
+          "through "
+          "the default filter of that commit: ") +
       default_filter_text() +
-      ". Times: of fitting or averaging, rounding and "
-      "writing, the least of three bakes of each setting, in turns, kernels compiled before: what processors worked, "
-      "and what went by.\n" +
+      ".\n\nTimes include fitting or averaging, rounding and writing. They are the shortest of three bakes of each "
+      "setting. The "
+      "settings ran alternately, with compiled kernels.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   job.length = SweepLength::kQuick;
@@ -443,7 +465,7 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   return text;
 }
 
-// The sections of a document that is there: from each heading of the second order to the next; the head by "".
+// Sections of an existing document, by their headings of second order; the text before the first heading has key "".
 std::map<std::string, std::string> sections_of(const std::string& path) {
   std::map<std::string, std::string> sections;
   std::ifstream file(path);
@@ -464,16 +486,19 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   const std::string made_by =
       fmt::format("Made at {} on {}, {}, device {}.\n\n", commit, processor_name(), system_name(), device.info().name);
   std::string text =
-      "# Accuracy\n\nGenerated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`, sections by themselves by "
-      "--section. Do "
-      "not edit.\n\n"
-      "Relative L1 error in %: sum |model - reference| / sum reference, over all texels of a level and 12 half vectors "
-      "(lights "
-      "(.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)); for Lambert the four "
-      "lights. The BRDF is (s+1)/(2 pi) t^s, the convolution alone, without n . l. Reference: the average over every "
-      "finest "
-      "normal that a texel covers, in double. Model: the lobes as stored (snorm16 unless said), filtered as hardware "
-      "filters, shaded as the runtime shades.\n\n";
+      "# Accuracy\n\nThis page shows the errors of single texels: of lobes, other methods and the shading formulas.\n\n"
+      "Generated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`; `--section` makes one section anew. Do not "
+      "edit.\n\n"
+      "Errors are relative L1 in %: sum |model - reference| / sum reference, over all texels of a level and 12 half "
+      "vectors "
+      "(lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) (-.3,.7,.6)). For Lambert, "
+      "the sums "
+      "are over the four lights.\n\n"
+      "- BRDF: (s+1)/(2 pi) t^s, only the convolution, without n . l.\n"
+      "- Reference: the average over every finest normal that a texel covers, in double precision.\n"
+      "- Model: the lobes as stored (snorm16 unless a row says otherwise), filtered like hardware filters and shaded "
+      "like "
+      "the runtime shades.\n\n";
   const auto add = [&](const std::string& name, const std::string& heading, const auto& make) {
     const bool is_asked = options.sections.empty() ||
                           std::find(options.sections.begin(), options.sections.end(), name) != options.sections.end();
@@ -484,7 +509,7 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   add("quarters", "The four-quarter map",
       [&] { return quarters_section(device, options) + first_level_section(device, options); });
   add("representations", "Every representation", [&] { return representations_section(device, options); });
-  add("formulas", "The formulas alone", [&] { return formula_section(device, options.brdfs); });
+  add("formulas", "Errors of the formulas", [&] { return formula_section(device, options.brdfs); });
   add("maps", "Real normal maps", [&] { return options.maps.empty() ? "" : maps_section(device, options); });
   while (text.ends_with("\n\n")) text.pop_back();
   write_text_file(options.output, text);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes docs/evidence/BENCHMARKS.md of results: a section each, with its command and the conditions it was measured
-// under.
+// Writes docs/evidence/BENCHMARKS.md from results: one section each, with its command and conditions.
 #pragma once
 
 #include <string>
@@ -10,11 +9,11 @@ namespace multum::bench {
 
 struct BenchmarksDocumentOptions {
   std::string output;                // Markdown file
-  std::vector<std::string> results;  // files of --json, in the document's order
-  bool allow_dirty = false;          // although some were measured with sources that are not committed
+  std::vector<std::string> results;  // files from --json, in the document's order
+  bool allow_dirty = false;          // accept results of sources that are not committed
 };
 
-/// Throws Error(kInput) that names a file which is no result, Error(kUsage) for one of sources that are not committed.
+/// Throws Error(kInput) that names a file without a result, and Error(kUsage) for results of uncommitted sources.
 int write_benchmarks_document(const BenchmarksDocumentOptions& options);
 
 }  // namespace multum::bench

@@ -13,8 +13,8 @@ std::string stated_commit(const std::string& what, const std::string& commit, bo
     throw Error(
         ErrorCode::kUsage,
         fmt::format("{}: measured with the sources of commit {}, expected a committed tree, from which the same "
-                    "figures can be made again; commit, build and measure again, or say --allow-dirty, which "
-                    "the document then states",
+                    "figures can be made again. Commit, build and measure again, or use --allow-dirty, which "
+                    "the document then states.",
                     what, commit));
   return fmt::format("commit {} (--allow-dirty: sources that are not committed)", commit);
 }

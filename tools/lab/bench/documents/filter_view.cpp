@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
+// Text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kTimedBias = -0.5;  // frame times depend on it little
+constexpr double kTimedBias = -0.5;  // frame times hardly depend on the bias
 
 struct FilterKey {
   int taps;
@@ -37,7 +37,7 @@ FilterKey key_of(const Json& row) {
           row.value("evaluations", 0)};
 }
 
-// Of each filter and method a figure per map.
+// One figure per map, for each filter and method.
 using Figures = std::map<FilterKey, std::map<std::string, std::vector<double>>>;
 
 Figures figures_of(const Json& result, const char* list, const std::function<double(const Json&)>& value) {
@@ -52,13 +52,13 @@ Figures figures_of(const Json& result, const char* list, const char* field) {
   return figures_of(result, list, [field](const Json& row) { return row.at(field).get<double>(); });
 }
 
-// Of filters with a budget of evaluations, or without one.
+// Keeps filters with a budget of evaluations, or filters without.
 Figures with_budget(Figures figures, bool has_budget) {
   std::erase_if(figures, [&](const auto& entry) { return (entry.first.evaluations > 0) != has_budget; });
   return figures;
 }
 
-// In the order in which they were measured.
+// Methods in the order of their measurement.
 std::vector<std::string> methods_of(const Json& result, const char* list) {
   std::vector<std::string> methods;
   for (const Json& row : result.at("maps").at(0).at(list))
@@ -79,7 +79,7 @@ std::vector<std::string> head_of(std::vector<std::string> first, const std::vect
 
 std::string percent_text(double value) { return fmt::format("{:.1f}", 100.0 * value); }
 
-// Fewest taps first, then from the plain level to the sharpest; shaded taps behind.
+// Filters by number of taps, then from the plain level to the sharpest; filters that shade each tap come last.
 std::vector<FilterKey> keys_of(const Figures& figures) {
   std::vector<FilterKey> keys;
   for (const auto& [key, unused] : figures) keys.push_back(key);
@@ -110,7 +110,7 @@ std::string table_of(const Figures& figures, const std::vector<std::string>& met
   return table.text();
 }
 
-// Each method by the bias that is best for it.
+// Errors of each method at its best bias.
 std::string best_bias_table(const Figures& figures, const std::vector<std::string>& methods) {
   MarkdownTable table(head_of({taps_head(figures)}, methods));
   std::vector<FilterKey> keys = keys_of(figures);
@@ -131,7 +131,7 @@ std::string best_bias_table(const Figures& figures, const std::vector<std::strin
   return table.text();
 }
 
-// Of four lobes, each motion by itself.
+// Flicker of four lobes, for each motion.
 std::string motion_table(const Json& result) {
   Figures figures;
   std::vector<std::string> motions;
@@ -145,7 +145,7 @@ std::string motion_table(const Json& result) {
   return table_of(figures, motions, percent_text);
 }
 
-// Frames over those of the same method with one tap at level bias 0, in the same run.
+// Frame times, divided by the time of the same method with one tap at level bias 0 in the same run.
 Figures time_ratios(const Json& result) {
   Figures figures;
   for (const Json& map : result.at("maps")) {
@@ -183,36 +183,40 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Of four lobes: the default next to half as many taps that are each shaded, in about the same time.
+// Compares, for four lobes, the default with half as many taps that are each shaded, in about the same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
   const auto describe = [&](int taps, bool shades_taps) {
     const std::string method = "4 lobes";
     const FilterKey key{taps, kLevelBiasDefault, shades_taps}, timed{taps, kTimedBias, shades_taps};
-    return fmt::format("error {} %, flicker {} %, {:.2f} times the processor time of one tap",
+    return fmt::format("the error is {} %, the flicker {} %, and the processor time {:.2f} times the time of one tap",
                        percent_text(median_of(errors, key, method)), percent_text(median_of(flicker, key, method)),
                        median_of(times, timed, method));
   };
   return fmt::format(
-      "**Default**: {} taps, averaged and shaded once, at a bias of {:g}, as an anisotropic sampler does. With 4 "
-      "lobes: "
-      "{}. Two taps that are each shaded, at the same bias: {}.\n\n",
+      "The **default** is {} taps at a bias of {:g}, averaged and shaded once, like an anisotropic sampler. With 4 "
+      "lobes, {}. With two taps at the same bias, each shaded, {}.\n\n",
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
-// Every method at as many points of each pixel as lobes take evaluations.
+// Compares all methods at as many points per pixel as lobes take evaluations.
 std::string evaluations_text(const Json& result, const std::vector<std::string>& methods,
                              const std::vector<std::string>& moving) {
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**At equal evaluations** of a pixel's light, {} taps for each (`multum-view --evaluations`): lobes by the rule, "
-      "the others at as many points of the pixel. Error in %, each method with the bias that is best for it:\n\n",
+      "**At equal evaluations** of light per pixel, with {} taps per evaluation (`multum-view --evaluations`): lobes "
+      "follow "
+      "multum's rule, and other methods are shaded at as many points per pixel. Errors in %, each method at its best "
+      "bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);
-  text += "\nFlicker in %, as below:\n\n";
+  text += "\nFlicker in % at equal evaluations:\n\n";
   text += table_of(with_budget(figures_of(result, "motions", "flicker"), true), moving, percent_text);
-  text += "\nProcessor time of a frame over that of the same method with one tap at bias 0, as below:\n\n";
+  text +=
+      "\nProcessor time of a frame at equal evaluations, divided by the time of the same method with one tap at "
+      "bias "
+      "0:\n\n";
   text += table_of(with_budget(time_ratios(result), true), methods,
                    [](double ratio) { return fmt::format("{:.2f}", ratio); });
   return text + "\n";
@@ -227,29 +231,33 @@ ResultView view_filters(const Json& result) {
   std::string tables = default_text(result, errors) + evaluations_text(result, methods, moving) +
                        "Error of pictures, relative L1 in %, medians over the maps:\n\n";
   tables += table_of(errors, methods, percent_text);
-  tables += "\nEach method with the bias that is best for it, error in % at the bias:\n\n";
+  tables += "\nEach method at its best bias, error in % at the bias:\n\n";
   tables += best_bias_table(errors, methods);
-  tables += "\nFlicker in %, the mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
+  tables += "\nFlicker in %, mean of a zoom, a pan and a turn, medians over every fourth map:\n\n";
   tables += table_of(flicker, moving, percent_text);
-  tables += "\nFlicker of 4 lobes in %, each motion by itself:\n\n" + motion_table(result);
+  tables += "\nFlicker of 4 lobes in %, for each motion:\n\n" + motion_table(result);
   tables +=
-      "\nProcessor time of a frame over that of the same method with one tap at bias 0, medians over the maps (GL in "
-      "software, bias -0.5):\n\n";
+      "\nProcessor time of a frame, divided by the time of the same method with one tap at bias 0; medians over the "
+      "maps "
+      "(GL in software, bias -0.5):\n\n";
   tables += table_of(with_budget(time_ratios(result), false), methods,
                      [](double ratio) { return fmt::format("{:.2f}", ratio); });
   tables +=
-      "\nError in % against a reference that blends the light of the four finest texels around a point, so that "
-      "magnification is not charged to the bake:\n\n";
+      "\nError in % against a reference that blends the light of the four finest texels around a point. This reference "
+      "does not count magnification as an error of the bake:\n\n";
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
       fmt::format(
-          "The oblique plane of `tools/lab/reproduce maps`, {} x {} pixels, Blinn-Phong with s = 100, {} maps ({}); "
-          "flicker on "
-          "pictures of half the size. Every method is drawn with the same filter (`multum-view --taps --level-bias`). "
-          "Reference: {} samples per pixel of the finest map, box filter, noise at most {} of itself (blended: {}). "
-          "Flicker: sum |(f' - f) - (t' - t)| / sum t of neighbouring frames f, f' and their references t, t'. LEAN is "
-          "with the Jacobian.",
+          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels, Blinn-Phong with s = "
+          "100, and {} "
+          "maps ({}). Flicker is measured on pictures of half the size. Every method uses the same filter "
+          "(`multum-view "
+          "--taps --level-bias`). The reference has {} samples per pixel of the finest map and a box filter; its "
+          "noise is at "
+          "most {} (blended reference: {}). *Flicker* is sum |(f' - f) - (t' - t)| / sum t for neighbouring frames f, "
+          "f' and "
+          "their references t, t'. LEAN uses its Jacobian.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),
           sample_range(result), worst_noise(result, "noise"), worst_noise(result, "noise_blended")),
       tables};

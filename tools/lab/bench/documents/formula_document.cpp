@@ -32,13 +32,13 @@ constexpr std::array kKappas = {1.0, 3.0, 12.0, 60.0, 400.0, 2000.0};
 constexpr std::array kExponents = {5.0, 20.0, 100.0, 500.0};
 constexpr std::array kTilts = {0.0, 30.0, 60.0, 75.0};  // degrees
 
-// A direction and the solid angle that it stands for.
+// A direction and its solid angle.
 struct Direction {
   glm::dvec3 w;
   double angle;
 };
 
-// The meridian: enough where everything is round about z.
+// Directions on a meridian, which are enough for functions that are symmetric about z.
 std::vector<Direction> meridian() {
   constexpr int kCount = 160;
   std::vector<Direction> all;
@@ -69,7 +69,7 @@ Values each(const std::vector<Direction>& directions, const std::function<double
   return values;
 }
 
-// In %, over solid angle.
+// Relative L1 error in %, over solid angle.
 std::string relative_l1(const std::vector<Direction>& directions, const Values& model, const Values& reference) {
   double off = 0.0, total = 0.0;
   for (std::size_t i = 0; i < reference.size(); ++i) {
@@ -79,13 +79,13 @@ std::string relative_l1(const std::vector<Direction>& directions, const Values& 
   return fmt::format("{:.2f}", 100.0 * off / total);
 }
 
-// The shading kernels by which a bake measures its own error, on one lobe or moment; the runtime's GLSL equals them
+// The shading kernels with which a bake measures its own error, on one lobe or moment. The runtime's GLSL equals them
 // (tests/agreement).
 class ShadingKernels {
  public:
   explicit ShadingKernels(Device& device) : device_(device) {}
 
-  // Blinn-Phong, or Lambert where the exponent is 0, of a lobe as stored.
+  // Shades a stored lobe with Blinn-Phong, or with Lambert if the exponent is 0.
   Values lobe(const glm::vec4& lobe, bool is_gaussian, const std::vector<Direction>& directions, double exponent) {
     const DeviceBuffer in = device_.wrap_buffer(&lobe, sizeof(lobe), "lobe");
     return run(device_.kernel("movmf_shade", "movmf_shade", {1, 1, false, is_gaussian}), in, directions, exponent);
@@ -102,7 +102,8 @@ class ShadingKernels {
              More... more) {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
-    const MultumHighlight highlight = shaded_highlight(exponent);  // begins with the exponent, all that moments take
+    const MultumHighlight highlight =
+        shaded_highlight(exponent);  // begins with the exponent, the only part that moments use
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
@@ -122,7 +123,7 @@ glm::vec4 upright_lobe(double kappa) {
   return {0.0f, 0.0f, static_cast<float>(1.0 - reference::vmf_spread(kappa)), 1.0f};
 }
 
-// What each term of a BRDF becomes on a lobe, with the mean-cosine product (METHODS: A = |r| A(lambda)).
+// Applies the mean-cosine product to each term of a BRDF on a lobe (METHODS: A = |r| A(lambda)).
 Values product_of_terms(const std::vector<VmfTerm>& terms, double kappa, const std::vector<Direction>& directions) {
   const double spread = reference::vmf_spread(kappa);
   std::vector<double> kappas;
@@ -143,7 +144,7 @@ Brdf ggx_of(double alpha, int terms) {
 }
 
 std::vector<std::string> kappa_head() {
-  std::vector<std::string> head = {"on a von Mises-Fisher lobe of kappa"};
+  std::vector<std::string> head = {"von Mises-Fisher lobe with kappa"};
   for (const double kappa : kKappas) head.push_back(fmt::format("{:g}", kappa));
   return head;
 }
@@ -183,7 +184,7 @@ void add_lambert(MarkdownTable& table, ShadingKernels& kernels, const std::vecto
   const auto reference = [&](double kappa) {
     return each(directions, [&](double theta) { return reference::convolved_lambert(kappa, theta); });
   };
-  add_row(table, "Lambert, folded normal's mean", [&](double kappa) {
+  add_row(table, "Lambert, mean of the folded normal", [&](double kappa) {
     return relative_l1(directions, kernels.lobe(upright_lobe(kappa), false, directions, 0.0), reference(kappa));
   });
   add_row(table, "Lambert, the paper's max(mu . l, 0)", [&](double kappa) {
@@ -192,7 +193,7 @@ void add_lambert(MarkdownTable& table, ShadingKernels& kernels, const std::vecto
   });
 }
 
-// f(1 - cosine) by its terms, counts 1 to 4.
+// Adds rows for f(1 - cosine) with 1 to 4 terms.
 void add_terms(MarkdownTable& table, const std::string& name, const std::function<double(double e)>& f, double narrow,
                const std::function<std::vector<VmfTerm>(int)>& terms, const std::vector<Direction>& directions) {
   const auto reference = [&](double kappa) {
@@ -253,7 +254,7 @@ void add_facets(MarkdownTable& table, const std::vector<Direction>& directions, 
   }
 }
 
-// Harmonics are exact but for where they end.
+// Errors of harmonics, which are exact up to their order.
 std::string harmonics_table(const std::vector<Direction>& directions) {
   constexpr std::array kOrders = {2, 4, 8, 12, 20};
   std::vector<std::string> head = {"harmonics up to order"};
@@ -294,7 +295,7 @@ std::string harmonics_table(const std::vector<Direction>& directions) {
   return table.text();
 }
 
-// Normals with weights that sum to 1: a Gaussian over two coordinates, cut where there is no normal.
+// Normals with weights that sum to 1: a Gaussian over two coordinates, cut at the limit of valid normals.
 struct Normals {
   std::vector<glm::dvec3> n;
   std::vector<double> weights;
@@ -332,9 +333,9 @@ Values shaded(const Normals& normals, const std::vector<Direction>& directions, 
   return values;
 }
 
-// Gaussians on the plane and of slopes, at some tilts.
+// Errors of Gaussians on the plane and of slopes, at some tilts.
 std::string tilted_table(ShadingKernels& kernels, const std::vector<Direction>& directions) {
-  std::vector<std::string> head = {"a Gaussian, tilted by degrees"};
+  std::vector<std::string> head = {"Gaussian, tilt in degrees"};
   for (const double tilt : kTilts) head.push_back(fmt::format("{:g}", tilt));
   MarkdownTable table(head);
   const auto add = [&](const std::string& name, const std::function<std::string(double tilt)>& error) {
@@ -391,17 +392,23 @@ std::string formula_section(Device& device, const std::string& brdfs) {
   add_blinn_phong(lobes, kernels, round);
   add_lambert(lobes, kernels, round);
   add_facets(lobes, round, brdfs);
-  return "Each formula on a distribution of the very shape that it is for, so that only the formula is off: relative "
-         "L1 over the hemisphere against quadrature in double, in %. The shape of the convolution is what is compared, "
-         "without n . l, Fresnel and visibility. Rows of Blinn-Phong, Lambert, Gaussians and moments are computed by "
-         "the kernels that measure a bake (the runtime's GLSL equals them, tests/agreement), the others in "
-         "double.\n\n" +
+  return "Each formula is applied to a distribution of exactly the shape that it assumes, so that the formula causes "
+         "the whole "
+         "error. Errors are relative L1 over the hemisphere in %, against quadrature in double precision. The "
+         "comparison "
+         "covers the shape of the convolution, without n . l, Fresnel and visibility. The kernels that measure a bake "
+         "compute "
+         "the rows of Blinn-Phong, Lambert, Gaussians and moments; tests/agreement shows that the runtime's GLSL "
+         "equals "
+         "these kernels. The other rows are computed in double precision.\n\n" +
          lobes.text() +
-         "\nHarmonics are exact up to where they end; here of a lobe, clamped at 0 as the runtime does:\n\n" +
-         harmonics_table(round) +
-         "\nPlanar Gaussians (sigma 0.1 in n_x, n_y) and Gaussians of slopes (0.1 in each), tilted towards the rim; "
+         "\nHarmonics are exact up to their order. The next table applies them to a lobe and clamps them at 0, like "
          "the "
-         "spread of BRDFs is added to that of normals:\n\n" +
+         "runtime.\n\n" +
+         harmonics_table(round) +
+         "\nThe next table has planar Gaussians (sigma 0.1 in n_x, n_y) and Gaussians of slopes (sigma 0.1 in each), "
+         "tilted "
+         "towards the rim. The spread of the BRDF is added to the spread of the normals.\n\n" +
          tilted_table(kernels, all);
 }
 

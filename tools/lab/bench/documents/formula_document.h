@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The section of docs/evidence/ACCURACY.md on the shading formulas alone: each against quadrature in double, on a
-// distribution of just the shape that its representation takes normals to have, so that nothing else is off.
+// Writes the section of docs/evidence/ACCURACY.md about the shading formulas. Each formula is compared with quadrature
+// in
+// double precision, on a distribution of exactly the shape that it assumes.
 #pragma once
 
 #include <string>
@@ -9,7 +10,7 @@
 
 namespace multum::bench {
 
-/// Markdown. `brdfs`: folder of measured BRDFs; empty: none.
+/// Returns Markdown. `brdfs`: folder of measured BRDFs; empty: none.
 std::string formula_section(Device& device, const std::string& brdfs);
 
 }  // namespace multum::bench

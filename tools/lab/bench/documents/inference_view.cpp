@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The result of `multum-bench infer` as people read it.
+// Text of a result of `multum-bench infer`.
 #include <fmt/format.h>
 
 #include "host/fields/inference/solver/texture_inference.h"
@@ -13,8 +13,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string solver_table(const Json& systems) {
-  MarkdownTable table({"system", "form", "an iteration, ms", "Eigen, ms", "ratio", "whole solve, ms", "ratio of solves",
-                       "three columns at once, ms", "ratio to that", "regularised, ms", "largest difference"});
+  MarkdownTable table({"system", "form", "iteration, ms", "iteration by Eigen, ms", "ratio", "whole solve, ms",
+                       "ratio of solves", "three columns at once, ms", "ratio to three columns", "regularised, ms",
+                       "largest difference"});
   for (const Json& system : systems) {
     const Json& solver = system.at("solver");
     std::vector<std::string> row = {system.at("system"), solver.at("form")};
@@ -28,7 +29,8 @@ std::string solver_table(const Json& systems) {
 }
 
 std::string product_table(const Json& systems) {
-  MarkdownTable table({"system", "rows", "entries of A", "of A^T A", "product", "ms", "a ms", "GB/s"});
+  MarkdownTable table(
+      {"system", "rows", "entries of A", "entries of A^T A", "product", "time, ms", "products per ms", "GB/s"});
   for (const Json& system : systems)
     for (const Json& product : system.at("products")) {
       const Spread ms = parse_spread(product.at("ms"));
@@ -60,8 +62,8 @@ std::string convergence_table(const Json& systems) {
 }
 
 std::string form_table(const Json& forms) {
-  MarkdownTable table({"views", "sub-pixels", "entries of A", "of A^T A", "ratio of entries", "A and A^T, ms",
-                       "A^T A, ms", "ratio of times", "A^T A made in, ms"});
+  MarkdownTable table({"views", "sub-pixels", "entries of A", "entries of A^T A", "ratio of entries", "A and A^T, ms",
+                       "A^T A, ms", "ratio of times", "making A^T A, ms"});
   for (const Json& form : forms)
     table.add({std::to_string(form.at("views").get<int>()), fmt::format("{0} x {0}", form.at("sub_pixels").get<int>()),
                std::to_string(form.at("entries").get<std::size_t>()),
@@ -84,30 +86,32 @@ ResultView view_inference(const Json& result) {
   return {
       "Texture inference against Eigen",
       fmt::format(
-          "Pictures of {0} x {1} pixels of a plane with a texture of {2} x {2}, three colours, single precision, no "
-          "regularisers, from 0.5; the pictures are the texture's own, of little contrast, so that no bound is met, "
-          "and both sides take "
-          "the same steps of preconditioned conjugate gradient. Eigen: the fastest way of its "
-          "`LeastSquaresConjugateGradient`, a solve a colour (its solve of three columns is that too), compiled for "
-          "the machine at hand ({3}). An iteration: a solve of {4} iterations less one of {5}, by their difference; "
-          "whole solve: {4} iterations and what comes before them. Three columns at once: the same iteration written "
-          "with Eigen's products, which it does not offer; for comparison. Regularised: the solver's iteration with "
-          "the "
-          "default pyramid_weight, which Eigen does not have. {6} pairs in turns, {7} threads, the ratio "
-          "is that of a pair; largest difference: of any texel, 0..1, after {4} iterations.",
+          "Pictures of {0} x {1} pixels show a plane with a texture of {2} x {2} texels, in three colours and single "
+          "precision, without regularisers. The solver starts at 0.5. The pictures are computed from the texture "
+          "itself and have little contrast, so that no texel reaches a bound. Both programs therefore take the same "
+          "steps of preconditioned conjugate gradient. *Eigen* is the fastest variant of its "
+          "`LeastSquaresConjugateGradient`, with one solve per colour (its solve of three columns does the same), "
+          "compiled for this machine ({3}). *Iteration* is the time of {4} iterations minus the time of {5}, divided "
+          "by the number of iterations between them. *Whole solve* is {4} iterations and everything before them. "
+          "*Three columns at once* is the same iteration, written with Eigen's products; Eigen does not offer it. "
+          "*Regularised* is the solver's iteration with the default pyramid_weight, which Eigen does not have. The "
+          "programs ran alternately in {6} pairs on {7} threads, and each ratio compares the runs of a pair. *Largest "
+          "difference* is the largest difference of any texel, from 0 to 1, after {4} iterations.",
           size * 5 / 4, size * 15 / 16, size, yardsticks, iterations, iterations / 4,
           result.at("repetitions").get<int>(), result.at("threads").get<int>()),
       solver_table(systems) +
-          "\nProducts with three colours. GB/s: the matrix as it is stored, in blocks of 8 entries, and each vector "
-          "once.\n\n" +
+          "\nThe next table has products with three colours. GB/s counts the matrix as stored, in blocks of 8 "
+          "entries, and "
+          "each vector once.\n\n" +
           product_table(systems) +
-          "\nIterations until the gradient is 1e-3 of that at 0, by the solver's own steps; textures of full "
-          "contrast.\n\n" +
+          "\nThe next table has the number of iterations until the gradient is 1e-3 of the gradient at 0, with the "
+          "solver's "
+          "own steps and textures of full contrast.\n\n" +
           convergence_table(systems) +
-          "\nWhich form: pictures stacked, products with A and A^T against those with A^T A. The solver takes A^T A "
-          "where its entries are fewer than twice those of A (`kNormalEntriesMax`, "
-          "`host/fields/inference/solver/texture_system.cpp`): "
-          "times cross later, but A^T A must be made first.\n\n" +
+          "\nThe next table compares products with A and A^T with products with A^T A, for stacked pictures. The "
+          "solver uses A^T A if it has fewer than twice as many entries as A (`kNormalEntriesMax`, "
+          "`host/fields/inference/solver/texture_system.cpp`). A^T A would still be faster with somewhat more "
+          "entries, but making it takes time.\n\n" +
           form_table(result.at("forms"))};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Markdown table whose columns are padded, so that it reads as well on a terminal.
+// Writes Markdown tables with padded columns, which are also readable on a terminal.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ class MarkdownTable {
  public:
   explicit MarkdownTable(std::vector<std::string> head) : rows_{std::move(head)} {}
 
-  /// As many cells as the head has.
+  /// Adds a row with as many cells as the head.
   void add(std::vector<std::string> row);
   std::string text() const;
 
@@ -19,8 +19,8 @@ class MarkdownTable {
   std::vector<std::vector<std::string>> rows_;  // the head first
 };
 
-/// The default filter, which errors of pixels are measured through: "4 taps, averaged and shaded once, at a bias of
-/// -0.5".
+/// Describes the default filter, through which errors of pixels are measured: "4 taps, averaged and shaded once, at a
+/// bias of -0.5".
 std::string default_filter_text();
 
 }  // namespace multum::bench

@@ -31,7 +31,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// Where a file lies is the machine's own affair.
+// The name of a file without its folder, which depends on the machine.
 std::string file_name(const Json& path) {
   return path.get<std::string>().substr(path.get<std::string>().rfind('/') + 1);
 }
@@ -39,7 +39,7 @@ std::string file_name(const Json& path) {
 std::string devices_text(const Json& result) {
   std::string text = "## Devices\n\n";
   MarkdownTable devices({"device", "platform, driver", "OpenCL", "compute units", "memory, GiB", "local memory, KiB",
-                         "atomic longs", "divides as IEEE when asked"});
+                         "64-bit atomics", "IEEE division on request"});
   for (const Json& d : result.at("devices"))
     devices.add({one_line(d.at("name")),
                  one_line(d.at("platform").get<std::string>() + ", " + d.at("driver").get<std::string>()),
@@ -55,15 +55,15 @@ std::string devices_text(const Json& result) {
   for (const char* kind : {"opencl", "egl"})
     for (const Json& driver : result.at("drivers").at(kind)) {
       const std::string named = file_name(driver.at("named_by"));
-      drivers.add({file_name(driver.at("library")), kind, named.empty() ? "nothing: on_gpu named it" : named});
+      drivers.add({file_name(driver.at("library")), kind, named.empty() ? "no file; on_gpu named it" : named});
     }
   text += drivers.text() + "\n";
   for (const Json* step : steps_named(result, "GL contexts")) {
-    MarkdownTable contexts({"GL by", "software, says the driver", "gives"});
+    MarkdownTable contexts({"GL display", "software renderer", "result"});
     for (const Json& row : (*step)["result"].at("contexts")) {
       const auto description = row.at("description").get<std::string>();
       contexts.add({row.at("display"), row.at("is_software").get<bool>() ? "yes" : "no",
-                    one_line(description.empty() ? "nothing: " + row.at("reason").get<std::string>() : description)});
+                    one_line(description.empty() ? "none: " + row.at("reason").get<std::string>() : description)});
     }
     text += contexts.text() + "\n";
   }
@@ -71,7 +71,7 @@ std::string devices_text(const Json& result) {
 }
 
 std::string steps_text(const Json& result) {
-  MarkdownTable table({"step", "ended", "s", "why not, or what was broken"});
+  MarkdownTable table({"step", "result", "s", "reason, or failed tests"});
   for (const Json& step : result.at("steps")) {
     std::string reason = step.value("reason", "");
     if (step.contains("result") && step["result"].contains("failures"))
@@ -91,7 +91,7 @@ std::string steps_text(const Json& result) {
 std::string checks_text(const Json& result) {
   std::string text;
   for (const Json* step : steps_named(result, "selftest"))
-    text += fmt::format("- `multum selftest`: {} numerical cases, {} broken.\n", (*step)["result"].at("cases").size(),
+    text += fmt::format("- `multum selftest`: {} numerical cases, {} failed.\n", (*step)["result"].at("cases").size(),
                         (*step)["result"].at("broken").get<int>());
   for (const Json* step : steps_named(result, "tests "))
     text += fmt::format("- `{}`: {} tests, {} failed.\n", (*step)["name"].get<std::string>().substr(6),
@@ -111,19 +111,21 @@ std::string first_bake_text(const Json& result) {
     const int size = (*step)["result"].at("size").get<int>();
     const Json &first = (*step)["result"].at("first"), &second = (*step)["result"].at("second");
     text += fmt::format(
-        "The first bake on a machine compiles {} program variants: {:.2f} s for the whole program, where the second "
-        "takes {:.2f} s (a four-quarter map of {} x {}, empty caches of multum and of the driver before).\n\n",
+        "The first bake on a machine compiles {} program variants. The whole program takes {:.2f} s the first time and "
+        "{:.2f} s the second time (four-quarter map of {} x {} texels; the caches of multum and of the driver were "
+        "empty "
+        "before).\n\n",
         first.at("programs").get<int>(), first.at("process").at("wall_s").get<double>(),
         second.at("process").at("wall_s").get<double>(), size, size);
   }
   return text;
 }
 
-// The steps of whole bakes, each on every device that did it.
+// Steps of whole bakes, on every device that ran them.
 std::string bakes_text(const Json& result) {
-  MarkdownTable table({"map", "device", "read, s", "start search, s", "bin, s", "levels, s", "write, s",
-                       "whole process, s", "its processor time, s", "device memory, MiB",
-                       "copied to and from it, MiB"});
+  MarkdownTable table({"map", "device", "read, s", "start search, s", "binning, s", "levels, s", "write, s",
+                       "whole process, s", "processor time, s", "device memory, MiB",
+                       "copied to and from the device, MiB"});
   for (const Json* step : steps_named(result, "bake ")) {
     const Json& bake = (*step)["result"].at("bake");
     double levels = 0.0;
@@ -137,12 +139,15 @@ std::string bakes_text(const Json& result) {
                fmt::format("{:.0f}", mib(bake.at("device_bytes_peak"))),
                fmt::format("{:.0f}, {:.0f}", mib(copies.at("upload_bytes")), mib(copies.at("download_bytes")))});
   }
-  return "## Whole bakes\n\nThe four-quarter map from a 16-bit PNG to a file, four lobes, errors not measured; one run "
-         "after one that compiles (16384: the only one). Levels run beside rounding and writing.\n\n" +
+  return "## Whole bakes\n\nEach bake reads the four-quarter map from a 16-bit PNG and writes a file with four lobes, "
+         "without "
+         "measuring errors. One run of each compiled kernels first; 16384 ran only once. Levels are fitted while "
+         "others are "
+         "rounded and written, so the steps overlap.\n\n" +
          table.text() + "\n";
 }
 
-// Whether devices give the same bytes.
+// States whether devices write the same bytes.
 std::string bytes_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> steps = steps_named(result, "bake ");
@@ -151,11 +156,11 @@ std::string bytes_text(const Json& result) {
       const Json &a = (*steps[i])["result"], &b = (*steps[k])["result"];
       if (a.at("size") != b.at("size")) continue;
       const bool same = a.at("bake").at("content_hash") == b.at("bake").at("content_hash");
-      text += fmt::format("- {0} x {0}: {1} and {2} give {3}.\n", a.at("size").get<int>(),
+      text += fmt::format("- {0} x {0}: {1} and {2} write {3}.\n", a.at("size").get<int>(),
                           a.at("bake").at("device").get<std::string>(), b.at("bake").at("device").get<std::string>(),
                           same ? "the same bytes" : "different bytes");
     }
-  return text.empty() ? "" : "### The same bytes\n\n" + text + "\n";
+  return text.empty() ? "" : "### Equal bytes\n\n" + text + "\n";
 }
 
 std::string kernels_text(const Json& result) {
@@ -172,7 +177,8 @@ std::string kernels_text(const Json& result) {
     }
     table.add({"all", "", rounded_text(sum)});
     text += fmt::format(
-        "### Kernels of the bake of {0} x {0}, {1}\n\nBy the device's own clock, errors measured too.\n\n{2}\n",
+        "### Kernels of the bake of {0} x {0}, {1}\n\nTimes come from the device's own clock. This bake also measured "
+        "errors.\n\n{2}\n",
         (*step)["result"].at("size").get<int>(), bake.at("device").get<std::string>(), table.text());
   }
   return text;
@@ -188,7 +194,7 @@ std::string bench_text(const Json& result, const std::string& beginning) {
   return text;
 }
 
-// The figures that people ask for first.
+// The most important figures.
 std::string summary_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> em = steps_named(result, "em "), bakes = steps_named(result, "bake ");
@@ -197,7 +203,7 @@ std::string summary_text(const Json& result) {
     if (gpu.at("size") != cpu.at("size")) continue;
     const double a = gpu.at("kernels_ms").get<double>(), b = cpu.at("kernels_ms").get<double>();
     text += fmt::format(
-        "- EM of {0} x {0}: {1} ms; the processor's {2} cores need {3} ms with the same kernels, "
+        "- EM of {0} x {0} texels: {1} ms on the GPU. The same kernels take {3} ms on the {2} cores of the processor, "
         "{4} times as long.\n",
         gpu.at("size").get<int>(), rounded_text(a), result.at("cores").get<int>(), rounded_text(b),
         rounded_text(b / a));
@@ -207,29 +213,33 @@ std::string summary_text(const Json& result) {
     if (gpu.at("size") != cpu.at("size")) continue;
     const auto seconds = [](const Json& bake) { return bake.at("bake").at("process").at("wall_s").get<double>(); };
     text += fmt::format(
-        "- A whole bake of {0} x {0}, from file to file: {1} s, on the processor {2} s; reading, rounding, "
-        "compressing and writing are the processor's in both.\n",
+        "- A whole bake of {0} x {0} texels, from file to file: {1} s with the GPU, {2} s on the processor. The "
+        "processor "
+        "reads, rounds, compresses and writes in both cases.\n",
         gpu.at("size").get<int>(), rounded_text(seconds(gpu)), rounded_text(seconds(cpu)));
   }
   for (const Json* step : steps_named(result, "frames"))
     for (const Json& row : (*step)["result"].at("rows"))
       if (row.at("name") == "4 lobes")
         text += fmt::format(
-            "- A frame of four lobes, anisotropy {:.0f}: {} ms, {} times that of averaged normals with "
+            "- A frame with four lobes at anisotropy {:.0f}: {} ms, {} times as long as with averaged normals and "
             "Toksvig's rule.\n",
             row.at("anisotropy").get<double>(), rounded_text(parse_spread(row.at("draw_ms")).median),
             rounded_text(parse_spread(row.at("ratio")).median));
-  return text.empty() ? "" : "## In short\n\n" + text + "\n";
+  return text.empty() ? "" : "## Summary\n\n" + text + "\n";
 }
 
 }  // namespace
 
 std::string page_of_run(const Json& result) {
   std::string text = fmt::format(
-      "# What a GPU does\n\nMade by `{}`. Do not edit.\n\n{}; {}.\n\n", result.at("command").get<std::string>(),
+      "# multum on a GPU\n\nThis page shows times, memory and test results of multum on one GPU.\n\nGenerated by "
+      "`{}`. Do not "
+      "edit.\n\n{}; {}.\n\n",
+      result.at("command").get<std::string>(),
       result.contains("device") ? result.at("device").get<std::string>() : "no device yet", conditions_text(result));
   if (result.contains("is_gpu") && !result.at("is_gpu").get<bool>())
-    text += "**This device is a processor: the page shows that the command works, not what a GPU does.**\n\n";
+    text += "**This device is a processor: the page shows that the command works, and has no times of a GPU.**\n\n";
   if (!result.contains("devices")) return text;
   text += summary_text(result) + devices_text(result) + steps_text(result) + checks_text(result);
   if (!steps_named(result, "bake ").empty())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of a run of `multum-bench on-gpu`: what the machine has, what each step gave, and what could not be done.
+// Makes the page of a run of `multum-bench on-gpu`: devices, results of the steps, and failures.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,7 +7,7 @@
 
 namespace multum::bench {
 
-/// Markdown. Sections of steps that are not there are left out.
+/// Returns Markdown. Leaves out sections of steps that did not run.
 std::string page_of_run(const nlohmann::ordered_json& result);
 
 }  // namespace multum::bench

@@ -56,7 +56,7 @@ ResultView view_of(const Json& result) {
 
 Json read_result(const std::string& path) {
   std::ifstream in(path);
-  if (!in) throw Error(ErrorCode::kInput, path + ": cannot be read, expected a file of multum-bench --json");
+  if (!in) throw Error(ErrorCode::kInput, "cannot read " + path + ": expected a file of multum-bench --json");
   try {
     const Json result = Json::parse(in);
     view_of(result);

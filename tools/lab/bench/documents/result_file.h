@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The JSON file of a benchmark: first what was run on which machine, then the figures. docs/evidence/BENCHMARKS.md is
-// made of such files.
+// Writes and reads the JSON file of a benchmark: program and machine first, then the figures. The sources of
+// docs/evidence/BENCHMARKS.md are such files.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,17 +10,17 @@
 
 namespace multum::bench {
 
-/// What was run, where, and how it was built, before the benchmark's own `figures`.
+/// Puts program, machine and build before the benchmark's own `figures`.
 nlohmann::ordered_json make_result(const std::string& benchmark, const std::string& command,
                                    const nlohmann::ordered_json& figures);
 
-/// Throws Error(kInput) that names the file unless it holds the result of a benchmark that this program knows.
+/// Throws Error(kInput) that names the file if it is not the result of a known benchmark.
 nlohmann::ordered_json read_result(const std::string& path);
 
 /// "commit 0123abc, GNU 12.2.0, Release; AMD EPYC, 2 cores, 23 GiB of memory, Debian GNU/Linux 12 (bookworm)".
 std::string conditions_text(const nlohmann::ordered_json& result);
 
-/// Throws nlohmann's exceptions where a result lacks something.
+/// Throws exceptions of nlohmann if a result lacks a key.
 ResultView view_of(const nlohmann::ordered_json& result);
 
 }  // namespace multum::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A benchmark's result as people read it: on a terminal after a run, and in docs/evidence/BENCHMARKS.md.
+// The readable form of a benchmark's result, for the terminal and for docs/evidence/BENCHMARKS.md.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace multum::bench {
 
 struct ResultView {
   std::string title;
-  std::string method;  // what was measured, a paragraph
+  std::string method;  // a paragraph that describes the measurement
   std::string table;   // Markdown
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A command as results quote it.
+// Writes a command as results quote it.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 namespace multum::bench {
 
-/// As a person would type it in the folder of its files: quoted where a shell wants it, absolute paths cut to the
-/// file's name.
+/// Writes a command as a person would type it in the folder of its files: quoted for a shell, with absolute paths cut
+/// to
+/// the file's name.
 std::string command_text(const std::vector<std::string>& command);
 
 }  // namespace multum::bench

@@ -44,7 +44,7 @@ std::vector<fs::path> files_of(const fs::path& folder, const std::string& extens
   return files;
 }
 
-// "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." a line; nothing where there is no ldconfig.
+// Lists one "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." per line; empty without ldconfig.
 std::string loader_list() {
   for (const char* program : {"/sbin/ldconfig", "/usr/sbin/ldconfig"}) {
     try {
@@ -90,7 +90,7 @@ std::vector<FoundDriver> find_all(const std::string& list, const auto& names, co
   return found;
 }
 
-// libglvnd looks into the first two alone.
+// libglvnd reads only the first two folders.
 bool is_looked_at(const std::string& file) {
   return file.starts_with(kEglVendors[0]) || file.starts_with(kEglVendors[1]);
 }

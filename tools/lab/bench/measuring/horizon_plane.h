@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the plane that runs to the horizon of the default camera (runtime_gl/render/camera.h), as multum-view has it.
+// Makes multum-view's plane, which runs to the horizon of the default camera (runtime_gl/render/camera.h).
 #pragma once
 
 #include "runtime_gl/gl/mesh.h"

@@ -10,7 +10,7 @@
 namespace multum::bench {
 namespace {
 
-// As GCC's levels of x86-64: what the yardstick is compiled for.
+// Tests for GCC's levels of x86-64, for which the yardstick is compiled.
 bool processor_has(Instructions instructions) {
   return instructions == Instructions::kAvx512 ? __builtin_cpu_supports("x86-64-v4") > 0
                                                : __builtin_cpu_supports("x86-64-v3") > 0;
@@ -32,7 +32,7 @@ Instructions choose_instructions(std::optional<Instructions> asked) {
   return chosen;
 }
 
-// PoCL keeps the kernels of each processor apart.
+// PoCL caches kernels by processor.
 void limit_opencl(Instructions instructions) {
   const bool wide = instructions == Instructions::kAvx512;
   setenv("POCL_KERNELLIB_NAME", wide ? "avx512" : "avx2", 1);

@@ -12,7 +12,7 @@
 namespace multum::bench {
 namespace {
 
-// The rest of the first line of `path` that starts with `key`, after `separator`, without quotes.
+// Finds the first line of `path` that starts with `key`, and returns its text after `separator`, without quotes.
 std::string value_of(const char* path, const std::string& key, char separator) {
   std::ifstream in(path);
   for (std::string line; std::getline(in, line);) {
@@ -38,7 +38,7 @@ std::uint64_t memory_bytes() {
 std::string file_system_name(const std::string& folder) {
   struct statfs found = {};
   if (statfs(folder.c_str(), &found) != 0) return "unknown";
-  switch (static_cast<unsigned long>(found.f_type)) {  // statfs(2); ext2 and ext3 have ext4's
+  switch (static_cast<unsigned long>(found.f_type)) {  // statfs(2); ext2 and ext3 have the number of ext4
     case 0xEF53: return "ext4";
     case 0x58465342: return "xfs";
     case 0x9123683E: return "btrfs";

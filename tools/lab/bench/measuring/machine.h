@@ -9,10 +9,10 @@ namespace multum::bench {
 
 std::string processor_name();
 std::string system_name();  // "Debian GNU/Linux 12 (bookworm)"
-int core_count();           // that this process may use
+int core_count();           // cores that this process may use
 std::uint64_t memory_bytes();
 
-/// Of the folder's file system: "ext4", "tmpfs", or its number in hexadecimal where it has no name here.
+/// Names the folder's file system: "ext4", "tmpfs", or its number in hexadecimal if the name is unknown.
 std::string file_system_name(const std::string& folder);
 
 }  // namespace multum::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole program as a child process, from file to synced file: what it costs.
+// Runs a whole program as a child process, until its output is synced, and measures its costs.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,21 @@
 namespace multum::bench {
 
 struct ProgramCost {
-  double wall_seconds;  // until the output is on the disk
+  double wall_seconds;  // until the output is on disk
   double cpu_seconds;   // user and system, all threads
-  double peak_mib;      // largest resident memory; never less than this process's own
+  double peak_mib;      // largest resident memory; at least the memory of this process
                         // (host/foundation/base/processes/child_process.h)
   double output_mb;     // of 10^6 bytes
 };
 
-/// Runs a command that must write `output`, then syncs it. A file of that name is removed first, untimed. Throws Error
-/// with the end of what the command said when it fails: kUsage when its exit code says so, else kEnvironment.
+/// Runs a command that must write `output`, then syncs the file. Removes an older file first, untimed. If the command
+/// fails, throws Error with the end of its output: kUsage for the exit code of usage errors, otherwise kEnvironment.
 ProgramCost run_to_disk(const std::vector<std::string>& command, const std::string& output, Progress* progress);
 
-/// The end of what a program said, for a message that says how it failed.
+/// The end of a program's output, for error messages.
 std::string last_words(const std::string& output);
 
-/// Medians and quartiles of some runs of a program: {"wall_s": ..., "cpu_s": ..., "peak_mib": ..., "output_mb": ...}.
+/// Medians and quartiles over runs: {"wall_s": ..., "cpu_s": ..., "peak_mib": ..., "output_mb": ...}.
 nlohmann::ordered_json costs_json(const std::vector<ProgramCost>& costs);
 
 }  // namespace multum::bench

@@ -31,7 +31,7 @@ ScratchFolder::ScratchFolder(const std::string& parent) {
   std::string pattern = (folder / "multum-bench-XXXXXX").string();
   if (missing || mkdtemp(pattern.data()) == nullptr)
     throw Error(ErrorCode::kEnvironment,
-                folder.string() + ": no folder can be made in it: " + std::strerror(missing ? missing.value() : errno));
+                "cannot make a folder in " + folder.string() + ": " + std::strerror(missing ? missing.value() : errno));
   path_ = pattern;
 }
 

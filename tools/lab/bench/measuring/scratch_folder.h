@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder for a benchmark's maps and results, gone when the benchmark ends or is cancelled.
+// A folder for a benchmark's maps and results, removed when the benchmark ends or is cancelled.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@ namespace multum::bench {
 
 class ScratchFolder {
  public:
-  /// Made in `parent`, or in the system's folder for temporary files when it is empty. Throws Error(kEnvironment).
+  /// Makes the folder in `parent`, or in the system's temporary folder if `parent` is empty. Throws
+  /// Error(kEnvironment).
   explicit ScratchFolder(const std::string& parent);
   ~ScratchFolder();
   ScratchFolder(const ScratchFolder&) = delete;
@@ -21,7 +22,7 @@ class ScratchFolder {
   std::string path_;
 };
 
-/// Writes what the system still holds of a file, and its folder's entry, to the disk. Throws Error(kEnvironment).
+/// Writes a file and its folder's entry from the system's cache to the disk. Throws Error(kEnvironment).
 void sync_file(const std::string& path);
 
 }  // namespace multum::bench

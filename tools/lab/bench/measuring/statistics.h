@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A quantity measured several times: its median and quartiles, as numbers, JSON and text.
+// Median and quartiles of repeated measurements, as numbers, JSON and text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,19 +13,19 @@ struct Spread {
   double low, high;  // first and third quartile
 };
 
-/// Quantiles lie on the straight line between the two values beside them (rank p (n - 1), counted from 0). `values`
-/// must not be empty.
+/// Interpolates quantiles linearly between neighbouring values (rank p (n - 1), counted from 0). `values` must not be
+/// empty.
 Spread spread_of(std::vector<double> values);
 
-/// {"median": 1.0, "quartiles": [0.9, 1.2]} and back.
+/// Converts to {"median": 1.0, "quartiles": [0.9, 1.2]}.
 nlohmann::ordered_json spread_json(const Spread& spread);
 Spread parse_spread(const nlohmann::ordered_json& json);
 
-/// "1.00 (0.90 .. 1.20)", all with the decimals that rounded_text() gives the median, or "1.00" alone when that is what
-/// the quartiles round to as well.
+/// Writes "1.00 (0.90 .. 1.20)", with the decimals of rounded_text() for the median, or only "1.00" if the quartiles
+/// round to the same number.
 std::string spread_text(const Spread& spread);
 
-/// `value` with three significant digits, or to the next whole number if that has more: "0.00123", "1.23", "1235".
+/// Writes `value` with three significant digits, or as a whole number if that has more: "0.00123", "1.23", "1235".
 std::string rounded_text(double value);
 
 }  // namespace multum::bench

@@ -14,8 +14,9 @@
 namespace multum::bench {
 namespace {
 
-// As many lanes as a register has. GCC splits wider vectors into registers for arithmetic, but compares and chooses
-// lane by lane: with 16 lanes on AVX2 this file took 5.7 times as long as with AVX-512.
+// Lanes per register. GCC splits wider vectors into registers for arithmetic, but compares and selects lane by lane:
+// with
+// 16 lanes on AVX2, this file took 5.7 times as long as with AVX-512.
 #ifdef __AVX512F__
 constexpr int kLanes = 16;
 #else
@@ -28,7 +29,7 @@ typedef int I __attribute__((vector_size(kLanes * sizeof(int))));
 
 constexpr float kLog2E = 1.44269504f;
 constexpr int kChunkSamples = 4096;
-constexpr int kSampleFloats = 3 * MULTUM_GROUP;  // of a group: x, y and z
+constexpr int kSampleFloats = 3 * MULTUM_GROUP;  // per group: x, y and z
 
 V splat(float x) { return V{} + x; }
 V load(const float* p) {
@@ -52,8 +53,8 @@ float sum_v(V v) {
   return sum;
 }
 
-// Shares of lobes far from a normal are below the normal floats, which Intel's processors compute with a hundred times
-// slower: 0 instead, in this thread until it goes out of scope. The kernels keep above them (movmf_em.clh).
+// Flushes subnormal floats to 0 in this thread, until it goes out of scope. Shares of lobes far from a normal are
+// subnormal, and Intel's processors compute with them a hundred times slower. The kernels avoid them (movmf_em.clh).
 class FlushedToZero {
  public:
   FlushedToZero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040); }
@@ -195,7 +196,7 @@ void load_start(const float* start, Lobes<kLobes>& lobes) {
   }
 }
 
-// Fine levels: a lane is a texel. A group is one vector, or two with 8 lanes, `first_lane` being the first of them.
+// Fits fine levels with one texel per lane. A group is one vector, or two with 8 lanes, the first at `first_lane`.
 template <int kLobes>
 void fit_lanes(const YardstickLevel& level, int group, int first_lane, float* out) {
   const float inverse_count = 1.0f / static_cast<float>(level.sample_count);
@@ -233,7 +234,8 @@ void fit_lanes(const YardstickLevel& level, int group, int first_lane, float* ou
   }
 }
 
-// Coarse levels: a lane is a sample; chunks of rows are summed in parallel, then one M-step with the lobes in lane 0.
+// Fits coarse levels with one sample per lane. Chunks of rows are summed in parallel; then comes one M-step with the
+// lobes in lane 0.
 template <int kLobes>
 void fit_texel(const YardstickLevel& level, int texel, float* out) {
   const int side = level.texel_side, rows_per_chunk = std::max(1, kChunkSamples / side);
@@ -300,7 +302,7 @@ std::vector<float> fit(const YardstickLevel& level) {
       for (int lane = 0; lane < MULTUM_GROUP; lane += kLanes) fit_lanes<kLobes>(level, group, lane, out.data());
     }
   } else {
-    // As many threads as there are have a texel each, where there are so many; then a texel's chunks are summed by one.
+    // With at least as many texels as threads, each thread fits whole texels. Otherwise threads share a texel's chunks.
 #pragma omp parallel for schedule(dynamic) if (level.texel_count >= omp_get_max_threads())
     for (int texel = 0; texel < level.texel_count; ++texel) fit_texel<kLobes>(level, texel, out.data());
   }

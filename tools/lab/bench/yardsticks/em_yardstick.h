@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of the EM kernels: the same sums in plain C++ with vectors as wide as a register (GCC's vector
-// extensions, compiled for AVX-512 and for AVX2) and OpenMP. Kept readable; the kernels are measured against it.
+// The yardstick of the EM kernels: the same sums in plain, readable C++ with OpenMP and vectors as wide as a register
+// (GCC's vector extensions, compiled for AVX-512 and for AVX2).
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace multum::bench {
 struct YardstickLevel {
   int lobe_count;
   int iteration_count;
-  int group_count;       // groups of 16 texels
+  int group_count;       // groups of 16 texels each
   int sample_count;      // a texel
   const float* samples;  // [group][sample][3][16]; null: use the planes (one texel after another)
   const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
@@ -30,7 +30,7 @@ struct YardstickLevel {
   int texel_side = 0;  // finest texels along a side
 };
 
-/// (r_x, r_y, r_z, a) of [lobe][texel slot]. The build for `instructions`, which the processor must have.
+/// Returns (r_x, r_y, r_z, a) of [lobe][texel slot], by the build for `instructions`, which the processor must have.
 std::vector<float> fit_with_yardstick(const YardstickLevel& level, Instructions instructions);
 
 }  // namespace multum::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which build of the yardstick runs.
+// Chooses the build of the yardstick.
 #include "tools/lab/bench/yardsticks/em_yardstick.h"
 
 namespace multum::bench {

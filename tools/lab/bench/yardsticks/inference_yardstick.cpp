@@ -43,7 +43,7 @@ class LeastSquaresYardstick : public InferenceYardstick {
     Eigen::setNbThreads(threads_);
     solver_.setMaxIterations(iteration_count);
     const Columns b = mapped(colours), from = mapped(start);
-    const Columns x = solver_.solveWithGuess(b, from);  // a column after the other
+    const Columns x = solver_.solveWithGuess(b, from);  // one column after the other
     MULTUM_CHECK(solver_.iterations() == iteration_count);
     return interleaved(x);
   }
@@ -54,7 +54,7 @@ class LeastSquaresYardstick : public InferenceYardstick {
   Eigen::LeastSquaresConjugateGradient<Matrix<kOrder>> solver_;
 };
 
-// Eigen 3.4, IterativeLinearSolvers/LeastSquareConjugateGradient.h, line by line, every scalar a row of three.
+// Follows Eigen 3.4, IterativeLinearSolvers/LeastSquareConjugateGradient.h, line by line, with rows of three scalars.
 class ThreeColumnsYardstick : public InferenceYardstick {
  public:
   ThreeColumnsYardstick(const SparseRows& rows, std::size_t texel_count, int threads)
@@ -98,8 +98,8 @@ class ThreeColumnsYardstick : public InferenceYardstick {
 }  // namespace
 
 std::string yardstick_name(const YardstickWay& way) {
-  const char* form = way.form == YardstickForm::kRowMajor      ? "LSCG a colour, row-major"
-                     : way.form == YardstickForm::kColumnMajor ? "LSCG a colour, column-major"
+  const char* form = way.form == YardstickForm::kRowMajor      ? "LSCG per colour, row-major"
+                     : way.form == YardstickForm::kColumnMajor ? "LSCG per colour, column-major"
                                                                : "LSCG's iteration on three columns";
   return std::string(form) + ", " + std::to_string(way.threads) + (way.threads == 1 ? " thread" : " threads");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of texture inference: Eigen's conjugate gradient for least squares, in single precision, with its
-// preconditioner of the diagonal, compiled for the machine at hand and with OpenMP.
+// The yardstick of texture inference: Eigen's conjugate gradient for least squares in single precision, with its
+// diagonal preconditioner, compiled for this machine and with OpenMP.
 #pragma once
 
 #include <memory>
@@ -12,9 +12,9 @@
 namespace multum::bench {
 
 enum class YardstickForm {
-  kRowMajor,      // LeastSquaresConjugateGradient, a solve for each of three colours: A gathers, A^T scatters
-  kColumnMajor,   // the same: A scatters, A^T gathers
-  kThreeColumns,  // its iteration written with Eigen's products on three columns at once; A and A^T both gather
+  kRowMajor,      // LeastSquaresConjugateGradient, one solve per colour: A gathers, A^T scatters
+  kColumnMajor,   // as kRowMajor, but A scatters and A^T gathers
+  kThreeColumns,  // its iteration, written with Eigen's products for three columns; A and A^T gather
 };
 
 struct YardstickWay {
@@ -27,7 +27,7 @@ std::string yardstick_name(const YardstickWay& way);
 class InferenceYardstick {
  public:
   virtual ~InferenceYardstick() = default;
-  /// `colours`: three a row; `start`: three a texel. Takes exactly `iteration_count` iterations.
+  /// `colours`: three per row; `start`: three per texel. Takes exactly `iteration_count` iterations.
   virtual std::vector<float> solve(const std::vector<float>& colours, const std::vector<float>& start,
                                    int iteration_count) = 0;
 };
