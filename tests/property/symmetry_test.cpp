@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a bake keeps of a map that is mirrored, turned by quarters or tiled twice: what docs/contributing/ALGORITHMS.md
-// says in "Why the file is as it is" is held here. What it does not keep, the lobes, is measured and printed.
+// says in "Reasons for the file format" is held here. What it does not keep, the lobes, is measured and printed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>

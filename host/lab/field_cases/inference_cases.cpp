@@ -389,8 +389,8 @@ std::vector<NumericalCase> inference_cases() {
       {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
         "p[i] = " + infinite + " * r[i] + beta * direction;"}});
   add("denormal-diagonals", "the inverse of a denormal diagonal is infinite, and times 0 it is NaN",
-      "a diagonal below the smallest normal number counts as 0", 1e-2, "absolute, of pixels", "as above",
-      denormal_diagonals, {},
+      "a diagonal below the smallest normal number counts as 0", 1e-2, "absolute, of pixels",
+      "single precision, and a tolerance of 1e-6 for the gradient", denormal_diagonals, {},
       {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
   add("unseen-texels", "start values remain, or values are not finite",
       "pyramidal regularisation fills them from the coarser level", 2e-3, "absolute",

@@ -81,7 +81,7 @@ std::vector<CaseTopic> shading_topics() {
        {"glsl-measured-tables-at-their-ends", "glsl-reflection-table-at-its-ends",
         "glsl-environment-levels-at-their-ends", "glsl-schlick-beyond-its-ends", "glsl-level-of-no-extent",
         "glsl-texels-far-outside", "glsl-footprints-of-one-place"}},
-      {"no material at all",
+      {"materials without lobes or mean normals",
        {"glsl-single-normals-as-gaussians", "glsl-single-normals-as-means", "glsl-lobes-in-an-environment",
         "glsl-means-in-an-environment", "glsl-harmonics-in-an-environment"}},
       {"inference: singular and empty rows, texels that no pixel reads, vanishing regularisation, contrast of 1e6",

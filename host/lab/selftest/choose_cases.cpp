@@ -145,8 +145,8 @@ std::vector<NumericalCase> choose_cases() {
   return {
       {{"choice-of-equal-normals", "movmf_choose",
         "square root of a scatter that rounding leaves below 0: NaN is never the lowest cost",
-        "a width that is invisible in highlights is added under every root", kNothingWrong, "amplitudes wrong",
-        "none is allowed"},
+        "a width that is invisible in highlights is added under every root", kNothingWrong, "wrong amplitudes",
+        "every amplitude must be correct"},
        choice_of_equal_normals,
        {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
       {{"choice-without-normals", "movmf_choose, movmf_feature_chosen", "the mean of a lobe without normals is 0/0",

@@ -263,7 +263,7 @@ std::vector<NumericalCase> fit_cases() {
                 "half_square(m.x, m.y);")}},
       {{"planar-variance-never-negative", kFormula,
         "a difference of equal numbers is below 0: the density is undefined", "limited to 0 and above", kNothingWrong,
-        "how far below 0", "never"},
+        "depth below 0", "no value may be negative"},
        variance_never_negative,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float: shares are 0 / 0",
@@ -289,7 +289,7 @@ std::vector<NumericalCase> fit_cases() {
        {{"movmf_em_mstep", "1.0f / MAX_V(sum_s[j], (real_v)(1e-30f))", "1.0f / sum_s[j]"}}},
       {{"planar-scatter-of-equal-normals", "movmf_bin_means (planar)",
         "E|p|^2 of a cell minus the square of its mean is below 0", "limited to 0 and above", kNothingWrong,
-        "how far below 0", "never"},
+        "depth below 0", "no value may be negative"},
        scatter_of_equal_normals,
        {{"movmf_binning", "MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f)",
          "mean.z - fma(mean.x, mean.x, mean.y * mean.y)"}}},
@@ -310,7 +310,7 @@ std::vector<NumericalCase> planar_cases() {
   cases.push_back(
       {{"planar-amplitude-to-0", "movmf_shade (planar)", "a lobe without normals is divided by its amplitude: 0 / 0",
         "no lobe at or below 1e-6", 6e-4, "relative to an upright lobe's peak; 1 where the result must be 0",
-        "as above"},
+        "6e-8 of a mean near 1, twice, relative to a variance of 1e-4"},
        vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});

@@ -211,7 +211,8 @@ std::vector<NumericalCase> shading_cases() {
       {{"amplitude-to-0", "movmf_shade",
         "a lobe without normals is divided by its amplitude: 0 / 0, or light from a direction that is rounding error",
         "lobes with an amplitude of at most 1e-6, a thirtieth of the smallest stored, are ignored", 6e-4,
-        "relative to the peak times the amplitude; 1 where the result must be 0", "as above"},
+        "relative to the peak times the amplitude; 1 where the result must be 0",
+        "2.3e-4 of the inverse of kappa, in the peak and in the exponent"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});

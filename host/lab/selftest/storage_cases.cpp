@@ -126,7 +126,7 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
       {{name + "-as-the-format-says", formula, "the texel differs from the rule of docs/reference/file_format.md",
-        "every way to round is tried, as the rule says", kNothingWrong, "texels wrong", "not a bit may differ"},
+        "every way to round is tried, as the rule says", kNothingWrong, "wrong texels", "not a bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },
        {},
        [=](WorstError& worst) { as_the_format_says(encoding, naive, worst); }},
