@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Children between two files.
+// Keeps a child between two files.
 class IdleChildren {
  public:
   std::unique_ptr<HelperProcess> take(const std::string& program) {
@@ -48,14 +48,14 @@ DecodedFile::DecodedFile(DecodingChild child, std::string path, std::string libr
   allow(0, {});
 }
 
-// Whoever answers "close" is fit for the next file.
+// A child that answers "close" can decode the next file.
 DecodedFile::~DecodedFile() {
   if (!process_->is_alive()) return;
   try {
     const std::string request = MessageWriter().number(DecodingRequest::kClose).take();
     ask(request, [](MessageReader&) { return true; });
     idle_children().give_back(std::move(process_));
-  } catch (const std::exception&) {  // then it is ended
+  } catch (const std::exception&) {  // the child is killed
   }
 }
 

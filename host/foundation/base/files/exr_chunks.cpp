@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// "OpenEXR File Layout", openexr.com:
+// Layout of an OpenEXR file ("OpenEXR File Layout", openexr.com):
 //
-//   headers | 8 bytes a chunk: where it lies; parts, levels, rows and columns in order | chunks, in any order
+//   headers | 8 bytes per chunk: its position; by part, level, row and column | chunks, in any order
 //   chunk:  [part]  tile x, tile y, level x, level y  size: 4 bytes each | data
 //           [part]  y of its first row                size
 //
-// The part stands there in files of several parts alone.
+// Only files with several parts have the field [part].
 #include "host/foundation/base/files/exr_chunks.h"
 
 #include <algorithm>
@@ -45,7 +45,7 @@ std::vector<ExrChannel> channels_of(ByteFile& file, const ExrAttribute& attribut
 
 std::int64_t floor_divided(std::int64_t x, std::int64_t by) { return x >= 0 ? x / by : -((by - 1 - x) / by); }
 
-// Multiples of `step` from `begin` to before `end`.
+// Counts the multiples of `step` from `begin` up to, but not including, `end`.
 std::int64_t multiples(std::int64_t begin, std::int64_t end, std::int64_t step) {
   return floor_divided(end - 1, step) - floor_divided(begin - 1, step);
 }
@@ -61,7 +61,7 @@ int levels_of_side(int side, bool rounds_up) {
   return count;
 }
 
-// `mode`: the low half says which levels there are, the high one how their sizes are rounded.
+// `mode`: the low four bits select the levels, the high four bits the rounding of their sizes.
 void add_levels(ExrPart& part, int mode) {
   constexpr int kOneLevel = 0, kMipmap = 1;
   const bool rounds_up = mode / 16 != 0;
@@ -81,7 +81,7 @@ void add_levels(ExrPart& part, int mode) {
     for (int x = 0; x < levels_of_side(part.width, rounds_up); ++x) add(x, y);
 }
 
-// What headers say, until the whole of one is known.
+// Values of a header that is being read.
 struct PartDraft {
   ExrPart part;
   std::string type;
@@ -317,7 +317,7 @@ void ExrChunks::check_range(std::size_t part, std::size_t first, std::size_t end
 void ExrChunks::check(std::size_t part, std::size_t chunk) const {
   const std::int64_t size = unpacked_bytes(part, chunk);
   const std::int32_t packed_size = parts_[part].chunks[chunk].size;
-  if (packed_size == size) return;  // as it is
+  if (packed_size == size) return;  // stored unpacked
   const char* const wrong = check_exr(parts_[part].compression, packed_bytes(part, chunk),
                                       static_cast<std::size_t>(packed_size), static_cast<std::size_t>(size));
   if (wrong != nullptr) refuse(part, chunk, wrong);

@@ -20,10 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDepthMax = 64;    // folders within folders, each of which is an open file
-constexpr int kTriesMax = 1000;  // of a folder that others remove between our making and our opening it
+constexpr int kDepthMax = 64;    // nested folders, each of which is an open file
+constexpr int kTriesMax = 1000;  // others may remove the folder between its creation and its opening
 constexpr char kMark[] = ".multum-folder";
-constexpr mode_t kOwnMode = 0700;  // nobody else looks into it, or puts a link there
+constexpr mode_t kOwnMode = 0700;  // no other user can list it, or put a link there
 constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
@@ -43,7 +43,7 @@ const char* kind_of(mode_t mode) {
   return S_ISDIR(mode) ? "is a folder" : "is neither a file nor a folder";
 }
 
-// What the system says of a file that this process has just made there under a name that nobody could guess.
+// Returns the system's data of a file that this process creates there under a random name.
 struct stat state_of_new_file(const OpenFile& folder) {
   struct stat made {};
   const std::string name = ".multum-probe-" + random_digits();
@@ -72,7 +72,7 @@ void check_is_own(const OpenFile& above, const OpenFile& folder, const std::stri
   refuse(path, fmt::format("has the mode {:04o}, by which others may write to it", found.st_mode & 07777U));
 }
 
-// Not open, with ENOENT, where nothing has this name.
+// Not open, with ENOENT, if nothing has this name.
 OpenFile open_if_own(const OpenFile& above, const std::string& name, const std::string& path) {
   OpenFile folder(::openat(above.descriptor(), name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (folder.is_open()) check_is_own(above, folder, path);
@@ -98,8 +98,8 @@ bool remove_one(int folder, dev_t device, const std::string& name, int depth) {
          ::unlinkat(folder, name.c_str(), AT_REMOVEDIR) == 0;
 }
 
-// Names of an open folder; false, with errno, where they cannot be read. By the descriptor itself: a process that may
-// open no more files can still remove what it made.
+// Lists the names in an open folder; returns false, with errno, if they cannot be read. Uses the descriptor itself, so
+// that a process that may open no more files can still remove its own.
 bool list_names(int folder, std::vector<std::string>& names) {
   if (::lseek(folder, 0, SEEK_SET) < 0) return false;
   alignas(dirent64) char entries[32 << 10];
@@ -137,7 +137,7 @@ NamedPlace open_place(const std::string& path) {
   const fs::path whole(path);
   const std::string above = whole.has_parent_path() ? whole.parent_path().string() : ".";
   NamedPlace place{OpenFile(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)), whole.filename().string()};
-  // A folder that may be written to and not listed.
+  // The folder may be writable without being listable.
   if (!place.folder.is_open() && errno == EACCES)
     place.folder = OpenFile(::open(above.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!place.folder.is_open() && (errno == ENAMETOOLONG || errno == ELOOP))
@@ -190,7 +190,7 @@ bool clear_own_folder(const OpenFile& folder, const std::string& kept) {
 }
 
 bool remove_own_folder(const OpenFile& above, const std::string& name, const OpenFile& folder) {
-  // The mark goes last: what a kill leaves of this is still known as ours, or empty.
+  // The mark goes last: after a kill, the remaining folder is still marked as ours, or empty.
   if (!clear_own_folder(folder)) return false;
   ::unlinkat(folder.descriptor(), kMark, 0);
   return !is_named(above, name, folder.descriptor()) || ::unlinkat(above.descriptor(), name.c_str(), AT_REMOVEDIR) == 0;

@@ -42,7 +42,7 @@ bool write_all(int file, RecordFile::Bytes bytes, std::uint64_t offset) {
   return true;
 }
 
-// What a kill or a lost power leaves of the first line: its beginning, or zeros.
+// A kill or a loss of power may leave only the beginning of the first line, or zeros.
 bool is_torn(const std::string& text) {
   return text[0] == '\0' || (text.size() < kFormatBytes && std::string(kFormatLine).starts_with(text));
 }
@@ -139,7 +139,7 @@ void RecordFile::append(const std::vector<Bytes>& parts) {
   for (const Bytes& part : parts) {
     if (!write_all(file_.descriptor(), part, end)) {
       const int error = errno;
-      // Where this fails too, the next run finds a torn end and cuts it.
+      // If this fails too, the next run finds and removes the torn end.
       [[maybe_unused]] const int ignored = ::ftruncate(file_.descriptor(), static_cast<off_t>(size_));
       errno = error;
       fail_by_errno(shown_path_, "cannot be written");
@@ -161,7 +161,7 @@ std::unique_ptr<RecordJournal> RecordJournal::open(const std::string& output, co
   if (folder == nullptr) return nullptr;
   if (!resume) folder->clear();
   std::unique_ptr<RecordJournal> journal(new RecordJournal(std::move(folder), file));
-  journal->folder_->leave();  // where it is refused
+  journal->folder_->leave();  // in case visit_records() throws
   std::vector<std::uint8_t> bytes;
   const std::uint64_t size = journal->visit_records(
       &key, [&](const Place& place) { return journal->read(place, bytes) && visit(bytes, place); });
