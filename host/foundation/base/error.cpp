@@ -58,7 +58,7 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
       throw caught_error("");
     }
   } catch (const Cancelled&) {
-    print_shown(stderr, "%s: cancelled, nothing unfinished was kept\n", program);
+    print_shown(stderr, "%s: cancelled; no unfinished files remain\n", program);
     return 130;
   } catch (const Error& error) {
     print_shown(stderr, "%s: %s\n", program, error.what());

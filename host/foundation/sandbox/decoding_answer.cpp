@@ -30,12 +30,12 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
   if (kind == DecodingAnswer::kOutOfMemory)
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: its decoding needs more than {} bytes of memory, expected a file that needs less{}", file.path,
+        fmt::format("{}: decoding needs more than {} bytes of memory, expected a file that needs less{}", file.path,
                     file.memory_max, advice(" (<decode child:SECONDS,MEMORY> allows more, for files that you trust)")));
   if (kind == DecodingAnswer::kNoMemoryHere)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: not enough memory to decode it: found less than the {} bytes that its decoding may "
-                            "take, expected a machine, a container and limits (ulimit -v) that leave more: {}",
+                fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available; use a "
+                            "machine, a container or limits (ulimit -v) that leave more: {}",
                             file.path, file.memory_max, errno_text(ENOMEM)));
 }
 
@@ -67,8 +67,8 @@ void refuse_as_answered(const AskedFile& file, std::string_view answer) {
     throw_refusal(file, answer);
   } catch (const std::out_of_range&) {  // not a refusal either
   }
-  throw Error(ErrorCode::kInput, fmt::format("{}: its decoding ended in {} bytes that are no answer, expected a file "
-                                             "that {} survives",
+  throw Error(ErrorCode::kInput, fmt::format("{}: decoding returned {} invalid bytes, expected an undamaged "
+                                             "file that {} can read",
                                              file.path, answer.size(), file.library));
 }
 

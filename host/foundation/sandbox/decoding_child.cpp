@@ -70,13 +70,12 @@ std::string DecodedFile::answer(const std::string& request, const std::function<
     if (ended.lacked_memory())
       throw Error(
           ErrorCode::kEnvironment,
-          fmt::format("{}: the process that decodes it {}; not enough memory is the likely reason: its decoding "
-                      "may take {} bytes, expected a machine, a container and limits (ulimit -v) that leave "
-                      "them",
+          fmt::format("{}: decoding failed (its process {}), probably for lack of memory; expected {} bytes of "
+                      "memory: use a machine, a container or limits (ulimit -v) that leave as much",
                       path_, ended.what(), limits_.memory_max));
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: the process that decodes it {}; expected a file that {} survives, in {} bytes of "
-                            "memory and {} s",
+                fmt::format("{}: decoding failed (its process {}); expected an undamaged file that {} reads with {} bytes "
+                            "of memory in {} s",
                             path_, ended.what(), library_, limits_.memory_max,
                             std::chrono::duration<double>(limits_.time_max).count()));
   }

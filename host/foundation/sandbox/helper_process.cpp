@@ -190,7 +190,7 @@ int HelperProcess::wait_for_end() {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   kill_and_wait();
-  throw HelperEnded("fell silent and was ended", false);
+  throw HelperEnded("stopped answering and was ended", false);
 }
 
 void HelperProcess::end(const std::string& why) {
@@ -280,7 +280,7 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     if (received_.size() >= sizeof(size)) {
       std::memcpy(&size, received_.data(), sizeof(size));
       if (size > kAnswerMax) end(fmt::format("announced an answer of {} bytes", size));
-      if (received_.size() > sizeof(size) + size) end("said more than it was asked");
+      if (received_.size() > sizeof(size) + size) end("sent more than its answer");
       if (received_.size() == sizeof(size) + size) return received_.substr(sizeof(size));
     }
     pollfd waited = {socket_, POLLIN, 0};

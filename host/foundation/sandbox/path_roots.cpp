@@ -102,15 +102,15 @@ OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const 
   const std::string& root = roots_[best];
   const int descriptor = descriptors_[best]->descriptor();
   if (!is_same_folder(descriptor, root))
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: its root {} is another folder by now, or unmounted; restart "
-                                                     "the service when it is to be used",
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: its root {} was replaced or unmounted; restart the service "
+                                                     "to use the new folder",
                                                      canonical, root));
   const std::string relative = canonical == root ? "." : canonical.substr(root.size() + 1);
   OpenFile file(open_below(descriptor, relative, flags));
   if (!file.is_open() && (errno == ELOOP || errno == EXDEV))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or lies behind one", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through one", canonical));
   if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is not there any more", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: no longer exists", canonical));
   if (!file.is_open()) fail_by_errno(canonical, "cannot be opened");
   return file;
 }
@@ -139,8 +139,8 @@ bool PathRoots::is_inside(const std::string& canonical) const {
 std::string PathRoots::input(const std::string& path) const {
   if (!path.starts_with('/'))
     throw Error(ErrorCode::kUsage,
-                fmt::format("'{}': expected an absolute path of a file below {}, or the path that its "
-                            "upload was answered with",
+                fmt::format("'{}': expected an absolute path of a file below {}, or the path "
+                            "in the answer to its upload",
                             path, fmt::join(roots_, ", ")));
   std::error_code error;
   const fs::path canonical = fs::canonical(path, error);
@@ -165,7 +165,7 @@ std::string PathRoots::output(const std::string& path) const {
   const fs::path folder = fs::canonical(named.parent_path(), error);
   if (error) {
     if (!is_inside(place_of(named).string())) refuse(path);
-    throw Error(ErrorCode::kUsage, fmt::format("{}: its folder is not there", path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: its folder does not exist", path));
   }
   const fs::path result = folder / name;
   if (!is_inside(result.string())) refuse(path);

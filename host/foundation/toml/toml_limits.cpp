@@ -101,7 +101,7 @@ class TomlScan {
   }
 
   void deepen() {
-    if (++depth_ > limits_.depth_max) refuse("levels of tables and arrays in one another", limits_.depth_max);
+    if (++depth_ > limits_.depth_max) refuse("levels of nested tables and arrays", limits_.depth_max);
   }
 
   void open(char c) {

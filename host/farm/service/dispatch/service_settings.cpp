@@ -24,7 +24,7 @@ const std::vector<std::string> kKeys = {
     "upload_max", "retention_days", "data_max",       "upload_days",      "connections_max",  "request_memory_max",
     "queue",      "device",         "slurm"};
 
-// "800M", "2G": as --memory takes it.
+// Parses "800M" or "2G", in the syntax of --memory.
 std::optional<std::int64_t> parse_bytes(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -175,7 +175,7 @@ ListenAddress parse_listen_address(const std::string& text) {
 
 namespace {
 
-// Without links, as far as it is there.
+// Resolves the links of the existing part of a path.
 std::string canonical_name(const std::string& path) {
   std::error_code error;
   const std::filesystem::path name = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
@@ -211,7 +211,7 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
   }
 }
 
-// Whoever may write there may have nodes run what they like.
+// A user who may write there could make nodes run any command.
 void check_slurm(const SlurmSettings& settings) {
   if (!settings.is_on()) return;
   struct stat found {};

@@ -38,12 +38,12 @@ std::string resolved(const std::string& path) {
 // A group may write to a folder of root's: so volumes are given to containers.
 void check_owner(const OpenFile& folder, const std::string& path) {
   struct stat found {};
-  if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be looked at");
+  if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");
   if (!is_of_us_or_root(found))
-    refuse(path, fmt::format("belongs to user {}, and this is user {}", found.st_uid, ::geteuid()));
+    refuse(path, fmt::format("belongs to user {}, but multum runs as user {}", found.st_uid, ::geteuid()));
   const bool is_volume = found.st_uid == 0 && ::geteuid() != 0;
   if ((found.st_mode & (is_volume ? S_IWOTH : S_IWGRP | S_IWOTH)) != 0)
-    refuse(path, fmt::format("has the mode {:04o}, by which others may write to it", found.st_mode & 07777U));
+    refuse(path, fmt::format("has the mode {:04o}, which lets other users write to it", found.st_mode & 07777U));
 }
 
 }  // namespace

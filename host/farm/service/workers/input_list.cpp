@@ -21,9 +21,9 @@ using Json = nlohmann::json;
 
 constexpr auto kTimeMax = std::chrono::seconds(10);
 constexpr std::uint64_t kMemoryMax = std::uint64_t{512} << 20;
-constexpr std::size_t kOutputMax = 16 << 20;  // bytes: it is read in the daemon
+constexpr std::size_t kOutputMax = 16 << 20;  // bytes, since the daemon reads it
 
-// Before it there may be warnings.
+// Skips warnings before the last line.
 std::string last_line(std::string output) {
   while (output.ends_with('\n')) output.pop_back();
   return output.substr(output.rfind('\n') + 1);

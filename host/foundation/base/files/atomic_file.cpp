@@ -95,7 +95,7 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), place_(open_p
   temporary_name_ = fmt::format("{}{}-{}-{}-{}", kPrefix, ::getpid(), random_digits(), place(), place_.name);
   file_ = OpenFile(::openat(place_.folder.descriptor(), temporary_name_.c_str(),
                             O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
-  if (!file_.is_open()) fail_by_errno(path_, "no file can be created in its folder");
+  if (!file_.is_open()) fail_by_errno(path_, "cannot create a file in its folder");
   open_path_ = fmt::format("/proc/{}/fd/{}", ::getpid(), file_.descriptor());
 }
 
@@ -111,8 +111,8 @@ void AtomicFile::commit() {
   if (!is_named(place_.folder, temporary_name_, file_.descriptor()))
     throw Error(ErrorCode::kEnvironment,
                 path_ +
-                    ": its temporary file was taken away or replaced while it was written; expected a folder where "
-                    "nobody else renames files");
+                    ": its temporary file was removed or replaced during writing; expected a folder where no other "
+                    "program renames files");
   if (::renameat(folder, temporary_name_.c_str(), folder, place_.name.c_str()) != 0)
     fail_by_errno(path_, "cannot be given its final name");
   committed_ = true;

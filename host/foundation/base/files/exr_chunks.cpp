@@ -96,7 +96,7 @@ ExrPart finished_part(const std::string& path, PartDraft draft, bool is_tiled) {
   constexpr std::int64_t kSideMax = std::int64_t{1} << 30;
   if (x1 < x0 || y1 < y0 || x1 - x0 >= kSideMax || y1 - y0 >= kSideMax)
     refuse_file(path, fmt::format("damaged EXR: found a data window from ({}, {}) to ({}, {}), expected at most 2^30 "
-                                  "texels a side",
+                                  "texels per side",
                                   x0, y0, x1, y1));
   part.x = static_cast<int>(x0);
   part.y = static_cast<int>(y0);
@@ -114,10 +114,10 @@ ExrPart finished_part(const std::string& path, PartDraft draft, bool is_tiled) {
   for (const ExrChannel& channel : part.channels)
     if (channel.type < ExrChannel::kUint || channel.type > ExrChannel::kFloat || channel.x_sampling < 1 ||
         channel.y_sampling < 1 || (is_tiled && (channel.x_sampling != 1 || channel.y_sampling != 1)))
-      refuse_file(path, fmt::format("damaged EXR: found a channel of type {} for every {} x {} texels, expected type 0 "
-                                    "to 2{}",
+      refuse_file(path, fmt::format("damaged EXR: found a channel of type {}, one sample per {} x {} texels; expected "
+                                    "type 0 to 2{}",
                                     channel.type, channel.x_sampling, channel.y_sampling,
-                                    is_tiled ? " for each texel of a tile" : ""));
+                                    is_tiled ? ", one sample per texel" : ""));
   add_levels(part, is_tiled ? draft.level_mode : 0);
   return std::move(part);
 }
@@ -196,7 +196,7 @@ void ExrChunks::read_table(std::size_t index, std::int64_t& position) {
         place > static_cast<std::uint64_t>(file_.size() - head_bytes))
       refuse(
           index, chunk,
-          fmt::format("it is said to be at byte {}, expected {} to {}", place, tables_end_, file_.size() - head_bytes));
+          fmt::format("its table says byte {}, expected {} to {}", place, tables_end_, file_.size() - head_bytes));
     const auto begin = static_cast<std::int64_t>(place);
     const std::string head = file_.bytes(begin, head_bytes, kHead);
     std::vector<std::int64_t> words;

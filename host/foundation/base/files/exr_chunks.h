@@ -101,6 +101,6 @@ class ExrChunks {
 };
 
 /// Advice at the end of each message about a damaged file.
-constexpr char kWriteAnew[] = "The file was changed or not written whole: copy or write it anew";
+constexpr char kWriteAnew[] = "The file was changed or is incomplete: copy or write it again";
 
 }  // namespace multum

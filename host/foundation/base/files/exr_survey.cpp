@@ -110,7 +110,7 @@ void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute
   else if (type == "preview") expected = preview_size(file, position);
   else if (type == "stringvector") expected = text_list_size(file, position, size);
   if (size != expected)
-    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", plain(name), size,
+    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} for type {}", plain(name), size,
                                   expected, plain(type)));
 }
 
@@ -147,7 +147,7 @@ void walk_exr_headers(const std::string& path, ByteFile& file, const std::functi
 
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
   if ((file.little_endian(4, 4, "the EXR version") & 0x800) != 0)
-    refuse_file(path, "found a deep EXR image, expected one value a texel");
+    refuse_file(path, "found a deep EXR image, expected one value per texel");
   std::vector<ExrPartSize> parts;
   ExrPartSize part;
   std::int64_t tile_width = 0, tile_height = 0;
@@ -183,7 +183,7 @@ void check_exr_headers(const std::string& path, const std::string& otherwise) {
     if (!opened.is_open()) return;
     ByteFile file(std::move(opened), path);
     if (file.size() < 4 || file.little_endian(0, 4, "the first bytes") != kExrMagic)
-      refuse_file(path, "found no OpenEXR file, expected one as multum writes them");
+      refuse_file(path, "not an OpenEXR file, expected one that multum wrote");
     if (file.size() >= 8) survey_exr(path, file);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInput) throw;

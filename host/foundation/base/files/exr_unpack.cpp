@@ -88,7 +88,7 @@ const char* inflate_all(const unsigned char* packed, std::size_t packed_size, un
     case LIBDEFLATE_SUCCESS: return nullptr;
     case LIBDEFLATE_SHORT_OUTPUT: return "it unpacks to too few bytes";
     case LIBDEFLATE_INSUFFICIENT_SPACE: return "it unpacks to too many bytes";
-    default: return "it is no whole zlib stream, or its checksum differs";
+    default: return "it is not a complete zlib stream, or its checksum is wrong";
   }
 }
 
@@ -102,7 +102,7 @@ std::vector<unsigned char>& parted_bytes(std::size_t size) {
 // Unpacks to differences, with even and odd bytes separated.
 const char* unpack_parted(int compression, const unsigned char* packed, std::size_t packed_size, unsigned char* parted,
                           std::size_t size) {
-  if (packed_size > size || compression == exr_compression::kNone) return "it is of another size than its texels";
+  if (packed_size > size || compression == exr_compression::kNone) return "its size differs from the size of its texels";
   return compression == exr_compression::kRle ? unroll(packed, packed_size, parted, size)
                                               : inflate_all(packed, packed_size, parted, size);
 }

@@ -51,7 +51,7 @@ InputHashes::Known* InputHashes::noted(const std::string& path) {
 
 void InputHashes::check(const Known& known, const std::string& path) {
   if (stamp_of(path) != known.stamp)
-    throw Error(ErrorCode::kInput, path + ": was changed while it was read, expected a file that stays as it is");
+    throw Error(ErrorCode::kInput, path + ": changed while it was read, expected a file that no program writes to");
 }
 
 void InputHashes::note(const std::string& path) {

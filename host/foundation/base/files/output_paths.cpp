@@ -26,7 +26,7 @@ bool same_file(const std::string& a, const std::string& b) {
 void check_name(const fs::path& name, const std::string& path) {
   if (holds_control(name.string()))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: its name holds a control character, expected a name without", shown_text(path)));
+                fmt::format("{}: its name holds a control character, expected a name without one", shown_text(path)));
 }
 
 // Folders that were created, each after the folders that contain it.
@@ -74,7 +74,7 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
     check_name(fs::path(output).filename(), output);
     for (const std::string& other : others)
       if (!other.empty() && same_file(output, other))
-        throw Error(ErrorCode::kUsage, output + ": is named twice, expected different files to read and to write");
+        throw Error(ErrorCode::kUsage, output + ": is named twice, expected different files for all inputs and outputs");
     others.push_back(output);
   }
 }
@@ -92,7 +92,7 @@ void make_folder(const std::string& path) {
   NewFolderList& list = new_folders();
   const std::lock_guard lock(list.mutex);
   if (list.keepers > 0) list.paths.insert(list.paths.end(), made.rbegin(), made.rend());
-  if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
+  if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot create the folder: " + error.message());
 }
 
 std::string existing_part(const std::string& path) {

@@ -28,13 +28,13 @@ constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
-              fmt::format("{}: {}; expected nothing there, or a folder of this user that nobody else may write to. It "
-                          "was left alone: remove it, or write to another folder",
+              fmt::format("{}: {}; expected a new folder, or one that only this user may write to. It was left "
+                          "unchanged: remove it, or write to another folder",
                           path, what));
 }
 
 [[noreturn]] void refuse_owner(const std::string& path, const struct stat& found) {
-  refuse(path, fmt::format("belongs to user {}, and this is user {}", found.st_uid, ::geteuid()));
+  refuse(path, fmt::format("belongs to user {}, but multum runs as user {}", found.st_uid, ::geteuid()));
 }
 
 const char* kind_of(mode_t mode) {
@@ -60,8 +60,8 @@ void check_is_own(const OpenFile& above, const OpenFile& folder, const std::stri
   struct stat outside {
   }, found{};
   if (::fstat(above.descriptor(), &outside) != 0 || ::fstat(folder.descriptor(), &found) != 0)
-    fail_by_errno(path, "cannot be looked at");
-  if (found.st_dev != outside.st_dev) refuse(path, "is another file system, mounted there");
+    fail_by_errno(path, "cannot be examined");
+  if (found.st_dev != outside.st_dev) refuse(path, "is the mount point of another file system");
   const auto is_own = [&](uid_t owner, mode_t ignored) {
     return found.st_uid == owner && (found.st_mode & kOthersWrite & ~ignored) == 0;
   };
@@ -69,7 +69,7 @@ void check_is_own(const OpenFile& above, const OpenFile& folder, const std::stri
   const struct stat made = state_of_new_file(above);
   if (is_own(made.st_uid, made.st_mode)) return;
   if (found.st_uid != made.st_uid) refuse_owner(path, found);
-  refuse(path, fmt::format("has the mode {:04o}, by which others may write to it", found.st_mode & 07777U));
+  refuse(path, fmt::format("has the mode {:04o}, which lets other users write to it", found.st_mode & 07777U));
 }
 
 // Not open, with ENOENT, if nothing has this name.
@@ -141,7 +141,7 @@ NamedPlace open_place(const std::string& path) {
   if (!place.folder.is_open() && errno == EACCES)
     place.folder = OpenFile(::open(above.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!place.folder.is_open() && (errno == ENAMETOOLONG || errno == ELOOP))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: the name of its folder is too long, or its links lead in a circle; "
+    throw Error(ErrorCode::kUsage, fmt::format("{}: the name of its folder is too long, or its links form a circle; "
                                                "choose another folder",
                                                path));
   if (!place.folder.is_open() && errno == ENOENT)
@@ -163,17 +163,17 @@ OpenFile open_own_folder(const OpenFile& above, const std::string& name, const s
       throw;
     }
   }
-  refuse(path, "comes and goes: another process removes it again and again");
+  refuse(path, "another process removes it repeatedly");
 }
 
 bool mark_own_folder(const OpenFile& folder, const std::string& path) {
   if (::faccessat(folder.descriptor(), kMark, F_OK, AT_SYMLINK_NOFOLLOW) == 0) return true;
   const std::vector<std::string> names = names_in(folder, path);
   if (!names.empty() && names.front() != kMark)
-    refuse(path, fmt::format("holds '{}' and no {}, so multum did not make it", names.front(), kMark));
+    refuse(path, fmt::format("holds '{}' but no {}, so multum did not create it", names.front(), kMark));
   const OpenFile mark(::openat(folder.descriptor(), kMark, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!mark.is_open() && errno == ENOENT) return false;
-  if (!mark.is_open() && errno != EEXIST) fail_by_errno(path, "no file can be created in it");
+  if (!mark.is_open() && errno != EEXIST) fail_by_errno(path, "cannot create a file in it");
   return true;
 }
 

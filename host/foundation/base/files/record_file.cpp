@@ -27,7 +27,7 @@ std::uint64_t size_of_file(const OpenFile& file, const std::string& path) {
   struct stat found {};
   if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0) fail_by_errno(path, "cannot be opened");
   if (!S_ISREG(found.st_mode))
-    throw Error(ErrorCode::kEnvironment, path + ": is no file, expected a journal of stopped work; remove it");
+    throw Error(ErrorCode::kEnvironment, path + ": is not a file, expected a journal of stopped work; remove it");
   return static_cast<std::uint64_t>(found.st_size);
 }
 
@@ -65,8 +65,8 @@ std::uint64_t RecordFile::visit_records(const std::string* key, const std::funct
   if (!text.starts_with(kFormatLine))
     throw Error(ErrorCode::kEnvironment,
                 shown_path_ +
-                    ": found no line 'multum records 1' at its beginning: another version of multum left it of stopped "
-                    "work, or it is something else; delete it, or finish that work with the version that wrote it");
+                    ": its first line is not 'multum records 1', so another version of multum or another program wrote "
+                    "it; delete it, or finish the stopped work with the version that wrote it");
   const std::size_t key_end = text.find('\n', kFormatBytes);
   if (key_end == std::string::npos || (key != nullptr && text.substr(kFormatBytes, key_end - kFormatBytes) != *key))
     return 0;

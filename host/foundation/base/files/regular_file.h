@@ -16,7 +16,7 @@
 
 namespace multum {
 
-/// Whether "/dev/stdin" may name the program's standard input, a pipe or a terminal. It is read once and from its
+/// Selects whether "/dev/stdin" may name the program's standard input, a pipe or a terminal. It is read once and from its
 /// beginning, so only readers of whole texts allow it.
 enum class StandardInput { kRefused, kAllowed };
 

@@ -87,7 +87,7 @@ std::vector<std::string> find_tiles(const std::string& set) {
   const std::string name = path.filename().string();
   const TileWord word = find_word(name);
   if (word.at == std::string::npos)
-    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in a folder's name, expected it in the file's");
+    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in the name of a folder, expected it in the file name");
   std::vector<std::string> tiles;
   std::error_code none;
   for (const fs::directory_entry& entry :
@@ -127,7 +127,7 @@ std::string place_of_map(const std::string& pattern, const SetMap& map, const st
   std::error_code error;
   if (!fs::is_directory(pattern, error))
     throw Error(ErrorCode::kUsage,
-                pattern + ": one name for several maps, expected a folder that exists, or <UDIM> in the name");
+                pattern + ": one name for several maps, expected an existing folder, or <UDIM> in the name");
   return (fs::path(pattern) / (fs::path(map.path).stem().string() + suffix)).string();
 }
 

@@ -63,7 +63,7 @@ ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* li
   MULTUM_CHECK(!arguments.empty());
   int pipe_ends[2];
   // O_CLOEXEC: otherwise a child that another thread starts meanwhile would hold the pipe open.
-  if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail_by_errno(arguments[0], "no pipe for what it says");
+  if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail_by_errno(arguments[0], "cannot create a pipe for its output");
   const Stopwatch stopwatch;
   pid_t pid = 0;
   try {

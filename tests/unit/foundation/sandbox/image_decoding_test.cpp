@@ -178,7 +178,7 @@ TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
 #endif
            {"hang", "took more than 700 ms and was ended"},
            {"exit", "ended with exit code 7"},
-           {"nonsense", "8 bytes that are no answer"}}) {
+           {"nonsense", "returned 8 invalid bytes"}}) {
     const std::string refusal = refusal_of(write(name + ".png", image));
     EXPECT_NE(refusal.find(reason), std::string::npos) << refusal;
     EXPECT_NE(refusal.find("expected"), std::string::npos) << refusal;
