@@ -16,8 +16,7 @@ struct SourceEdit {
 };
 
 /// Returns `source`, the text of `file`, with the edits for this file. Throws std::logic_error, which names the file,
-/// if
-/// an edit's text does not occur: the source has changed and the test has not.
+/// if an edit's text does not occur: the source has changed and the test has not.
 std::string edited_source(std::string_view source, const std::string& file, const std::vector<SourceEdit>& edits);
 
 }  // namespace multum

@@ -58,8 +58,7 @@ class HelperProcess {
   SharedMemory& memory() { return memory_; }
 
   /// Returns the child's answer. Calls `while_waiting` a few times per second; if it throws, the child is killed.
-  /// Throws
-  /// HelperEnded if the child has ended, in this call and in later ones.
+  /// Throws HelperEnded if the child has ended, in this call and in later ones.
   std::string ask(std::string_view request, const HelperLimits& limits, const std::function<void()>& while_waiting);
 
  private:

@@ -17,24 +17,20 @@ OpenFile open_beneath_folder(const OpenFile& folder, const std::string& relative
 class PathRoots {
  public:
   /// Throws Error(kUsage) for a root that is not a folder; Error(kEnvironment) if the system has no openat2 (Linux
-  /// before
-  /// 5.6).
+  /// before 5.6).
   explicit PathRoots(const std::vector<std::string>& roots);
 
   /// Returns the file's path without links or dots. Throws Error(kUsage) if the path is not absolute, missing, not a
-  /// file,
-  /// or outside the roots; reveals nothing about files outside.
+  /// file, or outside the roots; reveals nothing about files outside.
   std::string input(const std::string& path) const;
   /// Like input(), for a result to be written: its folder must exist; the path itself may be a file, a folder or
-  /// missing,
-  /// but not a link.
+  /// missing, but not a link.
   std::string output(const std::string& path) const;
   bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }
 
   /// Opens a path returned by input() for reading. Throws Error(kUsage) if it no longer is a file below its root: the
-  /// file
-  /// was removed or replaced by a link, or the root is another folder.
+  /// file was removed or replaced by a link, or the root is another folder.
   OpenFile open_input(const std::string& canonical) const;
   /// Opens the folder of a path returned by output(). Throws likewise.
   OpenFile open_folder_of(const std::string& canonical) const;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads TOML strictly: every key must be known, and every value must have the expected type and range. Every error
-// names
-// the file, the line, the key, the value found and the value expected.
+// names the file, the line, the key, the value found and the value expected.
 #pragma once
 
 #include <cstdint>

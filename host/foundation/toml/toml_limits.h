@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks a TOML file before the parser reads it. toml++ 3.3 nests a table for every part of a dotted key, without
-// limit,
-// and destroys the tables by recursion: a key of 32,000 parts (64 KB) ended the program by a stack overflow, and an
-// array of 24 MB took 1 GB. The scan knows only strings, comments, keys and brackets; the parser refuses other text
-// that
-// is not TOML.
+// limit, and destroys the tables by recursion: a key of 32,000 parts (64 KB) ended the program by a stack overflow, and
+// an array of 24 MB took 1 GB. The scan knows only strings, comments, keys and brackets; the parser refuses other text
+// that is not TOML.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +19,7 @@ struct TomlLimits {
   /// Parts of keys, and values. A map of a manifest takes about 12 items and 250 bytes of text: 16,000 maps.
   std::size_t item_max = 200'000;
   /// Dots in keys and headers together, and names of [[tables]]: toml++ searches all tables that dots have made
-  /// whenever
-  /// a key or header leads through one of them. Files of multum need no dots.
+  /// whenever a key or header leads through one of them. Files of multum need no dots.
   std::size_t dot_max = 10'000;
   std::size_t array_name_max = 1'000;
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Manages the folder DATA, where the daemon stores files for clients: uploads by content, results without another
-// place,
-// and logs. Limits its size, and removes only files that the ledger lists as no longer needed.
+// place, and logs. Limits its size, and removes only files that the ledger lists as no longer needed.
 #pragma once
 
 #include <chrono>
@@ -56,8 +55,7 @@ class DataFolder {
   void count_result(const std::string& output);
 
   /// Runs on the ledger's thread, which publishes results too. Removes results and logs of purged jobs that no other
-  /// job
-  /// uses, and uploads that are older than `upload_age` and that no unfinished job names. Files that no ledger has
+  /// job uses, and uploads that are older than `upload_age` and that no unfinished job names. Files that no ledger has
   /// recorded stay.
   void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
 

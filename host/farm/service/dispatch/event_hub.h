@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sends events to all listeners: job changes and progress, each with a number. The last events are kept for clients
-// that
-// reconnect. The hub serves listeners on a thread of its own: publishers and other requests do not wait, however many
-// listeners there are.
+// that reconnect. The hub serves listeners on a thread of its own: publishers and other requests do not wait, however
+// many listeners there are.
 #pragma once
 
 #include <atomic>
@@ -46,9 +45,8 @@ class EventHub {
   /// The hub's thread runs this: listeners, and the calls below, belong there.
   boost::asio::io_context& io() { return io_; }
   /// Hands out the kept events after number `after` (0: all), and then new ones until remove(). If events in between
-  /// are
-  /// no longer kept, or another daemon counted `after`, begins with an event of the kind "missed", which belongs to no
-  /// job.
+  /// are no longer kept, or another daemon counted `after`, begins with an event of the kind "missed", which belongs to
+  /// no job.
   std::uint64_t add(std::uint64_t after, Listener listener);
   void remove(std::uint64_t key) { listeners_.erase(key); }
 

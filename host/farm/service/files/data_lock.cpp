@@ -24,7 +24,7 @@ bool is_of_us_or_root(const struct stat& found) { return found.st_uid == ::geteu
                           path, what));
 }
 
-// Where a link leads that this user or root made; else the path itself.
+// Follows a link that this user or root made; returns other paths unchanged.
 std::string resolved(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 || !S_ISLNK(found.st_mode)) return path;
@@ -35,7 +35,7 @@ std::string resolved(const std::string& path) {
   return target;
 }
 
-// A group may write to a folder of root's: so volumes are given to containers.
+// A group may write to a folder of root: containers get their volumes in this way.
 void check_owner(const OpenFile& folder, const std::string& path) {
   struct stat found {};
   if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");
@@ -53,7 +53,7 @@ std::unique_ptr<DataLock> DataLock::take(const std::string& path) {
     const std::string folder = resolved(path);
     if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) fail_by_errno(path, "cannot be made");
     OpenFile opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-    if (!opened.is_open() && (errno == ENOENT || errno == ELOOP)) continue;  // taken away, or a link by now
+    if (!opened.is_open() && (errno == ENOENT || errno == ELOOP)) continue;  // removed, or replaced by a link
     if (!opened.is_open()) fail_by_errno(path, "cannot be opened");
     check_owner(opened, path);
     if (::flock(opened.descriptor(), LOCK_EX | LOCK_NB) != 0) {

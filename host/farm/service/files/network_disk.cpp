@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// As linux/magic.h and the file systems' own sources have them.
+// Numbers from linux/magic.h and from the sources of the file systems.
 constexpr std::array<std::pair<std::uint32_t, const char*>, 22> kNetworkDisks = {{
     {0x6969, "NFS"},
     {0x517b, "SMB"},
@@ -43,7 +43,7 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 22> kNetworkDisks = 
 }  // namespace
 
 std::string network_disk_name(std::int64_t type) {
-  // Sign and width of f_type differ between machines; the numbers have 32 bits.
+  // Sign and width of f_type depend on the machine; the numbers have 32 bits.
   const auto number = static_cast<std::uint32_t>(type);
   const auto found =
       std::find_if(kNetworkDisks.begin(), kNetworkDisks.end(), [&](const auto& one) { return one.first == number; });

@@ -20,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kCopyPiece = 1 << 20;  // bytes
-constexpr int kCopyDepthMax = 32;            // folders in folders, each of which is two open files
+constexpr int kCopyDepthMax = 32;            // nested folders, each of which takes two open files
 
-// An entry of an open folder; `path` is for messages.
+// An entry of an open folder; messages show `path`.
 struct Place {
   int folder;
   std::string name, path;
@@ -82,7 +82,7 @@ void copy_entry(const Place& source, const Place& target, int depth) {
 void copy_result(const PathRoots& roots, const std::string& from, const std::string& to) {
   const OpenFile source = roots.open_folder_of(from), target = roots.open_folder_of(to);
   const std::string name = fs::path(to).filename().string();
-  remove_entry(target, name);  // what an attempt before has left
+  remove_entry(target, name);  // remains of an earlier attempt
   copy_entry({source.descriptor(), fs::path(from).filename().string(), from}, {target.descriptor(), name, to}, 0);
   sync(target, to);
 }

@@ -28,7 +28,7 @@ std::string identity_of(const struct stat& found) {
                      found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
 }
 
-// What lies there by this name, no link followed.
+// Returns the state of the entry with this name, without following a link.
 std::optional<struct stat> state_of(int folder, const std::string& name) {
   struct stat found {};
   if (::fstatat(folder, name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) return std::nullopt;
@@ -40,10 +40,10 @@ std::string identity_at(int folder, const std::string& name) {
   return found && (S_ISDIR(found->st_mode) || S_ISREG(found->st_mode)) ? identity_of(*found) : "";
 }
 
-// A name for what libraries do by names: it leads to this very folder.
+// Returns a path to this very folder, for functions that take names.
 std::string name_of(const OpenFile& folder) { return fmt::format("/proc/self/fd/{}", folder.descriptor()); }
 
-// What somebody else put there under such a name is theirs.
+// Leaves entries of other users that have such a name.
 bool remove_staging(const OpenFile& folder, const std::string& name, const std::string& path) {
   try {
     const OpenFile staging = find_own_folder(folder, name, path);
@@ -80,7 +80,7 @@ std::string file_identity(const std::string& path) {
 
 namespace {
 
-// The folder that a result lies in; none: it is not there, or behind a link.
+// Opens the folder of a result; nullopt if it is missing, or behind a link.
 std::optional<OpenFile> open_place(const PathRoots& roots, const std::string& path) {
   try {
     return roots.open_folder_of(path);
@@ -146,7 +146,7 @@ std::string StagedResult::publish(const std::string& identity) const {
     const bool is_folder = S_ISDIR(state_of(staging.descriptor(), name_)->st_mode);
     check_place(is_folder);
     if (is_folder) write_result_listing(name_of(staging) + "/" + name_, seal_);
-    // Two folders change places: an exchange is the only rename of a folder onto one that is not empty.
+    // Exchanges two folders: only an exchange can rename a folder onto one that is not empty.
     const bool is_exchange = is_folder && state_of(folder, name_).has_value();
     if (::renameat2(staging.descriptor(), name_.c_str(), folder, name_.c_str(), is_exchange ? RENAME_EXCHANGE : 0) != 0)
       fail_by_errno(output_, "the result cannot be given its name");
@@ -154,7 +154,7 @@ std::string StagedResult::publish(const std::string& identity) const {
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: the finished result is neither there nor in {}", output_, staging_));
   }
-  // What is in the staging folder now is dealt with whatever else fails: another attempt would go on from it.
+  // Empties the staging folder even if another step fails: otherwise the next attempt would resume from its contents.
   const int sync_error = ::fsync(folder) == 0 ? 0 : errno;
   const std::string kept = staging.is_open() ? put_aside(staging) : "";
   remove();
@@ -165,14 +165,14 @@ std::string StagedResult::publish(const std::string& identity) const {
   return kept;
 }
 
-// After an exchange the folder before lies in the staging folder: what was published of it goes, anything else that
-// came in the meantime is given a name again.
+// After an exchange, the staging folder holds the previous folder: removes its published files, and renames everything
+// that was added since.
 std::string StagedResult::put_aside(const OpenFile& staging) const {
   const std::optional<struct stat> old = state_of(staging.descriptor(), name_);
   if (!old || !S_ISDIR(old->st_mode)) return "";
   try {
     if (remove_listed(name_of(staging) + "/" + name_, seal_)) return "";
-  } catch (const Error&) {  // what is not known to be ours is kept
+  } catch (const Error&) {  // keeps files of unknown origin
   }
   constexpr int kNamesMax = 100;
   for (int i = 1; i <= kNamesMax; ++i) {
@@ -207,7 +207,7 @@ std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector
         if (failed != std::errc() || stop != end || !is_finished_with(id)) continue;
         if (remove_staging(folder, name, path + "/" + name)) removed.push_back(path + "/" + name);
       }
-    } catch (const Error&) {  // not there any more, or not below a root
+    } catch (const Error&) {  // no longer exists, or not below a root
     }
   }
   return removed;

@@ -3,7 +3,7 @@
 
 namespace multum {
 
-// In the order in which the page and the schemas have them.
+// In the order of the page and the schemas.
 const std::vector<JobField>& job_fields() {
   using Form = JobField::Form;
   static const std::vector<JobField> rows = {

@@ -22,8 +22,7 @@ class DriverProbe {
   };
 
   /// `command` ends with exit code 0 if there is a device; otherwise its last line gives the reason. Answers on the
-  /// thread
-  /// of `io`.
+  /// thread of `io`.
   DriverProbe(boost::asio::io_context& io, std::vector<std::string> command);
   /// Ends the running child.
   ~DriverProbe();
@@ -31,8 +30,7 @@ class DriverProbe {
   DriverProbe& operator=(const DriverProbe&) = delete;
 
   /// Returns the last finding; the first caller waits. An old finding is renewed in the background: after ten minutes,
-  /// or
-  /// after half a minute if there was no device.
+  /// or after half a minute if there was no device.
   boost::asio::awaitable<Finding> look();
 
  private:

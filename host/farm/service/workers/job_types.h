@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The types of jobs, as registered by the program that runs the farm. Each type's row and its table of parameters
 // determine what the web interface accepts, the options of `multum jobs submit`, the command line of a worker, the
-// files
-// that the idempotency key covers, and the views of a result.
+// files that the idempotency key covers, and the views of a result.
 #pragma once
 
 #include <atomic>
@@ -61,8 +60,7 @@ struct JobType {
   bool needs_output = true;
   bool output_is_folder = false;
   /// Lists the files that the input names, relative to the input: a child reads the input, so its folder matters.
-  /// Throws
-  /// Error(kInput) when it cannot be read. Null: the input names no files.
+  /// Throws Error(kInput) when it cannot be read. Null: the input names no files.
   std::vector<std::string> (*files_of_input)(const std::string& input) = nullptr;
   bool input_is_one_map = false;  // not a set of tiles
   std::vector<RefusedInput> refused_inputs = {};
@@ -106,8 +104,7 @@ std::string shortened(const nlohmann::json& value);
 /// integer from 1 to 8".
 void check_parameters(const JobType& type, const nlohmann::json& parameters);
 /// Throws Error(kUsage) for an input that the type's row refuses. A command may accept more than its jobs: `multum
-/// bake`
-/// accepts a scene and a pattern of names, whose files the daemon would not have checked.
+/// bake` accepts a scene and a pattern of names, whose files the daemon would not have checked.
 void check_input(const JobType& type, const nlohmann::json& parameters);
 /// Returns the schema (draft 2020-12) of the `parameters` object that check_parameters() accepts.
 nlohmann::json parameters_schema(const JobType& type);

@@ -56,11 +56,9 @@ struct ExrPart {
 class ExrChunks {
  public:
   /// Reads headers and tables of the file, and the head of every chunk. Messages add `first_levels` (one per part;
-  /// empty:
-  /// 0) to level numbers and begin with `damaged`. Throws Error(kInput) naming the file, part, level and tile if a
-  /// chunk
-  /// is not where its table says, is empty, too short, too long or beyond the end of the file, or overlaps another
-  /// chunk.
+  /// empty: 0) to level numbers and begin with `damaged`. Throws Error(kInput) naming the file, part, level and tile if
+  /// a chunk is not where its table says, is empty, too short, too long or beyond the end of the file, or overlaps
+  /// another chunk.
   explicit ExrChunks(const std::string& path, std::vector<int> first_levels = {}, std::string damaged = "damaged");
 
   const std::vector<ExrPart>& parts() const { return parts_; }
@@ -70,16 +68,13 @@ class ExrChunks {
   /// Returns whether unpack() can unpack the part: stored uncompressed, or packed by RLE, ZIPS or ZIP.
   bool can_unpack(std::size_t part) const;
   /// Unpacks the chunk's texels: row by row, within a row channel by channel, little-endian. Writes all
-  /// unpacked_bytes()
-  /// of `unpacked`, or throws Error(kInput). Requires can_unpack().
+  /// unpacked_bytes() of `unpacked`, or throws Error(kInput). Requires can_unpack().
   void unpack(std::size_t part, std::size_t chunk, std::vector<unsigned char>& unpacked) const;
   /// Unpacks every chunk with a known compression, to find chunks that are too short. The library detects short chunks
-  /// of
-  /// other compressions.
+  /// of other compressions.
   void check_all(int threads) const;
   /// Like check_all(), but only for chunks that hold rows from `first` to before `end` of the data window, in the
-  /// part's
-  /// first level.
+  /// part's first level.
   void check_rows(std::size_t part, int first, int end, int threads) const;
   [[noreturn]] void refuse(std::size_t part, std::size_t chunk, const std::string& what) const;
 

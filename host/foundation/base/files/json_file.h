@@ -36,8 +36,8 @@ std::vector<int> json_ints(const nlohmann::json& object, const char* key);
 std::vector<int> json_ints_of(const nlohmann::json& value, const std::string& what);
 
 /// Like dump(), with text_of_path() of each text and key that is not UTF-8. Callers pass every path, also a UTF-8 one,
-/// through text_of_path(): otherwise characters from U+EF80 to U+EFFF would be read back as another name.
-/// `is_ascii`: escapes all characters that are not ASCII.
+/// through text_of_path(): otherwise characters from U+EF80 to U+EFFF would be read back as another name. `is_ascii`:
+/// escapes all characters that are not ASCII.
 std::string json_text(const nlohmann::json& json, int indent = -1, bool is_ascii = false);
 std::string json_text(const nlohmann::ordered_json& json, int indent = -1, bool is_ascii = false);
 

@@ -79,10 +79,8 @@ class RecordFile {
 class RecordJournal : public RecordFile {
  public:
   /// With `resume`, shows the existing `records` of the same key to `visit`, and keeps them until `visit` returns
-  /// false;
-  /// removes everything else. Returns null while another process makes the same output. Throws Error(kEnvironment),
-  /// also
-  /// when the file to resume has an earlier format.
+  /// false; removes everything else. Returns null while another process makes the same output. Throws
+  /// Error(kEnvironment), also when the file to resume has an earlier format.
   using Visit = std::function<bool(Bytes bytes, const Place& place)>;
   static std::unique_ptr<RecordJournal> open(const std::string& output, const std::string& file, const std::string& key,
                                              bool resume, const Visit& visit);

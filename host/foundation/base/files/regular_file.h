@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Opens files that users name, for reading. For a FIFO, open() waits for a writer that may never come; a device may
-// have
-// no end, and opening it may have effects. So a file is opened without waiting, examined through its descriptor, and
-// refused unless it is a regular file. Examining the name before opening would not suffice: the file may be replaced in
-// between.
+// have no end, and opening it may have effects. So a file is opened without waiting, examined through its descriptor,
+// and refused unless it is a regular file. Examining the name before opening would not suffice: the file may be
+// replaced in between.
 #pragma once
 
 #include <ext/stdio_filebuf.h>
@@ -30,8 +29,7 @@ OpenFile open_regular_file(const std::string& path, StandardInput input = Standa
 OpenFile open_file_beneath(const std::string& folder, const std::string& path);
 
 /// Returns up to `count` bytes from the beginning of the file; none for a folder or an unreadable file. Otherwise
-/// throws
-/// Error(kInput) like open_regular_file().
+/// throws Error(kInput) like open_regular_file().
 std::string first_bytes(const std::string& path, std::size_t count);
 
 /// std::ifstream for files that users name.

@@ -16,8 +16,7 @@ namespace multum {
 class WorkFolder {
  public:
   /// Creates the folder `path`, or takes an existing one with its contents. Returns null while another living process
-  /// has
-  /// it. If it is not ours, throws Error(kEnvironment), which names the obstacle, and does not change it.
+  /// has it. If it is not ours, throws Error(kEnvironment), which names the obstacle, and does not change it.
   static std::unique_ptr<WorkFolder> take(const std::string& path);
   /// Creates a new work folder with a random name in `folder`, and removes those that killed runs left there. Throws
   /// Error(kEnvironment).

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shares work between threads: bands of an image's rows, or numbered items. A result must depend only on its rows or
-// its
-// number; the caller combines results in order, so that every thread count gives the same bytes.
+// its number; the caller combines results in order, so that every thread count gives the same bytes.
 #pragma once
 
 #include <functional>

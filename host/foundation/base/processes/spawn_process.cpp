@@ -62,8 +62,7 @@ void arrange_signals(const ChildStart& start) {
     struct sigaction now {};
     if (::sigaction(signal, nullptr, &now) != 0 || now.sa_handler == SIG_DFL) continue;
     // This process ignores SIGXFSZ, the signal of a file that grows too large. Another program may not check the
-    // results
-    // of its writes, so it gets the default action.
+    // results of its writes, so it gets the default action.
     const bool is_kept = now.sa_handler == SIG_IGN && !start.settings.blocked_signals && signal != SIGXFSZ;
     if (is_kept) continue;
     now = {};

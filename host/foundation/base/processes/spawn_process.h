@@ -21,8 +21,7 @@ struct SpawnSettings {
   /// Kills the child when the thread that starts it ends in any way. Not for a thread that hands the child to others.
   bool ends_with_thread = false;
   /// Signals that are blocked in the child; all others are unblocked and have their default action. nullopt: signals
-  /// are
-  /// inherited, except that SIGXFSZ, which this process ignores (run_guarded()), has its default action.
+  /// are inherited, except that SIGXFSZ, which this process ignores (run_guarded()), has its default action.
   std::optional<std::vector<int>> blocked_signals = {};
 };
 
