@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// By the specification's sections. Lengths are characters of Unicode.
+// Each with its section of the specification. Lengths are in Unicode characters.
 constexpr std::size_t kJobNameMax = 128;         // 1.1.1
 constexpr std::size_t kExtensionNameMax = 128;   // 1.1.2, and at least 3
 constexpr std::size_t kValueMax = 1024;          // 2.5
@@ -36,7 +36,7 @@ constexpr std::size_t kDescriptionMax = 2048;    // 7.2
               fmt::format("{}: {}, expected {} (Open Job Description 2023-09)", what, found, expected));
 }
 
-// Characters of a text that is UTF-8; nothing of another.
+// Returns the characters of a UTF-8 text; nullopt for another text.
 std::optional<std::u32string> characters_of(const std::string& text) {
   std::u32string characters;
   for (std::size_t at = 0, length = 0; at < text.size(); at += length) {
@@ -53,11 +53,11 @@ std::optional<std::u32string> characters_of(const std::string& text) {
 // Unicode's category Cc: C0, DEL and C1 (section 9).
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
 
-// What a text may be.
+// The rules for one kind of text.
 struct TextRule {
   std::size_t least = 1;
   std::size_t most = std::string::npos;
-  bool has_lines = false;  // of controls, newline, carriage return and tab are allowed
+  bool has_lines = false;  // allows newline, carriage return and tab
   bool is_any = false;     // any character
 };
 
@@ -90,7 +90,7 @@ void check_choice(const std::string& what, const std::string& value, const std::
   if (!choices.contains(value)) refuse(what, "is " + value, "one that the specification has");
 }
 
-// 7.3: {{ opens a reference and }} closes it; nothing escapes them. `values` are what references stand for.
+// Section 7.3: {{ opens a reference and }} closes it; they cannot be escaped. `values`: values of the references.
 std::string resolved(const std::string& what, const std::string& text,
                      const std::map<std::string, std::string>& values) {
   std::string result;
@@ -111,7 +111,7 @@ std::string resolved(const std::string& what, const std::string& text,
 
 std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
 
-// The bundle's parameters with their values, as references have them.
+// Parameters of the bundle with their values, by the names of references.
 class Checker {
  public:
   Checker(const Json& job, const Json& values) : job_(job), values_(values) {}
@@ -122,7 +122,7 @@ class Checker {
     check_description("template", job_);
     check_parameters();
     check_values();
-    // No parameter's value may come into it: those of paths are known where a task runs alone.
+    // The name must not contain a path parameter: only a running task knows its value.
     check_text("the job's name (--name)", resolved("the job's name (--name)", text_of(job_, "name"), {}),
                {1, kJobNameMax});
     const Json& steps = job_.at("steps");
@@ -185,7 +185,7 @@ class Checker {
     check_description(what, step);
     if (step.contains("dependencies")) {
       check_count(what + ": dependencies", step.at("dependencies").size(), 1, std::string::npos);
-      // In a template of ours a step depends on those before it, so that there is no circle.
+      // In templates of multum a step depends only on earlier steps, so there are no cycles.
       for (const Json& one : step.at("dependencies"))
         if (!steps_.contains(text_of(one, "dependsOn")))
           refuse(what, "depends on " + text_of(one, "dependsOn"), "a step before it");
@@ -228,7 +228,7 @@ class Checker {
     }
   }
 
-  // Its first value. 3.4.1.1.1 of expressions: a comma between them, none of which overlap.
+  // Returns the first value. Section 3.4.1.1.1: expressions are separated by commas, and must not overlap.
   std::string check_range(const std::string& what, const Json& range) {
     if (range.is_array()) {
       check_count(what + ": range", range.size(), 1, kRangeElementsMax);
@@ -252,7 +252,7 @@ class Checker {
     check_choice(what + ": rangeConstraint", text_of(chunks, "rangeConstraint"), {"CONTIGUOUS", "NONCONTIGUOUS"});
   }
 
-  // 5.1 and 5.2: no control character in a command or its words, those included that parameters bring in.
+  // Sections 5.1 and 5.2: no control characters in a command or its words, also after parameters are inserted.
   void check_action(const std::string& what, const Json& action, const std::map<std::string, std::string>& references) {
     check_text(what + ": command", resolved(what + ": command", text_of(action, "command"), references), {});
     if (action.contains("args"))

@@ -27,7 +27,7 @@ namespace {
 
 namespace asio = boost::asio;
 
-// Every connection and worker is a file.
+// Every connection and every worker needs a file.
 void raise_file_limit(const ServiceSettings& settings) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -62,7 +62,7 @@ class Service {
         data_(settings_.data, settings_.data_max),
         roots_(roots_of(settings_, data_)),
         work_(asio::make_work_guard(io_)),
-        // Numbers of events go on, from one daemon to the next.
+        // Event numbers increase from one daemon to the next.
         events_(static_cast<std::uint64_t>(wall_clock_ms()) * 1000),
         ledger_(std::make_unique<QueueThread>(find_ledger(settings_.data, settings_.retry, options.begins_anew),
                                               [this](std::function<void()> task) {
@@ -81,7 +81,7 @@ class Service {
     api_.set_server(&server_);
   }
 
-  ~Service() { ledger_.reset(); }  // ends before what it posts to
+  ~Service() { ledger_.reset(); }  // must end before the objects that it posts to
 
   void run() {
     dispatcher_.recover();
@@ -137,7 +137,7 @@ class Service {
       const bool is_v6 = address.host.find(':') != std::string::npos;
       where = fmt::format("http://{}{}{}:{}", is_v6 ? "[" : "", address.host, is_v6 ? "]" : "", port);
     }
-    // For those who let the system choose a port.
+    // For clients, if the system chose the port.
     write_text_file(settings_.data + "/address", where + "\n");
     service_log(LogSeverity::kInfo, 0, "listening on " + where);
   }
@@ -155,7 +155,7 @@ class Service {
       sd_notify(0, "STOPPING=1");
       dispatcher_.drain([this] {
         server_.close();
-        // Answers that are on their way.
+        // Leaves time for answers that are being sent.
         const auto last = std::make_shared<asio::steady_timer>(io_, std::chrono::milliseconds(200));
         last->async_wait([this, last](const boost::system::error_code&) { io_.stop(); });
       });
@@ -169,7 +169,7 @@ class Service {
       sd_notify(0, "RELOADING=1");
       try {
         ServiceSettings settings = options_.read_settings();
-        // What is in use until a restart is what the rest is checked with.
+        // The other settings are checked together with the values that stay in use until a restart.
         settings.listen = settings_.listen;
         settings.roots = settings_.roots;
         settings.data = settings_.data;
@@ -195,7 +195,7 @@ class Service {
     watchdog_.expires_after(std::chrono::microseconds(interval / 3));
     watchdog_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      // By way of the ledger: a daemon whose ledger hangs is of no use.
+      // Through the ledger, so that a daemon whose ledger hangs counts as failed.
       ledger_->run([](JobQueue&) {},
                    [this](const std::exception_ptr&) {
                      sd_notify(0, "WATCHDOG=1");
@@ -204,7 +204,7 @@ class Service {
     });
   }
 
-  // Every hour: what has outlived its keeping.
+  // Removes, every hour, jobs and files whose retention time is over.
   void sweep() {
     sweep_.expires_after(std::chrono::hours(1));
     sweep_.async_wait([this](const boost::system::error_code& error) {
@@ -218,7 +218,7 @@ class Service {
             queue.take_changed();
           },
           [this, purged](const std::exception_ptr& error) {
-            if (!error) dispatcher_.remove_logs(*purged);  // else they are still there
+            if (!error) dispatcher_.remove_logs(*purged);  // on error, the jobs still exist
           });
     }
     api_.pictures().sweep(*ledger_);

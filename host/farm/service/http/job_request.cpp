@@ -65,16 +65,16 @@ void read_field(const Json& json, const JobField& field, TimeMs now, Value& valu
     value = now + 1000 * value_of<std::int64_t>(json, field.asked_as, 0, integer_between(field.low, field.high),
                                                 field.expected);
   else if constexpr (std::is_arithmetic_v<Value>) value = taken(integer_between(field.low, field.high));
-  else MULTUM_CHECK(false);  // clients set no field of this type
+  else MULTUM_CHECK(false);  // clients cannot set fields of this type
 }
 
-// A name without a slash at its start lies among the results that can be downloaded, and nowhere else.
+// A relative name is placed in the folder of downloadable results, and must stay there.
 std::string output_of(const std::string& named, const JobRoots& roots) {
   if (named.starts_with('/')) return roots.outputs.output(named);
   return roots.results.output(roots.results.roots().front() + "/" + named);
 }
 
-// No name or text here has one, and who reads it as C does would see its beginning alone.
+// No valid name or text has a NUL, and functions of C would stop there.
 void refuse_nul(const Json& json) {
   const auto check = [](const std::string& text) {
     if (text.find('\0') != std::string::npos)
@@ -87,7 +87,7 @@ void refuse_nul(const Json& json) {
     for (const Json& child : json) refuse_nul(child);
 }
 
-// 4.0 is a whole number in JSON Schema.
+// JSON Schema counts 4.0 as an integer.
 void make_integers(Json& json) {
   if (json.is_number_float()) {
     const double value = json.get<double>();
@@ -119,7 +119,7 @@ std::vector<std::string> split_path(const std::string& path) {
 
 Json parse_body(const HttpRequest& request) {
   if (request.body.empty()) return Json::object();
-  // Deeper than any request of ours: a parser's stack is not for strangers to use up.
+  // Deeper than any valid request: clients must not exhaust the parser's stack.
   int depth = 0, deepest = 0;
   for (const char c : request.body) {
     depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;

@@ -27,7 +27,7 @@ void add_limits(OrderedJson& schema, const JobField& field) {
   if (field.high != JobField::kMost) schema["maximum"] = field.high;
 }
 
-// Of a field as `field`'s values are in answers.
+// Returns the schema of a field's values in answers.
 template <typename Value>
 OrderedJson answered_schema(const JobField& field, const Value&) {
   constexpr bool kMayLack =

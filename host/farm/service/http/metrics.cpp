@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-// Label values: backslash, quote and line feed are escaped.
+// Escapes backslash, quote and line feed in label values.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes back from Slurm: each look is compared with what was sent, and parts that have ended end their jobs, or
-// have more asked for.
+// Handles the results of Slurm: compares each look with the work that was sent. Parts that have ended end their jobs,
+// or cause further parts to be sent.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -17,9 +17,9 @@ namespace multum {
 namespace {
 
 constexpr int kSubmissionsMax = 10;  // of one attempt that Slurm forgot, or did not begin
-constexpr int kIdleFactor = 10;      // of the pause between looks where nothing is there to look after
-constexpr auto kLingering = std::chrono::seconds(30);   // of a task whose parts have all ended
-constexpr auto kRemembered = std::chrono::minutes(10);  // batches that are done
+constexpr int kIdleFactor = 10;      // lengthens the pause between looks if nothing is watched
+constexpr auto kLingering = std::chrono::seconds(30);   // for a task whose parts have all ended
+constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
 constexpr const char* kCompleting = "COMPLETING";       // cancelled, perhaps on a node that does not answer
 constexpr int kShareUnits = 1000;                       // of progress
 
@@ -50,7 +50,7 @@ void SlurmPool::look() {
     }
     return [this, number, seen] {
       is_looking_ = false;
-      // First: whatever fails about this look, another comes.
+      // Set first, so that another look comes even if this one fails.
       timer_.expires_after(batches_.empty() ? kIdleFactor * settings_.slurm.poll : settings_.slurm.poll);
       timer_.async_wait([this](const boost::system::error_code& error) {
         if (!error) look();
@@ -82,7 +82,7 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
       const SlurmTask* task = nullptr;
       if (batch.slurm_job) {
         const auto found = tasks.find({*batch.slurm_job, batch.is_array ? item : -1});
-        // A controller that has forgotten a job gives its number to the next.
+        // Compares names too: a controller that has forgotten a job reuses its number.
         if (found != tasks.end() && found->second->name == name_of(number)) task = found->second;
       }
       has_task = has_task || (task != nullptr && !task->is_over());
@@ -99,7 +99,7 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
   submit_ready();
 }
 
-// Adopts what Slurm has of a batch whose number there was not known; returns what it has and the ledger does not.
+// Takes over Slurm's numbers of batches whose number was unknown; returns the Slurm jobs that the ledger does not know.
 std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
   std::map<std::int64_t, std::int64_t> adopted;
   std::map<std::int64_t, std::string> unknown;  // with their names
@@ -134,7 +134,7 @@ std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
   return targets;
 }
 
-// What was to be sent and is not there.
+// Handles a batch that was to be sent, but is not at Slurm.
 void SlurmPool::follow_submission(Batch& batch) {
   if (batch.stage != Stage::kUnsure || !is_up_ || batch.is_revoked || batch.refused_with) return;
   if (batch.looks_to_skip > 0) --batch.looks_to_skip;
@@ -183,14 +183,14 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   }
   part.gone.reset();
   if (batch.is_revoked && is_given_up) {
-    to_cancel.push_back({task->name, *batch.slurm_job});  // again: Slurm may not have heard of it
+    to_cancel.push_back({task->name, *batch.slurm_job});  // repeated, since Slurm may have missed it
     return Fate::kGoesOn;
   }
   if (is_given_up && !batch.is_revoked)
-    stop_item(part.row.batch, part.row.item);  // again: the folder may have been full
-  // It had heard before this look that it is not wanted, and has not begun: it will not.
+    stop_item(part.row.batch, part.row.item);  // repeated, since the folder may have been full
+  // A task that was told to stop before this look and has not begun will not begin.
   if (is_given_up && task->state == "PENDING") return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // Of a task with several parts the first that has not ended is at work.
+  // A task with several parts works at the first one that has not ended.
   const bool is_at_work = task->state == "RUNNING" && (batch.is_array || &part == &batch.parts.begin()->second);
   if (!is_at_work) part.heard.reset();
   else if (!part.heard) part.heard = now;
@@ -219,17 +219,17 @@ void SlurmPool::follow_progress(Batch& batch, Part& part, const SlurmLook::Seen&
   else tell_progress(part.row.job);
 }
 
-// Slurm has no task any more that will do it.
+// Handles a part that no Slurm task will do any more.
 SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmTask* task,
                                           const SlurmLook::Seen& seen) {
   const Clock::time_point now = Clock::now();
   if (!part.gone) part.gone = now;
   if (batch.is_revoked && (task == nullptr || task->state != kCompleting))
     return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // What it has written last may be on its way here.
+  // Its last files may not be visible here yet.
   if (now - *part.gone < settings_.slurm.visible) return Fate::kGoesOn;
   if (batch.is_revoked) return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // Nobody has begun it, for no fault of its own; a merge sees by itself which shares are missing.
+  // No task has begun it, and the part did not cause that; a merge itself finds out which shares are missing.
   if (!part.has_begun && (task == nullptr || (batch.has_worked && part.kind.is_whole()))) return Fate::kAgain;
   const std::string name = slurm_task_name(*batch.slurm_job, batch.is_array ? part.row.item : -1);
   std::string message = task == nullptr ? fmt::format("Slurm does not know its task {} any more", name)
@@ -266,7 +266,7 @@ void SlurmPool::settle(const std::vector<SlurmPart>& ended) {
     Work& work = found->second;
     work.have_inputs_changed = work.have_inputs_changed || result.mapped().have_inputs_changed;
     if (part.share.empty()) {
-      // Done before it heard that it was not wanted: done.
+      // A job that succeeded before it noticed its cancellation counts as succeeded.
       if (!work.result || result.mapped().exit_code == 0) work.result = result.mapped();
       end_if_idle(part.job);
     } else {
@@ -279,7 +279,7 @@ void SlurmPool::on_share_ended(Work& work, const SlurmPart& part, const WorkResu
   const PartKind kind = parse_part(part.share);
   if (work.result) return end_if_idle(part.job);
   const auto batch = batches_.find(part.batch);
-  const bool is_refused = batch != batches_.end() && batch->second.refused_with;  // so would it be in another round
+  const bool is_refused = batch != batches_.end() && batch->second.refused_with;  // another round would fail too
   if (is_refused || is_refusal(result.exit_code) || (kind.is_merge && result.exit_code == 0))
     return give_up(part.job, result);
   if (kind.is_merge) return find_missing(part.job, result.message);
@@ -287,7 +287,7 @@ void SlurmPool::on_share_ended(Work& work, const SlurmPart& part, const WorkResu
   tell_progress(part.job);
 }
 
-// Which shares are not there; those that the merge could not use go, to be made again.
+// Finds the missing shares; first removes the shares that the merge could not use, so that they are made again.
 void SlurmPool::find_missing(std::int64_t job, const std::string& message) {
   const Work& work = works_.at(job);
   beside(commands_thread_,
@@ -345,7 +345,7 @@ void SlurmPool::tell_progress(std::int64_t job) {
   events_.progress(job, {stage, done, static_cast<std::uint64_t>(work.share_count + 2) * kShareUnits});
 }
 
-// What Slurm does not know, or has not begun, as a batch of its own.
+// Sends parts that Slurm does not know, or has not begun, as a new batch.
 void SlurmPool::send_again(std::int64_t number) {
   Batch& old = batches_.at(number);
   std::vector<SlurmPart> parts;
@@ -373,7 +373,7 @@ void SlurmPool::send_again(std::int64_t number) {
   replace(number, {std::move(parts)}, "Slurm did not know it any more, or did not begin it; it was sent again");
 }
 
-// Their files go, when the ledger knows how their parts ended.
+// Removes the files of batches once the ledger has recorded how their parts ended.
 void SlurmPool::forget_empty_batches() {
   std::vector<std::int64_t> numbers;
   const Clock::time_point now = Clock::now();

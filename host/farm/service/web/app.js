@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: queues, the list, the job that is open, keys, and whether the line to the service is up.
+// The page: queues, the list of jobs, the open job, keys, and the state of the connection to the service.
 
 import { EventLine, ask } from "./client.js";
 import { errorText, sayUncaughtErrors } from "./error_text.js";
@@ -9,10 +9,10 @@ import { STATES, byId, bytesText, canCancel, canRetry, confirmed, isFinal, jobNa
   from "./nodes.js";
 import { SubmitForm } from "./submit_form.js";
 
-const LOOK_MS = 15000; // what no event tells: pauses by others, workers, a line that is dead without a sign
-const COUNT_MS = 1000; // between two looks at the counts while jobs change
+const LOOK_MS = 15000; // finds changes without events: pauses by others, workers, a dead connection
+const COUNT_MS = 1000; // between two requests for the counts while jobs change
 const ALWAYS_COUNTED = ["queued", "running", "succeeded", "dead"];
-const SAY_MS = 2000; // between two words to who listens rather than looks
+const SAY_MS = 2000; // between two announcements to screen readers
 
 let queues = [];
 
@@ -63,7 +63,7 @@ function showQueues(answer) {
   byId("retry-dead").hidden = sum("dead") === 0;
   setText(byId("retry-dead"), `Retry all dead (${sum("dead").toLocaleString()})`);
   const total = STATES.reduce((all, state) => all + sum(state), 0);
-  if (total < showQueues.total) list.loadSoon(0); // some were purged, of which no event tells
+  if (total < showQueues.total) list.loadSoon(0); // some jobs were purged, which causes no event
   showQueues.total = total;
   const going = sum("running") + sum("publishing");
   document.title = going ? `(${going}) multum` : "multum";
@@ -153,7 +153,7 @@ function hideDetail() {
   list.setOpen(null);
 }
 
-// Where the open job covers the list, keys and screen readers shall not get lost behind it.
+// When the open job covers the list, keys and screen readers must not reach the hidden list.
 const narrow = matchMedia("(max-width: 75rem)");
 function shield() {
   const isCovered = detail.isOpen && narrow.matches;
@@ -199,7 +199,7 @@ const line = new EventLine({
   state: setLine,
 });
 
-// Ends of jobs, gathered: a word for each of a thousand helps nobody.
+// Collects ends of jobs: a separate announcement for each of a thousand jobs would not help.
 const ended = [];
 function say(job) {
   if (ended.push(job) > 1) return;
@@ -215,7 +215,7 @@ function say(job) {
 // ---- Keys
 
 async function openForm() {
-  if (queues.length === 0) await lookAtQueues(); // the page is not there for long
+  if (queues.length === 0) await lookAtQueues(); // the page has just been opened
   form.open(queues.map((queue) => queue.name));
 }
 const lettersAreOn = () => localStorage.getItem("multum-letters") !== "off";

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's answers, its token, and its events.
+// Handles the daemon's answers, its token, and its events.
 
 import { errorText } from "./error_text.js";
 import { byId, setText } from "./nodes.js";
 
 const TOKEN = "multum-token";
-const PATIENCE_MS = 70000; // pictures are given a minute
+const PATIENCE_MS = 70000; // the service allows a minute for pictures
 
 export class Refused extends Error {
   constructor(status, message) {
@@ -16,7 +16,7 @@ export class Refused extends Error {
 
 export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
 
-let asking = null; // for the token: one question for all who were refused
+let asking = null; // for the token: one dialog for all refused requests
 
 function askForToken(isWrong) {
   asking ??= new Promise((resolve) => {
@@ -24,7 +24,7 @@ function askForToken(isWrong) {
     const input = byId("token-text");
     setText(byId("token-wrong"), isWrong ? "That was not it." : "");
     input.value = "";
-    dialog.addEventListener("cancel", (event) => event.preventDefault()); // there is nothing behind it to go back to
+    dialog.addEventListener("cancel", (event) => event.preventDefault()); // nothing can be shown without a token
     dialog.addEventListener("close", () => {
       sessionStorage.setItem(TOKEN, input.value);
       asking = null;
@@ -51,7 +51,7 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
       const error = (await response.json().catch(() => null))?.error;
       throw new Refused(response.status, errorText(error, `the service answered ${response.status}`));
     }
-    // Another question may have brought a new one meanwhile.
+    // Another request may have got a new token meanwhile.
     if (sessionStorage.getItem(TOKEN) === token) await askForToken(token !== null);
   }
 }
@@ -107,14 +107,14 @@ export class EventLine {
     };
     source.onerror = () => {
       this.on.state("broken");
-      if (source.readyState !== EventSource.CLOSED) return; // the browser goes on by itself
+      if (source.readyState !== EventSource.CLOSED) return; // the browser reconnects by itself
       this.close();
-      // Refused rather than broken: the token, as a rule, which the next question brings up.
+      // The service refused the connection, usually because of the token; the next request then asks for a token.
       setTimeout(() => fetchAnswer("GET", "/v1/queues").then(() => this.look(), () => this.look()), 2000);
     };
     source.addEventListener("job", (event) => this.take(event, this.on.job));
     source.addEventListener("progress", (event) => this.take(event, this.on.progress));
-    source.addEventListener("missed", (event) => { // some are not kept any more, or another daemon counts
+    source.addEventListener("missed", (event) => { // some events are no longer kept, or another daemon counts
       this.last = Number(event.lastEventId);
       this.on.gap();
     });

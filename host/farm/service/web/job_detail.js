@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// One job: all that the service knows of it, its pictures, and its log as it grows.
+// Shows one job: all its fields, its pictures, and its growing log.
 
 import { ask, askTypes, fetchAnswer, hasToken } from "./client.js";
 import { errorText } from "./error_text.js";
 import { ProgressBar, badge, byId, bytesText, canCancel, canRetry, durationText, isFinal, jobName, node, notify,
   outputName, refreshTimes, setBadge, setText, timeNode, tookText } from "./nodes.js";
 
-const LOG_SHOWN = 200000; // characters, of its end
-const LOG_LARGE = 1000000; // a log that is read again every ten seconds rather than every two
+const LOG_SHOWN = 200000; // characters from the end of the log
+const LOG_LARGE = 1000000; // a longer log is read every ten seconds, not every two
 
 const table = (head, rows) => node("div", { class: "scroll" }, node("table", {},
   node("thead", {}, node("tr", {}, ...head.map((one) => node("th", { scope: "col" }, one)))),
@@ -17,7 +17,7 @@ const facts = (pairs) => node("dl", { class: "facts" },
   ...pairs.filter(([, value]) => value !== "").flatMap(([name, value]) =>
     [node("dt", {}, name), node("dd", {}, ...[value].flat())]));
 
-// Until it has ended: what Slurm calls it, and how far it is.
+// For unfinished parts: Slurm's state and the progress.
 function partState({ state, slurm_state: slurmState, progress }) {
   if (state !== "sent") return state;
   const share = progress && progress.total ? ` ${Math.floor((100 * progress.done) / progress.total)} %` : "";
@@ -50,7 +50,7 @@ export class JobDetail {
   async open(id) {
     this.close();
     this.number = id;
-    this.wasTold = false; // of a change, while the answer was on its way: it may be older
+    this.wasTold = false; // a change was reported during a request: its answer may be older
     let job;
     try {
       job = await ask("GET", `/v1/jobs/${id}`);
@@ -193,7 +193,7 @@ export class JobDetail {
 
   tick() {
     if (!this.job) return;
-    // Parts have no events of their own, neither when they are sent nor when they end.
+    // Parts cause no events, neither when they are sent nor when they end.
     const parts = this.job.parts ?? [];
     const mayChange = parts.length === 0 ? this.job.state === "running" : parts.some((one) => one.state === "sent");
     if (mayChange && ++this.ticks % 3 === 0) this.refresh();
@@ -209,7 +209,7 @@ export class JobDetail {
       if (this.number !== id) return;
       if (text.length !== this.logSize) this.showLog(text);
     } catch {
-      // The line says that it is broken; the next look may have more luck.
+      // The page shows that the connection is broken; the next request may succeed.
     }
     if (this.number === id && this.job && !isFinal(this.job.state))
       this.logTimer = setTimeout(() => this.loadLog(), this.logSize > LOG_LARGE ? 10000 : 2000);
@@ -292,7 +292,7 @@ export class JobDetail {
     link.removeAttribute("aria-busy");
     if (!link.isConnected) return; // another job was opened meanwhile
     this.namePage(link, view);
-    // Where the browser opens no tab so long after the click, the link is there to be clicked again.
+    // If the browser blocks a new tab so long after the click, the user can click the link again.
     if (link.isMade) link.click();
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes and words. Text of strangers - labels, messages, names of files - becomes text nodes and attributes of known
+// Makes nodes and texts. Untrusted text - labels, messages, file names - becomes text nodes and attributes with known
 // names, never markup.
 
 export const byId = (id) => document.getElementById(id);
@@ -90,7 +90,7 @@ export class ProgressBar {
     this.bar = node("progress", { max: 1, "aria-label": "progress" });
     this.words = node("span");
     this.root = node("div", { class: "progress", hidden: true }, this.bar, this.words);
-    this.first = null; // what was seen first of this attempt and stage
+    this.first = null; // first observation of this attempt and stage
   }
 
   show(job) {
@@ -136,7 +136,7 @@ export function confirmed(title, text, yes) {
   setText(byId("confirm-yes"), yes);
   dialog.showModal();
   byId("confirm-yes").focus();
-  // Not by its event "close", which comes late: it may be that of the question before.
+  // Not the event "close", which comes late: it may belong to the previous question.
   return new Promise((resolve) => {
     dialog.querySelector("form").onsubmit = () => resolve(true);
     dialog.oncancel = () => resolve(false);

@@ -5,15 +5,15 @@ import { ask, askTypes } from "./client.js";
 import { errorText } from "./error_text.js";
 import { byId, bytesText, node, notify } from "./nodes.js";
 
-const FEW = 6; // parameters that are shown at once
-const PATH_LENGTH = 4095; // by which the schema tells a file's path from other texts
+const FEW = 6; // parameters that are visible at first
+const PATH_LENGTH = 4095; // marks paths of files in the schema
 
 const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml))+$/i, "");
 
 /** What comes of an input, beside it; of an upload, among the results that can be downloaded. */
 function outputFor(type, input) {
   const upload = /^(.*)\/uploads\/([0-9a-f]{8})[0-9a-f]*\/([^/]+)$/.exec(input);
-  // A manifest stands for its folder.
+  // For a manifest, the name of its folder is used.
   const stem = upload ? `${upload[1]}/results/${withoutEnding(upload[3])}-${upload[2]}`
     : withoutEnding(input.replace(/\/inferred\.json$/, ""));
   return type.output_is_folder ? `${stem}_textures` : stem + type.output_extension;
@@ -126,7 +126,7 @@ export class SubmitForm {
   }
 
   async upload(file, input) {
-    // Names that the service takes: letters, digits, dots, dashes and underscores.
+    // The service accepts letters, digits, dots, dashes and underscores in names.
     const name = file.name.replace(/[^A-Za-z0-9._-]/g, "_").replace(/^\.+/, "").slice(-100) || "upload";
     this.problem.textContent = "";
     try {
