@@ -51,7 +51,7 @@ void check_word(const std::string& word) {
   for (const char* braces : {"{{", "}}"})
     if (word.find(braces) != std::string::npos)
       throw Error(ErrorCode::kUsage, word + ": holds " + braces +
-                                         ", which Open Job Description takes for a reference, expected another name");
+                                         ", which marks a reference in Open Job Description; expected another name");
 }
 
 std::vector<std::string> template_words(const FarmCommand& command, const std::vector<std::string>& more) {
@@ -169,7 +169,7 @@ FarmJson openjd_template(const FarmCommand& command) {
   parameters.push_back({{"name", "Multum"},
                         {"type", "STRING"},
                         {"default", "multum"},
-                        {"description", "The program, by its name on PATH or its path on the workers"}});
+                        {"description", "The program: its name in PATH, or its path on the workers"}});
   FarmJson job = {{"specificationVersion", "jobtemplate-2023-09"}};
   if (command.shards > 1 && !command.is_one_map) job["extensions"] = {"TASK_CHUNKING"};
   check_word(command.name);

@@ -63,7 +63,7 @@ struct TextRule {
 
 void check_text(const std::string& what, const std::string& text, const TextRule& rule) {
   const std::optional<std::u32string> characters = characters_of(text);
-  if (!characters) refuse(what, "is not UTF-8", "text of UTF-8: give it another name");
+  if (!characters) refuse(what, "is not UTF-8", "UTF-8 text: give it another name");
   if (characters->size() < rule.least) refuse(what, "is empty", fmt::format("at least {} character", rule.least));
   if (characters->size() > rule.most)
     refuse(what, fmt::format("has {} characters", characters->size()), fmt::format("at most {}", rule.most));
@@ -71,14 +71,14 @@ void check_text(const std::string& what, const std::string& text, const TextRule
     const bool is_line = c == '\n' || c == '\r' || c == '\t';
     if (!rule.is_any && is_control(c) && !(rule.has_lines && is_line))
       refuse(what, fmt::format("holds the control character U+{:04X}", static_cast<std::uint32_t>(c)),
-             "none: give it another name");
+             "no control character: give it another name");
   }
 }
 
 void check_identifier(const std::string& what, const std::string& name) {
   static const std::regex kForm("[A-Za-z_][A-Za-z0-9_]*");
   check_text(what, name, {1, kIdentifierMax});
-  if (!std::regex_match(name, kForm)) refuse(what, "is " + name, "letters, digits and _, the first no digit");
+  if (!std::regex_match(name, kForm)) refuse(what, "is " + name, "letters, digits and _, not beginning with a digit");
 }
 
 void check_count(const std::string& what, std::size_t count, std::size_t least, std::size_t most) {
@@ -87,7 +87,7 @@ void check_count(const std::string& what, std::size_t count, std::size_t least, 
 }
 
 void check_choice(const std::string& what, const std::string& value, const std::set<std::string>& choices) {
-  if (!choices.contains(value)) refuse(what, "is " + value, "one that the specification has");
+  if (!choices.contains(value)) refuse(what, "is " + value, "a value of the specification");
 }
 
 // Section 7.3: {{ opens a reference and }} closes it; they cannot be escaped. `values`: values of the references.
@@ -98,7 +98,7 @@ std::string resolved(const std::string& what, const std::string& text,
     const std::size_t opens = text.find("{{", at), closes = text.find("}}", at);
     if (opens == std::string::npos && closes == std::string::npos) return result + text.substr(at);
     if (opens == std::string::npos || closes == std::string::npos || closes < opens)
-      refuse(what, "holds {{ or }}, which stand for a reference: " + text, "another name");
+      refuse(what, "holds {{ or }}, which mark a reference: " + text, "another name");
     std::string name = text.substr(opens + 2, closes - opens - 2);
     name.erase(0, name.find_first_not_of(' '));
     name.erase(name.find_last_not_of(' ') + 1);
@@ -171,12 +171,13 @@ class Checker {
     for (const Json& one : values_.at("parameterValues")) {
       const std::string name = text_of(one, "name"), value = text_of(one, "value");
       const auto found = references_.find("Param." + name);
-      if (found == references_.end()) refuse("value of " + name, "is of no parameter", "one that the template defines");
+      if (found == references_.end())
+        refuse("value of " + name, "belongs to an unknown parameter", "a parameter of the template");
       check_text(value, value, {0, kValueMax, false, true});
       found->second = value;
       without_value_.erase(name);
     }
-    if (!without_value_.empty()) refuse("parameter " + *without_value_.begin(), "has no value", "one");
+    if (!without_value_.empty()) refuse("parameter " + *without_value_.begin(), "has no value", "a value");
   }
 
   void check_step(const Json& step) {
@@ -210,7 +211,7 @@ class Checker {
       const double least = name == "amount.worker.vcpu" ? 1.0 : 0.0;
       if (!amount.contains("min") || !std::isfinite(amount.at("min").get<double>()) ||
           amount.at("min").get<double>() < least)
-        refuse(what + ": " + name, "has a minimum that is none", fmt::format("a number from {:g}", least));
+        refuse(what + ": " + name, "has an invalid minimum", fmt::format("a number from {:g}", least));
     }
   }
 
@@ -243,8 +244,8 @@ class Checker {
   }
 
   void check_chunks(const std::string& what, const Json& chunks, std::size_t number) {
-    if (!extensions_.contains("TASK_CHUNKING")) refuse(what, "is in chunks", "the extension TASK_CHUNKING with it");
-    if (number > 1) refuse(what, "is the second one in chunks", "one of a step");
+    if (!extensions_.contains("TASK_CHUNKING")) refuse(what, "has chunks", "the extension TASK_CHUNKING");
+    if (number > 1) refuse(what, "is the second parameter with chunks", "one per step");
     if (chunks.at("defaultTaskCount").get<std::int64_t>() < 1)
       refuse(what + ": defaultTaskCount", "is " + chunks.at("defaultTaskCount").dump(), "1 or more");
     if (chunks.contains("targetRuntimeSeconds") && chunks.at("targetRuntimeSeconds").get<std::int64_t>() < 0)

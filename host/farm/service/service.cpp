@@ -36,7 +36,7 @@ void raise_file_limit(const ServiceSettings& settings) {
   const rlim_t wanted = static_cast<rlim_t>(settings.connections_max) + 256;
   if (limit.rlim_max < wanted)
     service_log(LogSeverity::kWarning, 0,
-                fmt::format("this process may open {} files, and connections_max is {}: expected a limit of {} "
+                fmt::format("this process may open {} files, but connections_max is {}: expected a limit of {} files "
                             "(LimitNOFILE, ulimit -n)",
                             limit.rlim_max, settings.connections_max, wanted));
 }
@@ -46,10 +46,11 @@ std::string read_token(const std::string& path) {
   RegularFileStream file(path);
   std::string token;
   if (!std::getline(file, token) || token.size() < 16)
-    throw Error(ErrorCode::kInput, path + ": expected a first line of at least 16 characters, the token");
+    throw Error(ErrorCode::kInput, path + ": its first line is too short for a token, expected at least 16 characters");
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0 && (found.st_mode & 077) != 0)
-    throw Error(ErrorCode::kInput, path + ": others may read it, expected a file of its owner alone (chmod 600)");
+    throw Error(ErrorCode::kInput,
+                path + ": other users may read it, expected a file that only its owner can read (chmod 600)");
   return token;
 }
 
@@ -100,7 +101,7 @@ class Service {
   std::unique_ptr<DataLock> lock() const {
     std::unique_ptr<DataLock> lock = DataLock::take(settings_.data);
     check_is_local(settings_.data);
-    if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
+    if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is running there");
     return lock;
   }
 
@@ -146,12 +147,12 @@ class Service {
     signals_.async_wait([this](const boost::system::error_code& error, int number) {
       if (error) return;
       if (is_ending_) {
-        service_log(LogSeverity::kWarning, 0, "asked again: ending at once");
+        service_log(LogSeverity::kWarning, 0, "second signal: ending at once");
         io_.stop();
         return;
       }
       is_ending_ = true;
-      service_log(LogSeverity::kInfo, 0, fmt::format("signal {}: no more jobs are started", number));
+      service_log(LogSeverity::kInfo, 0, fmt::format("signal {}: starting no more jobs", number));
       sd_notify(0, "STOPPING=1");
       dispatcher_.drain([this] {
         server_.close();
@@ -176,13 +177,14 @@ class Service {
         check_service_settings(settings, options_.settings_file, options_.system);
         const std::string token = read_token(settings.token_file);
         if (token.empty() && api_.has_token())
-          throw Error(ErrorCode::kUsage, "no token_file is named any more: without a token it must be started again");
+          throw Error(ErrorCode::kUsage,
+                      "the settings name no token_file any more: restart the service to run without a token");
         api_.set_token(token);
         dispatcher_.reload(settings);
         service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
         sweep();
       } catch (const std::exception& wrong) {
-        service_log(LogSeverity::kError, 0, std::string("settings are kept as they were: ") + wrong.what());
+        service_log(LogSeverity::kError, 0, std::string("the previous settings stay in use: ") + wrong.what());
       }
       sd_notify(0, "READY=1");
       wait_for_reload();
@@ -251,8 +253,8 @@ void run_service(const ServiceOptions& options) {
   check_service_settings(options.settings, options.settings_file, options.system);
   if (!can_confine())
     service_log(LogSeverity::kWarning, 0,
-                "this kernel has no Landlock: workers are not shut off from files outside of the roots "
-                "(docs/reference/service.md, \"Who is trusted with what\")");
+                "this kernel has no Landlock: workers are not barred from files outside the roots "
+                "(docs/reference/service.md)");
   Service(options).run();
 }
 

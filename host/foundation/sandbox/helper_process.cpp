@@ -36,7 +36,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kTick = std::chrono::milliseconds(50);
 constexpr auto kGapMax = 4 * kTick;
 constexpr std::uint64_t kAnswerMax = std::uint64_t{64} << 20;  // bytes
-constexpr int kFirstFree = 16;  // above all descriptors that the child is given
+constexpr int kFirstFree = 16;                                 // above all descriptors that the child is given
 
 [[noreturn]] void fail(const char* what) { fail_by_errno("a process that decodes files", what); }
 

@@ -114,9 +114,10 @@ void DataFolder::check_room(std::int64_t more) {
   if (there + more > bytes_max_)
     throw Refusal{
         507, "quota",
-        fmt::format("uploads, results, logs and pictures take {} bytes, and may take {}: {} more are too many; purge "
-                    "jobs, or ask for more by data_max",
-                    there, bytes_max_, more)};
+        fmt::format(
+            "uploads, results, logs and pictures take {} of {} bytes: there is no room for {} more; purge jobs, "
+            "or raise data_max",
+            there, bytes_max_, more)};
 }
 
 void DataFolder::take_room(std::int64_t bytes) {
@@ -231,14 +232,14 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
   std::error_code error;
   for (const auto& [job, output, identity] : sweep.left_overs) {
     if (fs::remove(fmt::format("{}/logs/{}.log", path_, job), error))
-      service_log(LogSeverity::kInfo, job, "removed its log: it was purged");
+      service_log(LogSeverity::kInfo, job, "the job was purged; removed its log");
     if (!output.empty() && is_used(output)) continue;
     // A file that has replaced the result since, or was changed in it, has an unknown owner, and is not removed.
     try {
       const bool is_ours = !identity.empty() && result_identity(own_, output) == identity;
       const bool is_folder = fs::is_directory(fs::symlink_status(output, error));
       if (is_ours && (!is_folder || unlisted_in(output, seal_).empty()))
-        remove_own(output, "the result of a job that was purged");
+        remove_own(output, "the result of a purged job");
     } catch (const Error&) {
       continue;  // it cannot be examined at present
     }
@@ -249,7 +250,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     const fs::directory_entry file(path, error);
     const bool is_there = file.exists(error);
     if (is_there && (is_used(path) || age_of(file) < sweep.upload_age)) continue;
-    if (is_there) remove_own(path, "an upload that no job waits for any more");
+    if (is_there) remove_own(path, "an upload that no job needs any more");
     const std::string folder = fs::path(path).parent_path().string();
     if (own_.is_inside(folder)) ::rmdir(folder.c_str());  // fails if it holds another result
     queue.files().forget_upload(path);

@@ -142,19 +142,19 @@ void Dispatcher::recover() {
       }
     }
     for (const std::int64_t id : recovered.lost)
-      service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it is tried again");
+      service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it will be tried again");
     folders = queue.files().output_folders();
     numbers = queue.numbers();
     for (const auto& [name, states] : queue.counts())
       for (const auto& [state, count] : states)
         if (!is_final(state) && !limits_.queues.contains(name))
           service_log(LogSeverity::kWarning, 0,
-                      fmt::format("{} jobs are {} in queue {}, which is not configured: they are not started", count,
-                                  job_state_name(state), name));
+                      fmt::format("{} jobs are {} in queue {}, which the settings do not define: they will not start",
+                                  count, job_state_name(state), name));
   });
   const auto is_finished_with = [&](std::int64_t id) { return numbers.is_finished_with(id); };
   for (const std::string& path : sweep_staging(roots_.outputs, folders, instance_, is_finished_with))
-    service_log(LogSeverity::kInfo, 0, "removed what an earlier daemon left: " + path);
+    service_log(LogSeverity::kInfo, 0, "removed a leftover of an earlier daemon: " + path);
   if (slurm_) adopt(with_slurm, parts, last_batch);
 }
 
@@ -341,7 +341,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
   std::string made;
   if (data_.is_full() && roots_.results.is_inside(job.output))
     return note_end(job.id, job.owner, job.attempt,
-                    {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for its result"});
+                    {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for the job's result"});
   try {
     order = order_of(job, made);
     // Slurm's nodes cannot see files in the daemon's data.
@@ -357,7 +357,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
   }
   if (is_for_slurm) return slurm_->order(slurm_work(job, std::move(order), std::move(made)));
   if (!pool_.order(job.owner, order))
-    note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kReturned, -1, "its worker was gone before it began"});
+    note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kReturned, -1, "its worker ended before the job began"});
 }
 
 void Dispatcher::on_progress(std::int64_t id, const JobProgress& progress) {
@@ -392,7 +392,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
     return note_end(id, owner, attempt, result_of(moved));
   }
   if (identity.empty())
-    return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "it ended well, but left no result"});
+    return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "the command succeeded, but made no result"});
   const auto is_mine = std::make_shared<bool>(false);
   note(
       id,
@@ -403,9 +403,9 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
       [=, this] {
         if (*is_mine && have_inputs_changed && !job.key.empty())
           service_log(LogSeverity::kInfo, id,
-                      "its input was changed after it was submitted: other jobs do not take its result");
+                      "its input has changed since the job was submitted: other jobs will not reuse its result");
         if (*is_mine) return finish_publishing(job, identity);
-        note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has taken its place"});
+        note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has replaced this one"});
       });
 }
 
@@ -446,7 +446,7 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
       return end_drain_if_idle();
     }
     // Usually the disk is full. No ledger has the result yet, so this retries until it is recorded.
-    service_log(LogSeverity::kError, id, "what became of it cannot be noted: " + words_of(error));
+    service_log(LogSeverity::kError, id, "cannot record the job's result; retrying: " + words_of(error));
     ++unsettled_;
     const auto timer = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::seconds(2));
     timer->async_wait([=, this](const boost::system::error_code&) {
@@ -468,7 +468,7 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
   data_.count_result(job.output);
   if (!kept.empty())
     service_log(LogSeverity::kWarning, job.id,
-                fmt::format("{} held what this service had not put there; it is in {}", job.output, kept));
+                fmt::format("{} held files that this service did not publish; they are in {}", job.output, kept));
 }
 
 void Dispatcher::remove_staging(const Job& job) const {
@@ -580,7 +580,7 @@ void Dispatcher::on_due() {
       [=, this](const std::exception_ptr& error) {
         if (error) return wake_at(wall_clock_ms() + 5000);
         for (const std::int64_t id : overdue->running)
-          stop_job(id, "its deadline passed while it ran", AttemptOutcome::kRefused);
+          stop_job(id, "its deadline passed while the job ran", AttemptOutcome::kRefused);
         // Running jobs that have passed their deadlines stay due until they have stopped.
         wake_at(overdue->running.empty() ? *due : std::optional<TimeMs>(wall_clock_ms() + 1000));
         changed({overdue->dead.begin(), overdue->dead.end()});

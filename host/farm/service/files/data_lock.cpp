@@ -18,10 +18,9 @@ namespace {
 bool is_of_us_or_root(const struct stat& found) { return found.st_uid == ::geteuid() || found.st_uid == 0; }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kEnvironment,
-              fmt::format("{}: {}; expected a folder for the daemon alone: choose another one, "
-                          "or change its owner and its mode",
-                          path, what));
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; expected a folder of only the daemon: choose another one, "
+                                                   "or change its owner and mode",
+                                                   path, what));
 }
 
 // Follows a link that this user or root made; returns other paths unchanged.
@@ -31,7 +30,7 @@ std::string resolved(const std::string& path) {
   if (!is_of_us_or_root(found)) refuse(path, fmt::format("is a link that user {} made", found.st_uid));
   std::error_code error;
   const std::string target = std::filesystem::canonical(path, error).string();
-  if (error) refuse(path, "is a link that leads nowhere");
+  if (error) refuse(path, "is a link to a missing file");
   return target;
 }
 

@@ -87,7 +87,7 @@ struct Walk {
 
   bool run(const OpenFile& folder, const std::string& prefix = "", int depth = 0) const {
     if (depth > kDepthMax)
-      throw Error(ErrorCode::kEnvironment, fmt::format("{}: is deeper than {} folders", prefix, kDepthMax));
+      throw Error(ErrorCode::kEnvironment, fmt::format("{}: folders are nested more than {} deep", prefix, kDepthMax));
     for (const std::string& name : names_in(folder, prefix)) {
       struct stat found {};
       if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // gone
@@ -159,7 +159,7 @@ ResultSeal take_up_seal(const std::string& path) {
   if (std::ifstream file(path); std::getline(file, key) && key.size() == kKeyDigits) return {key};
   unsigned char random[kKeyDigits / 2];
   if (RAND_bytes(random, sizeof(random)) != 1)
-    throw Error(ErrorCode::kEnvironment, path + ": no key can be made: the system has no random numbers");
+    throw Error(ErrorCode::kEnvironment, path + ": cannot make a key: the system provides no random numbers");
   key.clear();
   for (const unsigned char byte : random) key += fmt::format("{:02x}", byte);
   ::unlink(path.c_str());  // remains of an interrupted start
@@ -233,7 +233,7 @@ OpenFile open_published(const OpenFile& folder, const std::string& name, const s
   const bool is_plain = fs::path(name).lexically_normal() == name && !name.starts_with("..") && !name.starts_with('/');
   OpenFile file = is_plain ? open_beneath_folder(folder, name, O_RDONLY | O_NONBLOCK) : OpenFile();
   if (!file.is_open() || !is_in_state(file, state))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is not there any more, or not as it was published", name));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is missing, or has changed since it was published", name));
   return file;
 }
 

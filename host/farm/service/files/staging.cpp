@@ -128,15 +128,15 @@ void StagedResult::check_place(bool is_folder) const {
   const std::optional<struct stat> found = state_of(folder_.descriptor(), name_);
   if (!found) return;
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::kUsage, output_ + ": " + why); };
-  if (S_ISDIR(found->st_mode) && !is_folder) refuse("is a folder, expected a file or nothing there");
-  if (!S_ISDIR(found->st_mode) && is_folder) refuse("is a file, expected a folder or nothing there");
+  if (S_ISDIR(found->st_mode) && !is_folder) refuse("is a folder, expected a file or a new path");
+  if (!S_ISDIR(found->st_mode) && is_folder) refuse("is a file, expected a folder or a new path");
   if (!is_folder) return;
   const std::string other = unlisted_in(name_of(folder_) + "/" + name_, seal_);
   if (!other.empty())
-    refuse(
-        fmt::format("holds {}, which is not a result as this service published it; expected an empty folder, a result "
-                    "of this service, or nothing there",
-                    other));
+    refuse(fmt::format(
+        "holds {}, which is not an unchanged result of this service; expected an empty folder, an unchanged "
+        "result, or a new path",
+        other));
 }
 
 std::string StagedResult::publish(const std::string& identity) const {
@@ -149,10 +149,10 @@ std::string StagedResult::publish(const std::string& identity) const {
     // Exchanges two folders: only an exchange can rename a folder onto one that is not empty.
     const bool is_exchange = is_folder && state_of(folder, name_).has_value();
     if (::renameat2(staging.descriptor(), name_.c_str(), folder, name_.c_str(), is_exchange ? RENAME_EXCHANGE : 0) != 0)
-      fail_by_errno(output_, "the result cannot be given its name");
+      fail_by_errno(output_, "cannot rename the result");
   } else if (identity_at(folder, name_) != identity) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: the finished result is neither there nor in {}", output_, staging_));
+                fmt::format("{}: the finished result is neither at this path nor in {}", output_, staging_));
   }
   // Empties the staging folder even if another step fails: otherwise the next attempt would resume from its contents.
   const int sync_error = ::fsync(folder) == 0 ? 0 : errno;
@@ -184,7 +184,8 @@ std::string StagedResult::put_aside(const OpenFile& staging) const {
   const int error = errno;
   ::renameat2(staging.descriptor(), name_.c_str(), folder_.descriptor(), name_.c_str(), RENAME_EXCHANGE);
   errno = error;
-  fail_by_errno(output_, "what was added to the folder before cannot be put aside; it has its place again");
+  fail_by_errno(output_,
+                "cannot move the files that were added to the previous result; the previous result is back in place");
 }
 
 void StagedResult::remove() const {

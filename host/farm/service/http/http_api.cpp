@@ -146,7 +146,8 @@ struct HttpApi::State {
       const std::string file = roots.inputs.input(named);
       std::error_code not_there;
       if (!submission.output.empty() && fs::equivalent(file, submission.output, not_there))
-        throw Refusal{400, "usage", fmt::format("output is {}, which is an input too", submission.output)};
+        throw Refusal{400, "usage",
+                      fmt::format("output is {}, which is also an input; expected another path", submission.output)};
       file_hashes.push_back(hashes.hash(file, roots.inputs.open_input(file)));
     }
     submission.inputs = inputs.identity;
@@ -159,7 +160,7 @@ struct HttpApi::State {
     std::int64_t bytes = 0;
     co_await in_ledger([&](JobQueue& queue) { bytes = kCopies * queue.list_bytes(filter); });
     if (!request.memory->resize(request.memory->bytes() + static_cast<std::size_t>(bytes)))
-      throw Refusal{503, "busy", "there is no memory for so many jobs; ask for fewer", {{"Retry-After", "1"}}};
+      throw Refusal{503, "busy", "there is not enough memory for so many jobs; ask for fewer", {{"Retry-After", "1"}}};
     Json jobs = Json::array();
     co_await in_ledger([&](JobQueue& queue) {
       jobs = Json::array();
@@ -218,7 +219,7 @@ struct HttpApi::State {
       if (part.share == share && part.state == SlurmPartState::kSent && dispatcher.slurm() != nullptr &&
           dispatcher.slurm()->cancel_part(job.id, part.batch, part.item))
         co_return json_response(job_json(job), 202);
-    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' that is with Slurm", job.id, share)};
+    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' at Slurm", job.id, share)};
   }
 
   asio::awaitable<HttpResponse> cancel(std::string text, HttpRequest request) {
@@ -323,7 +324,7 @@ struct HttpApi::State {
     });
     constexpr std::size_t kCopies = 6;  // of a listing while it is read: text, stream, two texts and a node per line
     if (!memory.resize(memory.bytes() + kCopies * bytes))
-      throw Refusal{503, "busy", "there is no memory for so long a list of files", {{"Retry-After", "1"}}};
+      throw Refusal{503, "busy", "there is not enough memory for such a long list of files", {{"Retry-After", "1"}}};
     std::shared_ptr<HttpBody> made;
     co_await beside([&] { made = std::make_shared<ResultArchive>(std::move(folder), name, roots.seal); });
     co_return made;
@@ -343,7 +344,7 @@ struct HttpApi::State {
     const JobType& type = job_types().front();
     const Json job = {
         {"type", type.name}, {"parameters", {{type.input, path}}}, {"output", "NAME" + type.output_extension}};
-    const std::string use = fmt::format("name this path as the input of a job, as in {}", job.dump());
+    const std::string use = fmt::format("use this path as the input of a job, for example {}", job.dump());
     co_return json_response(
         {{"path", path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}, {"use", use}}, 201);
   }
@@ -658,9 +659,9 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
                    "method",
                    fmt::format("expected {}", fmt::join(others, " or ")),
                    {{"Allow", fmt::format("{}", fmt::join(others, ", "))}}});
-  if (route == nullptr) return refuse({404, "not_found", "there is nothing of this name"});
+  if (route == nullptr) return refuse({404, "not_found", "there is no such path"});
   if (!is_own_origin(request, has_token(), route->answer == web_file))
-    return refuse({403, "origin", "asked for by a page of another origin"});
+    return refuse({403, "origin", "the request comes from a page of another origin"});
   if (has_token() && !route->is_public) {
     const auto given = request.headers.find("authorization");
     const auto query = request.query.find("access_token");  // browsers cannot send headers for event streams

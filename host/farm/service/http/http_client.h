@@ -13,7 +13,8 @@ namespace multum {
 struct HttpPatience {
   std::chrono::milliseconds connecting = std::chrono::seconds(10);
   std::chrono::milliseconds answer = std::chrono::seconds(60);  // for answers; event streams pulse every 10 s
-  std::chrono::milliseconds work = std::chrono::minutes(15);    // for requests that change something: inputs are read first
+  std::chrono::milliseconds work =
+      std::chrono::minutes(15);  // for requests that change something: inputs are read first
 };
 
 class HttpClient {

@@ -22,7 +22,7 @@ constexpr std::size_t kOverheadBytes = 65536;  // of chunked bodies, plus as muc
 
 UnreadableRequest no_http(const std::string& what) { return {400, "usage", "the request is not HTTP: " + what}; }
 UnreadableRequest gone() { return {0, "", ""}; }
-UnreadableRequest too_slow() { return {408, "timeout", "the request did not come in time"}; }
+UnreadableRequest too_slow() { return {408, "timeout", "the request did not arrive in time"}; }
 
 // "a: b\r\n c": one field over two lines, which a proxy may take for two fields.
 bool is_folded(std::string_view header) {
@@ -54,7 +54,7 @@ void check_fields(const HttpLine::Parser& parser) {
   if (head.version() >= 11 && head.count(http::field::host) == 0) throw no_http("Host is missing");
   if (head.count(http::field::transfer_encoding) == 0) return;
   if (head.version() < 11) throw no_http("HTTP/1.0 has no Transfer-Encoding");
-  if (head.count(http::field::content_length) > 0) throw no_http("both Transfer-Encoding and Content-Length");
+  if (head.count(http::field::content_length) > 0) throw no_http("it has both Transfer-Encoding and Content-Length");
   if (!beast::iequals(head[http::field::transfer_encoding], "chunked"))
     throw UnreadableRequest{501, "usage", "Transfer-Encoding: expected chunked or none"};
 }
@@ -135,11 +135,11 @@ asio::awaitable<void> HttpLine::read_header(Parser& parser, Clock::time_point un
     } catch (const UnreadableRequest& slow) {
       throw is_silent ? gone() : slow;  // there was no request
     }
-    if (count == 0) throw is_silent ? gone() : no_http("it ends in its header");
+    if (count == 0) throw is_silent ? gone() : no_http("it ends within its header");
     end = text().find("\r\n\r\n", before < 3 ? 0 : before - 3);
     if (!is_text(text().substr(0, end))) throw no_http("expected lines of text that end in CR LF");
   }
-  if (is_folded(text().substr(0, end))) throw no_http("a field over several lines");
+  if (is_folded(text().substr(0, end))) throw no_http("a field spans several lines");
   boost::system::error_code error;
   parser.header_limit(kBufferBytes);
   parser.body_limit(boost::none);  // read_body() checks the size

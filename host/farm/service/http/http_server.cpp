@@ -211,7 +211,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       if (error.code() == asio::error::timed_out) ++self->counters.timeouts;
     } catch (const std::exception& error) {  // no memory for a request: ends the connection
       ++self->counters.failures;
-      service_log(LogSeverity::kWarning, 0, std::string("a connection was given up: ") + error.what());
+      service_log(LogSeverity::kWarning, 0, std::string("dropped a connection: ") + error.what());
     }
   }
 
@@ -239,7 +239,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       is_head = parser.get().method() == http::verb::head;
       early = take_header(parser, request);
       is_urgent = settings.is_urgent(request.path);
-      if (!early && is_spare && !(is_urgent && parser.is_done())) early = busy("all connections are taken");
+      if (!early && is_spare && !(is_urgent && parser.is_done())) early = busy("all connections are in use");
       if (!early) co_await read_body(line, parser, request, share);
     } catch (const UnreadableRequest& unreadable) {
       if (unreadable.status == 408) ++counters.timeouts;
@@ -270,10 +270,10 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_return false;
       }
       keep = false;
-      response = busy("too many listen to events already");
+      response = busy("too many clients listen to events");
     } else if (!is_urgent && !share.resize(response.made ? response.made->memory() + kPiece : response.body.size())) {
       keep = false;
-      response = busy("there is no memory for the answer");
+      response = busy("there is not enough memory for the answer");
     }
     co_return co_await send(line, version, keep && !is_closed, is_head, std::move(response));
   }
@@ -288,9 +288,9 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     if (const std::unique_ptr<HttpResponse> refused = settings.check(request)) return *refused;
     const std::size_t limit = body_limit(request);
     if (limit == 0 && !parser.is_done())
-      return refusal_response({413, "too_large", fmt::format("a {} has no body here", request.method)});
+      return refusal_response({413, "too_large", fmt::format("a {} request must not have a body", request.method)});
     if (parser.content_length() && *parser.content_length() > limit)
-      return refusal_response({413, "too_large", fmt::format("a body of up to {} bytes is taken", limit)});
+      return refusal_response({413, "too_large", fmt::format("the body may have at most {} bytes", limit)});
     return std::nullopt;
   }
 
@@ -319,7 +319,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       }
       // Twice: while a growing string is moved, both copies exist.
       if (!share.resize(2 * (request.body.size() + piece.size())))
-        throw Refusal{503, "busy", "there is no memory for the request", {{"Retry-After", "1"}}};
+        throw Refusal{503, "busy", "there is not enough memory for the request", {{"Retry-After", "1"}}};
       request.body += piece;
     };
     co_await line.read_body(parser, body_limit(request), kSilence, until, keep);
@@ -380,7 +380,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       std::size_t count = 0;
       const std::size_t wanted = std::min<std::uint64_t>(piece.size(), left);
       co_await settings.beside([&] { count = response.made->read(piece.data(), wanted); });
-      if (count == 0 || count > left) throw Error(ErrorCode::kEnvironment, "an answer is not as long as was said");
+      if (count == 0 || count > left)
+        throw Error(ErrorCode::kEnvironment, "an answer has another length than announced");
       for (asio::const_buffer rest(piece.data(), count); rest.size() > 0;)
         rest += co_await line.write_some(rest, kSilence);
       left -= count;
@@ -503,7 +504,7 @@ int HttpServer::listen_tcp(const std::string& host, int port) {
     acceptor->listen(4096);
   } catch (const boost::system::system_error& failed) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}:{} cannot be listened on: {}", host, port, failed.code().message()));
+                fmt::format("cannot listen on {}:{}: {}", host, port, failed.code().message()));
   }
   state_->closers.push_back([acceptor] {
     boost::system::error_code ignored;
@@ -520,7 +521,7 @@ void HttpServer::listen_unix(const std::string& path) {
   asio::local::stream_protocol::socket probe(state_->io);
   boost::system::error_code error;
   probe.connect(path, error);
-  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program listens there");
+  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program listens on this socket");
   ::unlink(path.c_str());
   const auto acceptor = std::make_shared<asio::basic_socket_acceptor<asio::local::stream_protocol>>(state_->io);
   const mode_t mask = ::umask(0177);
@@ -530,7 +531,7 @@ void HttpServer::listen_unix(const std::string& path) {
     acceptor->listen(4096);
   } catch (const boost::system::system_error& failed) {
     ::umask(mask);
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be listened on: {}", path, failed.code().message()));
+    throw Error(ErrorCode::kEnvironment, fmt::format("cannot listen on {}: {}", path, failed.code().message()));
   }
   ::umask(mask);
   state_->unix_path = path;

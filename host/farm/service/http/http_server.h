@@ -29,7 +29,7 @@ struct HttpRequest {
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
   std::shared_ptr<UploadFile> upload = nullptr;  // holds the body of an upload
-  MemoryShare* memory = nullptr;  // its part of the budget; making the answer may need more
+  MemoryShare* memory = nullptr;                 // its part of the budget; making the answer may need more
 };
 
 /// A body that is made while it is sent; its length is known in advance.

@@ -59,7 +59,7 @@ std::string find_program(const std::string& name) {
   }
   for (const fs::path& folder : folders)
     if (::access((folder / name).c_str(), X_OK) == 0) return (folder / name).string();
-  refuse(name + " is not installed: found neither beside multum nor in PATH");
+  refuse(name + " is not installed: it is neither in the folder of multum nor in PATH");
 }
 
 std::string last_line(const std::string& path) {
@@ -95,9 +95,9 @@ std::string end_of(const ChildResult& result, const std::string& program) {
 
 const JobView& find_view(const Job& job, const std::string& name) {
   const JobType& type = find_job_type(job.type);
-  if (type.views.empty()) refuse("a " + job.type + " makes nothing to look at");
+  if (type.views.empty()) refuse("there are no pictures of a " + job.type + " job");
   if (job.state != JobState::kSucceeded)
-    refuse(fmt::format("job {} is {}: there are pictures when it has succeeded", job.id, job_state_name(job.state)));
+    refuse(fmt::format("job {} is {}: pictures exist once a job has succeeded", job.id, job_state_name(job.state)));
   const JobView* const view = type.find_view(name);
   if (view == nullptr) refuse(type.no_other_view);
   return *view;
@@ -154,7 +154,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
 
 asio::awaitable<void> JobPictures::made(Request request) {
   if (waiters_.size() >= kWaitingMax)
-    throw Refusal{503, "busy", "pictures of many jobs are being made", {{"Retry-After", "10"}}};
+    throw Refusal{503, "busy", "too many jobs wait for pictures", {{"Retry-After", "10"}}};
   std::exception_ptr error;
   const auto initiate = [&](auto handler) {
     const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
@@ -203,7 +203,7 @@ std::vector<std::string> JobPictures::map_options(const Request& request) const 
     } catch (const Error& error) {
       if (parameter != view.maps.front().first) continue;
       if (!view.first_map_is_for.empty()) refuse(view.first_map_is_for + ": " + error.what());
-      break;  // missing: the render alone remains
+      break;  // missing: only the render remains
     }
   }
   return options;
@@ -257,7 +257,7 @@ void JobPictures::remove_folder(const std::string& folder) {
 
 void JobPictures::make(const Request& request) {
   const auto check_result = [&] {
-    if (!has_result(request)) refuse("its result was changed or taken away since");
+    if (!has_result(request)) refuse("its result was changed or removed since");
   };
   check_result();
   if (is_made(request)) return;
@@ -302,7 +302,7 @@ void JobPictures::run(const Request& request, const std::string& folder) {
   std::string said = result.output + end_of(result, view.program.empty() ? "multum " + view.words[0] : view.program);
   const auto is_first_map = [&](const std::string& word) { return word.starts_with(view.maps.front().second + "="); };
   const bool has_input = view.maps.empty() || std::any_of(words.begin(), words.end(), is_first_map);
-  if (!has_input && result.exit_code == 0) said += "\nits input is not there any more";
+  if (!has_input && result.exit_code == 0) said += "\nits input no longer exists";
   write_text_file(folder + "/" + kSaid, said + "\n");
   if (result.exit_code != 0)
     service_log(LogSeverity::kWarning, request.job.id, "pictures: " + last_line(folder + "/" + kSaid));

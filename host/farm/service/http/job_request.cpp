@@ -78,7 +78,7 @@ std::string output_of(const std::string& named, const JobRoots& roots) {
 void refuse_nul(const Json& json) {
   const auto check = [](const std::string& text) {
     if (text.find('\0') != std::string::npos)
-      throw Refusal{400, "usage", fmt::format("{} holds a NUL, expected a text without", shortened(text))};
+      throw Refusal{400, "usage", fmt::format("{} holds a NUL, expected a text without NUL", shortened(text))};
   };
   if (json.is_string()) check(json.get_ref<const std::string&>());
   if (json.is_object())
@@ -161,7 +161,7 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   for (const std::string& extension : type.refused_extensions)
     if (s.output.ends_with(extension))
       throw Refusal{400, "usage", fmt::format("output is {}, expected the name of a folder", s.output)};
-  s.queue = value_of<std::string>(json, "queue", "default", is_text, "a queue's name");
+  s.queue = value_of<std::string>(json, "queue", "default", is_text, "the name of a queue");
   if (!limits.queues.contains(s.queue)) {
     std::vector<std::string> names;
     for (const auto& [name, of_queue] : limits.queues) names.push_back(name);
@@ -208,10 +208,11 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
   const JobSubmission& job = request.job;
   const auto check = [&](const std::string& what, const std::string& path) {
     if (roots.outputs.is_inside(path) && !roots.results.is_inside(path)) return;
-    throw Refusal{400, "usage",
-                  fmt::format("{} is {}, which is the service's own: queue {} is for Slurm, whose nodes see the roots "
-                              "alone; expected a path below a root",
-                              what, path, job.queue)};
+    throw Refusal{
+        400, "usage",
+        fmt::format("{} is {}, a path of the service itself: queue {} goes to Slurm, whose nodes see only the "
+                    "roots; expected a path below a root",
+                    what, path, job.queue)};
   };
   if (!job.output.empty()) check("output", job.output);
   const Json& parameters = request.parameters;
@@ -222,7 +223,7 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
 
 std::string parse_retry(const Json& json) {
   only_keys(json, {"queue"}, "the request");
-  return value_of<std::string>(json, "queue", "", is_plain, "a queue's name");
+  return value_of<std::string>(json, "queue", "", is_plain, "the name of a queue");
 }
 
 PurgeRequest parse_purge(const Json& json) {
@@ -230,8 +231,7 @@ PurgeRequest parse_purge(const Json& json) {
   if (json.contains("jobs") == json.contains("finished_before_s"))
     throw Refusal{400, "usage", "expected either jobs or finished_before_s"};
   PurgeRequest request;
-  request.jobs =
-      value_of<std::vector<std::int64_t>>(json, "jobs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
+  request.jobs = value_of<std::vector<std::int64_t>>(json, "jobs", {}, is_id_list, "a list of up to 1000 job numbers");
   const auto age = value_of<std::int64_t>(json, "finished_before_s", -1, integer_between(0, 10000000000), "seconds");
   if (age >= 0) request.finished_before_s = age;
   return request;
@@ -244,7 +244,7 @@ void check_upload_name(const std::string& name) {
                c == '-';
       });
   if (!is_name)
-    throw Refusal{400, "usage", "expected a file's name of up to 100 letters, digits, dots, dashes and underscores"};
+    throw Refusal{400, "usage", "expected a file name of up to 100 letters, digits, dots, dashes and underscores"};
 }
 
 }  // namespace multum

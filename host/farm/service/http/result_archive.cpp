@@ -78,7 +78,7 @@ ResultArchive::ResultArchive(OpenFile folder, std::string name, const ResultSeal
     bytes_ += header(files_.back()).size() + size + padding_of(size);
   }
   if (files_.empty())
-    throw Error(ErrorCode::kUsage, fmt::format("{}: holds nothing that this service has published", name_));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds no result that this service has published", name_));
   bytes_ += 2 * kBlock;
   // The archive's bytes depend only on these states.
   std::string states = name_ + '\n';
@@ -173,7 +173,7 @@ std::size_t ResultArchive::read(char* to, std::size_t bytes_max) {
 void ResultArchive::skip(std::uint64_t bytes) {
   while (bytes > 0) {
     const std::size_t count = advance(nullptr, bytes);
-    if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("{}: is shorter than was said", name_));
+    if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("{}: is shorter than announced", name_));
     bytes -= count;
   }
 }

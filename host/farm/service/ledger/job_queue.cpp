@@ -26,7 +26,7 @@ JobQueue::JobQueue(const LedgerSettings& settings)
     : database_(settings.path), policy_(settings.retry), results_(settings.results), numbers_(settings.numbers) {
   prepare_ledger(database_, settings.may_begin);
   if (const std::string damage = database_.damage(); !damage.empty())
-    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}; docs/reference/service.md says what can be done",
+    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}; docs/reference/service.md tells how to repair it",
                                                settings.path, damage));
   take_instance(settings);
   take_numbers();
@@ -42,7 +42,7 @@ void JobQueue::take_instance(const LedgerSettings& settings) {
     instance_ = settings.instance;
   } else if (!settings.may_begin && instance_ != settings.instance) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: is the ledger of instance {}, expected that of {}: {}", settings.path, instance_,
+                fmt::format("{}: is the ledger of instance {}, expected the ledger of {}: {}", settings.path, instance_,
                             settings.instance, lost_ledger_advice()));
   }
 }
@@ -399,12 +399,12 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
   RetryResult result;
   const std::optional<Job> job = find(id);
   if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) {
-    result.refusal = fmt::format("job {} is {}; dead and cancelled ones can be tried again", id,
-                                 job ? job_state_name(job->state) : "not known");
+    result.refusal = fmt::format("job {} is {}; only dead and cancelled jobs can be retried", id,
+                                 job ? job_state_name(job->state) : "unknown");
     return result;
   }
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
-    return {{}, fmt::format("job {} {}: it cannot be tried again, submit it anew", id, gone)};
+    return {{}, fmt::format("job {} {}: it cannot be retried, submit it again", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
   // Jobs that died without ever running, because they need these, wait again, unless they lack another need or their
   // deadline has passed. Each such job is examined once per job that it needs.
@@ -477,7 +477,7 @@ JobQueue::Overdue JobQueue::expire_deadlines(TimeMs now) {
       continue;
     }
     if (is_final(job->state)) continue;  // ended with a job that it needs
-    finish(id, JobState::kDead, "its deadline passed before it could be started", now);
+    finish(id, JobState::kDead, "its deadline passed before the job could start", now);
     fail_dependents(id, now);
     overdue.dead.push_back(id);
   }
@@ -568,8 +568,8 @@ JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
     }
     // A job on its way to Slurm had not begun.
     const AttemptResult lost =
-        is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before it was sent to Slurm"}
-                 : AttemptResult{AttemptOutcome::kLost, -1, "the daemon ended while it ran"};
+        is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before the job was sent to Slurm"}
+                 : AttemptResult{AttemptOutcome::kLost, -1, "the daemon ended while the job ran"};
     close_attempt(job, lost, now);
     requeue_or_die(job, lost, now);
     recovered.lost.push_back(id);

@@ -359,17 +359,17 @@ std::string take_place(const std::string& path, const std::string& fresh) {
   const std::string kept = free_name(path);
   std::error_code error;
   if (fs::exists(fresh + "-wal", error))  // its contents would be lost
-    throw Error(ErrorCode::kEnvironment, fresh + ": cannot be finished; is the disk full?");
+    throw Error(ErrorCode::kEnvironment, fresh + ": cannot be completed; is the disk full?");
   fs::rename(path, kept, error);
   if (error)
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be kept as {}: {}", path, kept, error.message()));
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be renamed to {}: {}", path, kept, error.message()));
   if (fs::exists(path + "-wal", error)) fs::rename(path + "-wal", kept + "-wal", error);
   if (!error) fs::rename(fresh, path, error);
   if (!error) return kept;
   const std::string why = error.message();
   if (fs::exists(kept + "-wal", error)) fs::rename(kept + "-wal", path + "-wal", error);
   fs::rename(kept, path, error);
-  throw Error(ErrorCode::kEnvironment, fmt::format("{}: the rescued ledger cannot take its place: {}", path, why));
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: the rescued ledger cannot replace it: {}", path, why));
 }
 
 }  // namespace
@@ -380,10 +380,10 @@ RescueReport rescue_ledger(const std::string& data) {
   if (!fs::is_regular_file(path, error))
     throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
   const std::unique_ptr<DataLock> lock = DataLock::take(data);
-  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is at work there; end it first");
+  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there; end it first");
   if (fs::file_size(path, error) == 0 && !fs::exists(path + "-wal", error))
     throw Error(ErrorCode::kInput, path +
-                                       ": is empty, so that there is nothing to rescue; move it away, and start once "
+                                       ": is empty, so there is nothing to rescue; move it away, and start once "
                                        "with 'multum serve --new-ledger'");
   // Works on a copy: opening a database writes to it.
   const Scaffold scaffold{path + ".copy", path + ".rescued"};
@@ -400,8 +400,8 @@ RescueReport rescue_ledger(const std::string& data) {
   if (rescued.jobs() == 0 && !rescued.is_whole)
     throw Error(ErrorCode::kInput,
                 path +
-                    ": no job can be read of it, and all is left as it was; put a backup in its place, or move it "
-                    "away and start once with 'multum serve --new-ledger'");
+                    ": no job can be read, and nothing was changed; replace it by a backup, or move it away and "
+                    "start once with 'multum serve --new-ledger'");
   RescueReport report;
   report.tables = std::move(rescued.tables);
   report.kept = take_place(path, scaffold.fresh);

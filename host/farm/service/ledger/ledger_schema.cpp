@@ -164,11 +164,11 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
   const std::int64_t application = first_integer(database, "PRAGMA application_id");
   const bool is_empty = first_integer(database, "SELECT COUNT(*) FROM sqlite_master") == 0;
   if (found == 0 ? !is_empty : application != (found < 4 ? 0 : kApplicationId))
-    throw Error(ErrorCode::kInput, database.path() + ": is a database, but no ledger of jobs");
+    throw Error(ErrorCode::kInput, database.path() + ": is a database, but not a ledger of jobs");
   if (found > kSchemaVersion)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: is of a newer multum: version {} of the database, this one knows {}", database.path(),
-                            found, kSchemaVersion));
+                fmt::format("{}: was written by a newer multum: database version {}, this one knows {}",
+                            database.path(), found, kSchemaVersion));
   if (is_empty && !may_begin)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: is empty, expected the ledger of a folder that was used before: {}", database.path(),

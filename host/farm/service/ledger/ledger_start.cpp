@@ -44,8 +44,8 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
     for (const char* part : {"", "-wal", "-journal"})
       if (has_bytes(settings.path + part))
         throw Error(ErrorCode::kUsage,
-                    fmt::format("--new-ledger: {}{} is there, and its jobs would be forgotten; move it away first, or "
-                                "start without --new-ledger",
+                    fmt::format("--new-ledger: {}{} exists, and its jobs would be lost; move it away first, or start "
+                                "without --new-ledger",
                                 settings.path, part));
   } else if (was_used && !has_bytes(settings.path)) {
     throw Error(ErrorCode::kEnvironment,

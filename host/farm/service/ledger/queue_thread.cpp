@@ -114,8 +114,9 @@ void QueueThread::look_for_loss() {
   if (is_lost_) return;
   const std::string what = queue_.database().displaced();
   if (what.empty()) return;
-  const std::string why = "the ledger is lost: " + what +
-                          "; nothing is accepted or noted until it is put back and the service started again";
+  const std::string why =
+      "the ledger is lost: " + what +
+      "; the service accepts and records nothing until the ledger is put back and the service restarted";
   queue_.database().look_only(why);
   is_lost_ = true;
   service_log(LogSeverity::kError, 0, "ALARM: " + why);

@@ -148,7 +148,7 @@ std::string SqliteDatabase::damage() {
 SqliteDatabase::FileNumber SqliteDatabase::file_number(const std::string& path) {
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0) return {found.st_dev, found.st_ino};
-  if (errno != ENOENT && errno != ENOTDIR) fail_by_errno(path, "cannot be looked at");
+  if (errno != ENOENT && errno != ENOTDIR) fail_by_errno(path, "cannot be examined");
   return {};
 }
 
@@ -216,7 +216,7 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_CORRUPT:
       throw SqliteError(
           ErrorCode::kInput,
-          fmt::format("{}: is damaged or no database of jobs: {}; docs/reference/service.md says what can be done",
+          fmt::format("{}: is damaged or not a database of jobs: {}; docs/reference/service.md tells how to repair it",
                       path_, what),
           result);
     case SQLITE_READONLY: check_may_change(); break;

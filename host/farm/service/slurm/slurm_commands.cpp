@@ -31,7 +31,7 @@ std::optional<Number> whole_number(const std::string& text) {
 std::string in_one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at)) text.replace(at, 1, "; ");
-  return text.empty() ? "it says nothing" : text;
+  return text.empty() ? "no message" : text;
 }
 
 // Texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. When the controller answers again, or a partition is
@@ -158,7 +158,7 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   while (std::getline(lines, line))
     if (!line.empty()) last = line;
   const std::optional<std::int64_t> job = whole_number<std::int64_t>(last.substr(0, last.find(';')));
-  if (!job) throw Error(ErrorCode::kEnvironment, fmt::format("sbatch says '{}', expected the number of a job", last));
+  if (!job) throw Error(ErrorCode::kEnvironment, fmt::format("sbatch printed '{}', expected a job number", last));
   return *job;
 }
 

@@ -80,7 +80,8 @@ bool SlurmBatchFolder::has_order() const {
 
 SlurmOrder SlurmBatchFolder::read_order() const {
   const std::optional<Json> json = read_json(path_ + "/order.json");
-  if (!json) throw Error(ErrorCode::kEnvironment, path_ + "/order.json: is not there: the daemon has withdrawn it");
+  if (!json)
+    throw Error(ErrorCode::kEnvironment, path_ + "/order.json: is missing: the daemon has withdrawn the order");
   try {
     SlurmOrder order;
     order.is_array = json->at("is_array");
@@ -93,8 +94,8 @@ SlurmOrder SlurmBatchFolder::read_order() const {
     return order;
   } catch (const Json::exception& error) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}/order.json: is no order of multum {}: {}; the daemon sends its jobs again", path_,
-                            MULTUM_VERSION, error.what()));
+                fmt::format("{}/order.json: is not an order of multum {}: {}; the daemon will send its jobs again",
+                            path_, MULTUM_VERSION, error.what()));
   }
 }
 

@@ -97,7 +97,7 @@ class Task {
       folder_.write_end(item().number, {result, node_});
     } catch (const Error& error) {
       if (!folder_.has_order()) return stop();
-      print_shown(stderr, "multum: %s; it is tried again\n", error.what());
+      print_shown(stderr, "multum: %s; trying again\n", error.what());
       return;  // the next tick tries again
     }
     ended_.reset();
@@ -167,7 +167,9 @@ int run_slurm_task(const std::string& batch_folder, std::optional<int> array_ite
   const SlurmBatchFolder folder(batch_folder);
   SlurmOrder order = folder.read_order();
   if (order.is_array) {
-    if (!array_item) throw Error(ErrorCode::kUsage, batch_folder + ": is an array's, expected SLURM_ARRAY_TASK_ID");
+    if (!array_item)
+      throw Error(ErrorCode::kUsage,
+                  batch_folder + ": belongs to an array of tasks, expected the variable SLURM_ARRAY_TASK_ID");
     std::erase_if(order.items, [&](const SlurmOrder::Item& item) { return item.number != *array_item; });
   }
   const std::string work_folder = folder.make_work_folder(order.is_array ? *array_item : 0);

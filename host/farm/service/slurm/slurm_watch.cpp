@@ -16,8 +16,8 @@
 namespace multum {
 namespace {
 
-constexpr int kSubmissionsMax = 10;  // of one attempt that Slurm forgot, or did not begin
-constexpr int kIdleFactor = 10;      // lengthens the pause between looks if nothing is watched
+constexpr int kSubmissionsMax = 10;                     // of one attempt that Slurm forgot, or did not begin
+constexpr int kIdleFactor = 10;                         // lengthens the pause between looks if nothing is watched
 constexpr auto kLingering = std::chrono::seconds(30);   // for a task whose parts have all ended
 constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
 constexpr const char* kCompleting = "COMPLETING";       // cancelled, perhaps on a node that does not answer
@@ -129,7 +129,7 @@ std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
     targets.push_back({name, job});
     if (!cancelled_unknown_.insert(job).second) continue;
     ++counters_.cancelled_unknown;
-    service_log(LogSeverity::kWarning, 0, fmt::format("Slurm has job {}, of which the ledger knows nothing", job));
+    service_log(LogSeverity::kWarning, 0, fmt::format("Slurm has job {}, which the ledger does not know", job));
   }
   return targets;
 }
@@ -196,7 +196,7 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   else if (!part.heard) part.heard = now;
   else if (now - *part.heard > settings_.slurm.lease) {
     part.is_cancelled = true;
-    part.row.message = fmt::format("it was silent for {} ms and was cancelled", settings_.slurm.lease.count());
+    part.row.message = fmt::format("its task was silent for {} ms and was cancelled", settings_.slurm.lease.count());
     to_cancel.push_back({task->name, *batch.slurm_job, batch.is_array ? task->item : -1});
   }
   return Fate::kGoesOn;
@@ -232,7 +232,7 @@ SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmT
   // No task has begun it, and the part did not cause that; a merge itself finds out which shares are missing.
   if (!part.has_begun && (task == nullptr || (batch.has_worked && part.kind.is_whole()))) return Fate::kAgain;
   const std::string name = slurm_task_name(*batch.slurm_job, batch.is_array ? part.row.item : -1);
-  std::string message = task == nullptr ? fmt::format("Slurm does not know its task {} any more", name)
+  std::string message = task == nullptr ? fmt::format("Slurm no longer knows its task {}", name)
                                         : fmt::format("its task at Slurm, {}, ended as {}{}", name, task->state,
                                                       task->node.empty() ? "" : " on " + task->node);
   if (!part.row.message.empty()) message = part.row.message + "; " + message;
@@ -320,7 +320,7 @@ void SlurmPool::begin_round(std::int64_t job, const std::vector<int>& missing, c
   ++counters_.rounds;
   work.shares_done = work.share_count + 1 - static_cast<int>(missing.size());
   service_log(LogSeverity::kWarning, job,
-              fmt::format("round {} of {}: asked again for {}", work.round, settings_.slurm.rounds,
+              fmt::format("round {} of {}: requested {} again", work.round, settings_.slurm.rounds,
                           names.empty() ? "the merge" : fmt::format("shares {}", fmt::join(names, ", "))));
   SlurmPart part;
   part.job = job;
@@ -359,7 +359,7 @@ void SlurmPool::send_again(std::int64_t number) {
   if (is_hopeless) {
     for (SlurmPart& row : parts) {
       row.state = SlurmPartState::kLost;
-      row.message = fmt::format("Slurm did not begin it, though it was sent {} times", kSubmissionsMax);
+      row.message = fmt::format("Slurm did not begin it, although it was sent {} times", kSubmissionsMax);
       results_[{row.batch, row.item}] = {-1, row.message, false};
     }
     counters_.parts_lost += parts.size();
@@ -367,10 +367,10 @@ void SlurmPool::send_again(std::int64_t number) {
     return settle(parts);
   }
   ++counters_.forgotten;
-  service_log(LogSeverity::kWarning, parts.front().job,
-              fmt::format("Slurm does not know its job {} any more, or did not begin it: sent again",
-                          old.slurm_job.value_or(0)));
-  replace(number, {std::move(parts)}, "Slurm did not know it any more, or did not begin it; it was sent again");
+  service_log(
+      LogSeverity::kWarning, parts.front().job,
+      fmt::format("Slurm no longer knows its job {}, or did not begin it: sent again", old.slurm_job.value_or(0)));
+  replace(number, {std::move(parts)}, "Slurm no longer knew it, or did not begin it; it was sent again");
 }
 
 // Removes the files of batches once the ledger has recorded how their parts ended.

@@ -99,15 +99,15 @@ async function act(question, said) {
 
 const setPaused = (name, isPaused) => act(
   ask("POST", `/v1/queues/${encodeURIComponent(name)}/${isPaused ? "pause" : "resume"}`),
-  () => `Queue ${name} ${isPaused ? "is paused: what runs goes on, nothing is started" : "goes on"}.`);
+  () => `Queue ${name} ${isPaused ? "is paused: running jobs continue, and none is started" : "is resumed"}.`);
 
 // ---- Jobs
 
 async function cancel(job) {
-  if (!canCancel(job)) return notify(`Job ${job.id} is ${job.state}: there is nothing to cancel.`);
+  if (!canCancel(job)) return notify(`Job ${job.id} is ${job.state}: it cannot be cancelled.`);
   const back = document.activeElement;
   const isSure = await confirmed(`Cancel job ${job.id}?`,
-    job.state === "running" ? `${jobName(job)} is running; what it has done is lost.` : jobName(job), "Yes, cancel it");
+    job.state === "running" ? `${jobName(job)} is running; its work is lost.` : jobName(job), "Yes, cancel it");
   back?.focus();
   if (isSure) await act(ask("POST", `/v1/jobs/${job.id}/cancel`), (now) =>
     now.state === "cancelled" ? `Job ${job.id} is cancelled.` : `Job ${job.id} is asked to stop.`);
@@ -116,11 +116,11 @@ async function cancel(job) {
 /** The share of a map; the merge asks for it again. */
 async function cancelPart(job, part) {
   await act(ask("POST", `/v1/jobs/${job.id}/cancel`, { part }),
-    () => `Part ${part} of job ${job.id} is cancelled at Slurm, and asked for again.`);
+    () => `Part ${part} of job ${job.id} is cancelled at Slurm, and requested again.`);
 }
 
 async function retry(job) {
-  if (!canRetry(job)) return notify(`Job ${job.id} is ${job.state}: dead and cancelled ones can be tried again.`);
+  if (!canRetry(job)) return notify(`Job ${job.id} is ${job.state}: only dead and cancelled jobs can be retried.`);
   await act(ask("POST", `/v1/jobs/${job.id}/retry`), (now) => `Job ${job.id} is ${now.state} again.`);
 }
 
@@ -128,9 +128,9 @@ async function retryDead() {
   const queue = byId("filter-queue").value;
   const dead = queues.filter((one) => !queue || one.name === queue).reduce((sum, one) => sum + one.jobs.dead, 0);
   const isSure = await confirmed("Retry all dead jobs?", `${dead.toLocaleString()} of ${queue ? `queue ${queue}` :
-    "all queues"}: each is queued again, with all its attempts.`, "Yes, retry them");
+    "all queues"}: each is queued again, with all of its attempts.`, "Yes, retry them");
   if (isSure) await act(ask("POST", "/v1/retry", queue ? { queue } : {}),
-    (answer) => `${answer.retried.length.toLocaleString()} jobs are tried again.`);
+    (answer) => `${answer.retried.length.toLocaleString()} jobs are queued again.`);
 }
 
 async function showHash() {
@@ -171,9 +171,9 @@ function setLine(state) {
   document.body.classList.toggle("is-broken", state === "broken");
   if (state === "broken") brokenSince = Date.now();
   const pause = brokenSince ? Math.round((Date.now() - brokenSince) / 1000) : 0;
-  setText(byId("line-text"), state === "broken" ? "not connected: what is below may be old; trying again" : "live");
+  setText(byId("line-text"), state === "broken" ? "not connected: this page may be out of date; trying again" : "live");
   if (state === "live" && brokenSince !== null) {
-    notify(`Connected again, after ${Math.max(1, pause)} s.`);
+    notify(`Connected again after ${Math.max(1, pause)} s.`);
     brokenSince = null;
     detail.refresh();
     list.loadSoon(0);

@@ -22,7 +22,7 @@ function askForToken(isWrong) {
   asking ??= new Promise((resolve) => {
     const dialog = byId("token");
     const input = byId("token-text");
-    setText(byId("token-wrong"), isWrong ? "That was not it." : "");
+    setText(byId("token-wrong"), isWrong ? "This token was refused." : "");
     input.value = "";
     dialog.addEventListener("cancel", (event) => event.preventDefault()); // nothing can be shown without a token
     dialog.addEventListener("close", () => {
@@ -45,7 +45,7 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
       body: body === undefined || body instanceof Blob ? body : JSON.stringify(body),
       headers: token === null ? {} : { Authorization: `Bearer ${token}` },
       signal: AbortSignal.timeout(patience),
-    }).catch((error) => { throw new Refused(0, `Nobody answers (${errorText(error)}).`); });
+    }).catch((error) => { throw new Refused(0, `The service does not answer (${errorText(error)}).`); });
     if (response.ok) return response;
     if (response.status !== 401) {
       const error = (await response.json().catch(() => null))?.error;

@@ -103,7 +103,7 @@ export class JobDetail {
     this.facts = node("div");
     this.attempts = node("div");
     this.parts = node("div");
-    this.partsPart = node("section", { "aria-label": "Parts", hidden: true }, node("h3", {}, "Parts, with Slurm"),
+    this.partsPart = node("section", { "aria-label": "Parts", hidden: true }, node("h3", {}, "Parts at Slurm"),
       this.parts);
     this.logNote = node("p", { class: "soft" });
     this.log = node("pre", { class: "log", tabindex: 0, role: "log", "aria-label": "Log", "aria-live": "off" });
@@ -220,7 +220,7 @@ export class JobDetail {
     this.logSize = text.length;
     const start = text.length > LOG_SHOWN ? text.indexOf("\n", text.length - LOG_SHOWN) + 1 : 0;
     setText(this.logNote, start > 0 ? `its last ${bytesText(text.length - start)} of ${bytesText(text.length)}`
-      : text ? "" : isFinal(this.job.state) ? "Nothing was printed." : "Nothing was printed yet.");
+      : text ? "" : isFinal(this.job.state) ? "The log is empty." : "The log is empty so far.");
     this.logNote.hidden = this.logNote.textContent === "";
     setText(this.log, text.slice(start));
     this.log.hidden = text === "";
@@ -245,7 +245,7 @@ export class JobDetail {
         const url = URL.createObjectURL(blob);
         this.urls.push(url);
         holes[i].firstElementChild.replaceWith(node("button", { onclick: () => this.enlarge(url, caption) },
-          node("img", { src: url, alt: `${caption}, of job ${job.id}; larger` })));
+          node("img", { src: url, alt: `${caption}, of job ${job.id}; click to enlarge` })));
       } catch (error) {
         holes[i].firstElementChild.textContent = errorText(error);
       }

@@ -226,8 +226,8 @@ export class JobList {
     byId("empty").dataset.kind = kind;
     if (kind === "filtered")
       byId("empty").replaceChildren(
-        node("p", {}, this.searched ? `None of the newest ${this.searched} jobs is like this.`
-          : "No job is like this."),
+        node("p", {}, this.searched ? `None of the newest ${this.searched} jobs matches.`
+          : "No job matches."),
         node("button", { onclick: () => this.clear() }, "Show all jobs"));
     if (kind === "none")
       byId("empty").replaceChildren(node("p", {}, "No jobs yet. Submit one, here or from a shell:"),

@@ -70,7 +70,7 @@ export class SubmitForm {
         node("div", {}, this.kind, this.summary)),
       this.fields, this.problem,
       node("div", { class: "actions" },
-        node("button", { type: "button", onclick: () => this.dialog.close() }, "Leave it"), this.button));
+        node("button", { type: "button", onclick: () => this.dialog.close() }, "Cancel"), this.button));
     this.dialog.replaceChildren(form);
     this.build();
     this.dialog.showModal();
@@ -105,10 +105,10 @@ export class SubmitForm {
     if (inputName) this.inputs[inputName].addEventListener("input", () => this.suggestOutput());
     first.append(
       ...this.field("output", "submit-output", this.output, inputName
-        ? "a path on the server, below one of its roots; or a name, for a result to download"
-        : "a path on the server, or a name; may be left out"),
+        ? "a path on the server, below one of its roots; or a name, for a downloadable result"
+        : "a path on the server, or a name; optional"),
       ...this.field("queue", "submit-queue", this.queue), ...this.field("priority", "submit-priority", this.priority),
-      ...this.field("label", "submit-label", this.label, "shown in the list; may be left out"));
+      ...this.field("label", "submit-label", this.label, "shown in the list; optional"));
     this.fields.replaceChildren(first, node("details", { open: optional.length <= FEW },
       node("summary", {}, `Parameters (${optional.length})`), rows(optional)));
   }
@@ -133,9 +133,9 @@ export class SubmitForm {
       const answer = await ask("PUT", `/v1/uploads/${name}`, file);
       input.value = answer.path;
       input.dispatchEvent(new Event("input"));
-      notify(`${file.name} is on the server, ${bytesText(answer.bytes)}`);
+      notify(`${file.name} was uploaded, ${bytesText(answer.bytes)}`);
     } catch (error) {
-      this.problem.textContent = `${file.name} is not uploaded: ${errorText(error)}`;
+      this.problem.textContent = `${file.name} was not uploaded: ${errorText(error)}`;
     }
   }
 

@@ -55,11 +55,12 @@ InputList list_inputs_in_child(const JobType& type, const Json& parameters, cons
   const ChildResult child = run_child(command, limits);
   const bool is_out_of_memory = child.exit_code != 0 && message_of(child.output) == "out of memory";
   if (child.is_over_time || child.signal != 0 || is_out_of_memory)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: cannot be read in {} s and {} MiB", file, kTimeMax.count(), kMemoryMax >> 20));
+    throw Error(ErrorCode::kInput, fmt::format("{}: cannot be read within {} s and {} MiB of memory", file,
+                                               kTimeMax.count(), kMemoryMax >> 20));
   if (child.exit_code != 0) throw Error(error_code_of(child.exit_code), message_of(child.output));
   const Json list = Json::parse(last_line(child.output), nullptr, false);
-  if (!list.is_object()) throw Error(ErrorCode::kEnvironment, file + ": no list of what it names was made");
+  if (!list.is_object())
+    throw Error(ErrorCode::kEnvironment, file + ": the list of files that it names could not be made");
   return {paths_of_texts(list.at("files").get<std::vector<std::string>>()), list.at("identity").get<std::string>()};
 }
 

@@ -48,7 +48,8 @@ std::optional<ParameterValue> value_of(const Json& json, Kind kind) {
 }
 
 [[noreturn]] void refuse_both(const std::string& name, const std::string& other) {
-  throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is given beside {}: expected one of them", name, other));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("parameters.{} is given together with {}: expected only one of them", name, other));
 }
 
 bool is_accepted(const Parameter& parameter, const Json& json) {
@@ -161,7 +162,7 @@ void check_parameters(const JobType& type, const Json& parameters) {
       if (parameters.contains(excluded)) refuse_both(name, excluded);
   }
   if (!type.input.empty() && !parameters.contains(type.input))
-    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected the path of a file", type.input));
 }
 
 void check_input(const JobType& type, const Json& parameters) {

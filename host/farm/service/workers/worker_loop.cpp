@@ -44,7 +44,7 @@ class WorkingFolder {
     if (path.empty()) return;
     before_ = OpenFile(::open(".", O_PATH | O_DIRECTORY | O_CLOEXEC));
     if (!before_.is_open() || ::fchdir(open_staging_folder(roots, path).descriptor()) != 0)
-      fail_by_errno(path, "cannot be worked in");
+      fail_by_errno(path, "cannot be used as the working folder");
   }
   ~WorkingFolder() {
     if (before_.is_open() && ::fchdir(before_.descriptor()) != 0) std::_Exit(4);  // or the next job would run here
@@ -71,7 +71,7 @@ class LogRedirection {
       const int error = errno;
       put_back();  // the destructor will not run
       errno = error;
-      fail_by_errno(path, "the job's output cannot be led there");
+      fail_by_errno(path, "cannot write the job's output to it");
     }
   }
   ~LogRedirection() { put_back(); }

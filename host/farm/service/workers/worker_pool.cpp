@@ -95,7 +95,7 @@ void WorkerPool::start() { tick(); }
 void WorkerPool::spawn() {
   int pair[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
-    throw Error(ErrorCode::kEnvironment, fmt::format("no socket for a worker: {}", std::strerror(errno)));
+    throw Error(ErrorCode::kEnvironment, fmt::format("cannot create a socket for a worker: {}", std::strerror(errno)));
   OpenFile ours(pair[0]);
   const OpenFile theirs(pair[1]);
   const auto worker = std::make_shared<Worker>(io_);
@@ -245,7 +245,7 @@ bool WorkerPool::cancel(std::int64_t job) {
     if (worker->job != job) continue;
     if (worker->kill_at == Clock::time_point::max()) {
       worker->kill_at = Clock::now() + settings_.cancel_grace;
-      worker->why_killed = "it did not stop when asked to, and was killed";
+      worker->why_killed = "its worker did not stop when asked, and was killed";
       send(worker, Json{{"cancel", job}}.dump());
     }
     return true;
@@ -286,7 +286,7 @@ void WorkerPool::reap(const std::shared_ptr<Worker>& worker, const std::string& 
     ++lost_;
     if (!worker->is_ready) {
       ++failures_;
-      service_log(LogSeverity::kWarning, 0, "before it was ready, " + end);
+      service_log(LogSeverity::kWarning, 0, "before the worker was ready, " + end);
     }
     not_before_ = Clock::now() + (failures_ > 1 ? kTick * (1 << std::min(failures_, kBackOffDoublingsMax)) : kTick * 0);
   }
@@ -299,7 +299,7 @@ void WorkerPool::look_after(const std::shared_ptr<Worker>& worker, Clock::time_p
   } else if (now - worker->heard > settings_.lease) {
     reap(worker, fmt::format("its worker was silent for {} ms and was killed", settings_.lease.count()));
   } else if (worker->job != 0 && settings_.no_progress.count() > 0 && now - worker->got_on > settings_.no_progress) {
-    reap(worker, fmt::format("it made no progress for {} ms and was killed", settings_.no_progress.count()));
+    reap(worker, fmt::format("its worker made no progress for {} ms and was killed", settings_.no_progress.count()));
   }
 }
 

@@ -110,8 +110,8 @@ void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute
   else if (type == "preview") expected = preview_size(file, position);
   else if (type == "stringvector") expected = text_list_size(file, position, size);
   if (size != expected)
-    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} for type {}", plain(name), size,
-                                  expected, plain(type)));
+    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} for type {}", plain(name),
+                                  size, expected, plain(type)));
 }
 
 // Reads one part's header: attributes of name, type, size 4, value; an empty name ends it. Returns false if it has

@@ -102,7 +102,8 @@ std::vector<unsigned char>& parted_bytes(std::size_t size) {
 // Unpacks to differences, with even and odd bytes separated.
 const char* unpack_parted(int compression, const unsigned char* packed, std::size_t packed_size, unsigned char* parted,
                           std::size_t size) {
-  if (packed_size > size || compression == exr_compression::kNone) return "its size differs from the size of its texels";
+  if (packed_size > size || compression == exr_compression::kNone)
+    return "its size differs from the size of its texels";
   return compression == exr_compression::kRle ? unroll(packed, packed_size, parted, size)
                                               : inflate_all(packed, packed_size, parted, size);
 }

@@ -74,7 +74,8 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
     check_name(fs::path(output).filename(), output);
     for (const std::string& other : others)
       if (!other.empty() && same_file(output, other))
-        throw Error(ErrorCode::kUsage, output + ": is named twice, expected different files for all inputs and outputs");
+        throw Error(ErrorCode::kUsage,
+                    output + ": is named twice, expected different files for all inputs and outputs");
     others.push_back(output);
   }
 }

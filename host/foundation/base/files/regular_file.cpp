@@ -86,8 +86,10 @@ OpenFile open_file_beneath(const std::string& folder, const std::string& path) {
   const fs::path real = fs::read_symlink(fmt::format("/proc/self/fd/{}", file.descriptor()), error);
   if (error) fail_by_errno("/proc/self/fd", "cannot be read");
   if (!is_below(above, real))
-    refuse_file(path, fmt::format("is a link to {}, which is not in the model's folder; expected a file in or below that folder",
-                                  real.string()));
+    refuse_file(
+        path,
+        fmt::format("is a link to {}, which is not in the model's folder; expected a file in or below that folder",
+                    real.string()));
   return file;
 }
 

@@ -15,8 +15,8 @@
 
 namespace multum {
 
-/// Selects whether "/dev/stdin" may name the program's standard input, a pipe or a terminal. It is read once and from its
-/// beginning, so only readers of whole texts allow it.
+/// Selects whether "/dev/stdin" may name the program's standard input, a pipe or a terminal. It is read once and from
+/// its beginning, so only readers of whole texts allow it.
 enum class StandardInput { kRefused, kAllowed };
 
 /// Opens `path` for reading. Not open, with errno, if it is missing or not readable. Throws Error(kInput) for a folder,

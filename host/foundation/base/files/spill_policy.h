@@ -10,10 +10,8 @@ namespace multum {
 
 struct SpillPolicy {
   std::string scratch_folder = ".";
-  std::int64_t memory_bytes =
-      std::numeric_limits<std::int64_t>::max();  // per store; larger stores go to scratch files
-  int band_rows =
-      0;  // rows of an image read or decoded at once, >= 0; 0: chosen by width. Results do not depend on it
+  std::int64_t memory_bytes = std::numeric_limits<std::int64_t>::max();  // per store; larger stores go to scratch files
+  int band_rows = 0;  // rows of an image read or decoded at once, >= 0; 0: chosen by width. Results do not depend on it
 };
 
 }  // namespace multum

@@ -153,7 +153,7 @@ TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});
   bool is_killed = false;
-  expect_error(ErrorCode::kEnvironment, {"long.tif: ", "decodes", "signal 9", "Killed", "memory", "expected"}, [&] {
+  expect_error(ErrorCode::kEnvironment, {"long.tif: ", "decoding", "signal 9", "Killed", "memory", "expected"}, [&] {
     reader.read(
         [&](const RawBand&) {
           if (!is_killed) ::kill(decoder_pid(), SIGKILL);
