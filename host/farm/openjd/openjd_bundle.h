@@ -23,9 +23,9 @@ struct FarmWord {
 };
 
 struct FarmCommand {
-  std::string name;                                // of the job, for people
+  std::string name;                                // name of the job, for people
   std::vector<std::string> words;                  // behind `multum`
-  std::vector<FarmWord> paths;                     // in the order of the words
+  std::vector<FarmWord> paths;                     // files and folders, in the order of the words
   std::vector<std::string> inputs, input_folders;  // all inputs, whether the words name them or not
   std::vector<std::string> output_folders;
   bool is_one_map = false;  // shares of one map: its coarse levels, its bands, and their merge

@@ -12,7 +12,7 @@ namespace multum {
 
 struct ProgressEvent {
   std::string stage;          // the current work: "read", "fit level 3", "write"
-  std::uint64_t units_done;   // of all stages together
+  std::uint64_t units_done;   // finished units of all stages together
   std::uint64_t units_total;  // declared by start(); 0 while unknown
 };
 

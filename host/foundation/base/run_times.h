@@ -18,7 +18,7 @@ namespace multum {
 struct RunTime {
   double processor_seconds = 0.0;
   double elapsed_seconds = 0.0;
-  double device_seconds = 0.0;  // of kernels on a device other than this machine's processors, by its own clock
+  double device_seconds = 0.0;  // kernels on devices other than this machine's processors, by the device's clock
 
   double work_seconds() const { return processor_seconds + device_seconds; }
 };

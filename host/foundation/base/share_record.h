@@ -12,7 +12,7 @@
 namespace multum {
 
 struct ShareName {
-  std::string folder;  // of the output
+  std::string folder;  // folder of the output
   std::string kind;    // "scene" or "inference"
   int index = 1, count = 1;
 

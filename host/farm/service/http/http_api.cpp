@@ -156,7 +156,7 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {
     const JobFilter filter = parse_filter(request);
-    constexpr std::int64_t kCopies = 4;  // of a text while an answer is made: row, job, JSON, JSON text
+    constexpr std::int64_t kCopies = 4;  // a text exists so often while an answer is made: row, job, JSON, JSON text
     std::int64_t bytes = 0;
     co_await in_ledger([&](JobQueue& queue) { bytes = kCopies * queue.list_bytes(filter); });
     if (!request.memory->resize(request.memory->bytes() + static_cast<std::size_t>(bytes)))

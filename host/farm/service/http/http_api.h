@@ -42,7 +42,7 @@ class HttpApi {
   void set_token(std::string token);
   JobPictures& pictures();
 
-  struct State;  // of its handlers
+  struct State;  // data of the request handlers
 
  private:
   std::unique_ptr<State> state_;

@@ -18,7 +18,7 @@ namespace http = beast::http;
 using asio::use_awaitable;
 
 constexpr long kFieldsMax = 100;
-constexpr std::size_t kOverheadBytes = 65536;  // of chunked bodies, plus as much as their content
+constexpr std::size_t kOverheadBytes = 65536;  // allowance for chunk headers, in addition to the size of the content
 
 UnreadableRequest no_http(const std::string& what) { return {400, "usage", "the request is not HTTP: " + what}; }
 UnreadableRequest gone() { return {0, "", ""}; }

@@ -40,7 +40,7 @@ using asio::use_awaitable;
 using std::chrono::seconds;
 using Clock = HttpLine::Clock;
 
-constexpr auto kHeaderTime = seconds(10);  // from the first byte of the wait: also the longest idle time
+constexpr auto kHeaderTime = seconds(10);  // from the start of the wait; also the longest idle time
 constexpr auto kSpareTime = seconds(2);    // the same for a spare connection
 constexpr auto kSilence = seconds(30);     // longest pause of a client that sends a body or receives an answer
 constexpr auto kBodyTime = seconds(60);    // for a body; uploads have no limit while they progress

@@ -61,8 +61,8 @@ struct HttpResponse {
   std::shared_ptr<HttpBody> made = nullptr;  // likewise
   std::optional<HttpBodyPart> part = {};     // part of `made` to send; nullopt: all
   bool is_stream = false;                    // server-sent events until the client disconnects
-  std::uint64_t after = 0;                   // of a stream: only events with higher numbers
-  std::int64_t job = 0;                      // of a stream: only events of this job; 0: all
+  std::uint64_t after = 0;                   // streams send only events with higher numbers
+  std::int64_t job = 0;                      // streams send only events of this job; 0: all
 };
 
 class HttpServer {

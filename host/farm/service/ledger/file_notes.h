@@ -20,7 +20,7 @@ class FileNotes {
   struct LeftOver {
     std::int64_t job = 0;  // the purged job
     std::string output;    // below LedgerSettings::results; "": no output there
-    std::string identity;  // of the published result; "": none is known
+    std::string identity;  // identity of the published result; "": none is known
   };
   /// Returns at most `limit` files of purged jobs above `after`, in order.
   std::vector<LeftOver> left_overs(std::int64_t after, int limit);
@@ -35,7 +35,7 @@ class FileNotes {
   std::vector<std::string> output_folders();
   /// Paths that jobs use.
   struct Uses {
-    std::set<std::string> outputs;  // of all jobs
+    std::set<std::string> outputs;  // outputs of all jobs
     std::set<std::string> inputs;   // texts that begin with "/" in the parameters of unfinished jobs
     /// Returns whether a job names the path, a path below it, or a folder that contains it.
     bool have(const std::string& path) const;

@@ -52,21 +52,21 @@ struct Job : JobSubmission {
   int needs_left = 0;  // number of `needs` that have not yet succeeded
   TimeMs created = 0;
   std::optional<TimeMs> not_before, started, finished;
-  std::optional<int> exit_code;             // of the last attempt
+  std::optional<int> exit_code;             // exit code of the last attempt
   std::string message;                      // the reason for its state, for people
   std::optional<std::int64_t> reused_from;  // the job whose result was copied instead of making it again
   int attempts_counted = 0;                 // against attempt_max
-  std::string result_identity;              // of the last published result; "": none
+  std::string result_identity;              // identity of the last published result; "": none
   std::string stop_asked;  // why it will be cancelled when its attempt ends without a result; "": it will not
 };
 
 enum class AttemptOutcome {
   kRunning,
   kSucceeded,
-  kFailed,     // with an exit code for which another attempt may succeed
+  kFailed,     // the exit code allows another attempt
   kRefused,    // usage or input error: another attempt would fail too
   kLost,       // the worker died or hung, or the daemon died
-  kCancelled,  // by a person or a deadline
+  kCancelled,  // a person or a deadline cancelled it
   kReturned,   // handed back by a daemon that shut down; does not count as an attempt
 };
 

@@ -20,7 +20,7 @@ namespace multum {
 
 /// Limits of the jobs that run at the same time in a queue.
 struct QueueLimits {
-  int priority = 0;             // of the queue; compared before the priorities of jobs
+  int priority = 0;             // queues with higher values go first, whatever their jobs' priorities
   int jobs_max = 1 << 30;       // running at once
   std::int64_t memory_max = 0;  // bytes of its running jobs together; 0: no limit
   bool is_paused = false;
@@ -41,7 +41,7 @@ struct RetryPolicy {
 };
 
 struct LedgerSettings {
-  std::string path;       // of the database
+  std::string path;       // file of the database
   std::string results;    // folder whose files are purged with their jobs, without links; "": none
   std::string instance;   // name of the folder that owns the ledger; "": any
   std::string numbers;    // file with the highest number that may have been given; "": no such file

@@ -22,9 +22,9 @@ SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder
 
 void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& watched,
                    std::map<SlurmPartKey, SlurmLook::Seen>& parts) {
-  std::set<std::string> names;  // of the previous batch
+  std::set<std::string> names;  // file names of the batch listed last
   std::int64_t listed = 0;
-  std::optional<std::string> last_words;  // of a batch with only one task
+  std::optional<std::string> last_words;  // last line of the task that does the whole batch
   for (const SlurmWatched& part : watched) {
     const SlurmBatchFolder batch = folder.batch(part.key.first);
     if (listed != part.key.first) {

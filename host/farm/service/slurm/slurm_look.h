@@ -33,7 +33,7 @@ struct SlurmLook {
   struct Seen {
     std::optional<SlurmStatus> status;
     std::optional<SlurmEnd> end;
-    std::string last_words;  // of its task, if the part has not ended
+    std::string last_words;  // last line of its task's output, if the part has not ended
   };
   std::map<SlurmPartKey, Seen> parts;
 

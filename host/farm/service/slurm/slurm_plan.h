@@ -18,9 +18,9 @@ namespace multum {
 
 /// The expected cost of a job, as far as it is known in advance.
 struct SlurmEstimate {
-  double seconds = -1.0;              // of a slot; below 0: unknown
+  double seconds = -1.0;              // time in a slot; below 0: unknown
   int share_count = 0;                // bands of its map; 0: not divided
-  std::vector<double> share_seconds;  // of share 0, one band, and the merge
+  std::vector<double> share_seconds;  // times of share 0, one band, and the merge
 };
 
 constexpr int kChunkJobsMax = 100;
@@ -34,7 +34,7 @@ std::chrono::seconds time_limit(const SlurmSettings& settings, double seconds, i
 
 /// The meaning of a part's name: "" is a whole job, "3/8" a share of its map, "merge 8" the merge of 8 shares.
 struct PartKind {
-  int index = 0, count = 0;  // of a share; count 0: the whole job
+  int index = 0, count = 0;  // number of the share, and of all shares; count 0: the whole job
   bool is_merge = false;
 
   bool is_whole() const { return count == 0; }

@@ -19,7 +19,7 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr std::size_t kEstimatedAtOnce = kChunkJobsMax;
-constexpr int kRefusalsMax = 3;    // by sbatch, for unknown reasons, while Slurm answers
+constexpr int kRefusalsMax = 3;    // refusals by sbatch for unknown reasons, while Slurm answers
 constexpr int kSkippedLooks = 32;  // longest wait, in looks, for a busy Slurm
 
 std::int64_t milliseconds_since_1970() {

@@ -39,7 +39,7 @@ namespace multum {
 struct SlurmPoolSettings {
   SlurmSettings slurm;
   std::string instance;            // part of the names of its jobs at Slurm
-  std::vector<std::string> roots;  // that jobs may read and write
+  std::vector<std::string> roots;  // folders that jobs may read and write
   std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};  // for workers on nodes
 };
 
@@ -47,7 +47,7 @@ struct SlurmWork {
   WorkOrder order;   // its log collects the logs of nodes
   std::string made;  // its result before it has its name; shares are next to it
   std::int64_t memory_bytes = 0;
-  int priority = 0;  // of job and queue together
+  int priority = 0;  // sum of the priorities of job and queue
 };
 
 class SlurmPool {
@@ -114,8 +114,8 @@ class SlurmPool {
     std::optional<std::int64_t> slurm_job;
     bool is_array = false, is_revoked = false;
     Stage stage = Stage::kNoting;
-    int refusals = 0, waits = 0;  // by sbatch: for unknown reasons; for temporary ones
-    int looks_to_skip = 0;        // before it is sent again
+    int refusals = 0, waits = 0;  // sbatch's refusals for unknown and for temporary reasons
+    int looks_to_skip = 0;        // looks to wait before it is sent again
     std::string refusal;          // sbatch's last message
     // If set, the batch is not sent: exit code of its parts.
     std::optional<int> refused_with;
@@ -195,7 +195,7 @@ class SlurmPool {
   std::map<std::int64_t, Work> works_;
   std::map<std::int64_t, Batch> batches_;
   std::vector<std::int64_t> new_;
-  std::map<SlurmPartKey, WorkResult> results_;      // of parts that ended in this look
+  std::map<SlurmPartKey, WorkResult> results_;      // results of parts that ended in this look
   std::map<std::int64_t, Clock::time_point> done_;  // batches, and when the last of their parts ended
   std::set<std::int64_t> cancelled_unknown_;        // Slurm's jobs
   std::int64_t last_batch_ = 0;

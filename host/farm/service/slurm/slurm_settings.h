@@ -20,10 +20,10 @@ struct SlurmSettings {
   int nice = 0;                          // for a job of priority 0
   double chunk_seconds = 30.0;           // per task with several jobs; 0: one job per task
   double share_seconds = 600.0;          // processor time per share of a large map; 0: maps are not divided
-  int rounds = 3;                        // of requests for missing shares, 1..100
+  int rounds = 3;                        // requests for missing shares, 1..100
   double time_factor = 4.0;              // time limits divided by estimates, at least 1
-  std::chrono::seconds time_min{600};    // of time limits
-  std::chrono::seconds time_max{86400};  // also for jobs of unknown cost
+  std::chrono::seconds time_min{600};    // smallest time limit
+  std::chrono::seconds time_max{86400};  // largest time limit; also used for jobs of unknown cost
   std::chrono::milliseconds poll{2000};
   std::chrono::milliseconds visible{10000};  // delay until a node's files are visible here
   std::chrono::milliseconds lease{120000};   // longest silence of a running task

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-constexpr int kSubmissionsMax = 10;                     // of one attempt that Slurm forgot, or did not begin
+constexpr int kSubmissionsMax = 10;                     // tries of an attempt that Slurm does not begin
 constexpr int kIdleFactor = 10;                         // lengthens the pause between looks if nothing is watched
 constexpr auto kLingering = std::chrono::seconds(30);   // for a task whose parts have all ended
 constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
@@ -102,7 +102,7 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
 // Takes over Slurm's numbers of batches whose number was unknown; returns the Slurm jobs that the ledger does not know.
 std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
   std::map<std::int64_t, std::int64_t> adopted;
-  std::map<std::int64_t, std::string> unknown;  // with their names
+  std::map<std::int64_t, std::string> unknown;  // numbers and names of unknown Slurm jobs
   for (const SlurmTask& task : look.tasks) {
     std::int64_t number = 0;
     const std::string name = task.name.substr(prefix().size());

@@ -113,7 +113,7 @@ async function cancel(job) {
     now.state === "cancelled" ? `Job ${job.id} is cancelled.` : `Job ${job.id} is asked to stop.`);
 }
 
-/** The share of a map; the merge asks for it again. */
+/** Cancels the share of a map; the merge requests it again. */
 async function cancelPart(job, part) {
   await act(ask("POST", `/v1/jobs/${job.id}/cancel`, { part }),
     () => `Part ${part} of job ${job.id} is cancelled at Slurm, and requested again.`);
@@ -220,7 +220,7 @@ async function openForm() {
 }
 const lettersAreOn = () => localStorage.getItem("multum-letters") !== "off";
 const inRows = () => document.activeElement?.closest("#rows") !== null && document.activeElement !== document.body;
-/** What c and r are for: the open job when one stands in it, else the row. */
+/** Returns the job for the keys c and r: the open job, or the job of the row that has the focus. */
 const keyJob = () => (detail.job && !inRows() ? detail.job : list.chosenJob);
 
 const LETTERS = {

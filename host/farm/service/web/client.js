@@ -36,7 +36,7 @@ function askForToken(isWrong) {
   return asking;
 }
 
-/** The raw answer. Asks for the token when it is wanted; throws Refused, of status 0 when nobody answers. */
+/** Returns the raw answer. Asks the user for a token if needed; throws Refused, with status 0 if no service answers. */
 export async function fetchAnswer(method, path, body = undefined, patience = PATIENCE_MS) {
   for (;;) {
     const token = sessionStorage.getItem(TOKEN);
@@ -59,7 +59,7 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
 export const ask = async (method, path, body) => (await fetchAnswer(method, path, body)).json();
 
 let described = null;
-/** What jobs can be, and which of their fields are shown: asked for once. */
+/** Returns the types of jobs, and the fields to show; requests them once. */
 export function askTypes() {
   described ??= ask("GET", "/v1/types").catch((error) => {
     described = null;
@@ -69,8 +69,8 @@ export function askTypes() {
 }
 
 /**
- * All events, for as long as the page is looked at: browsers have six lines to a service, and tabs in the background
- * shall not take them all. `on` has job(job), progress(progress), gap() when something may have been missed, and
+ * Receives all events while the page is visible: a browser opens six connections to a service, and background tabs must
+ * not use all of them. `on` has job(job), progress(progress), gap() if events may have been missed, and
  * state("live" | "broken").
  */
 export class EventLine {

@@ -29,7 +29,7 @@ const jobLink = (id) => node("a", { href: `#job-${id}` }, `job ${id}`);
 const SHOWN = { plain: String, time: timeNode, bytes: (value) => (value ? bytesText(value) : ""),
   job: (value) => [value].flat().flatMap((id, i) => (i ? [", ", jobLink(id)] : [jobLink(id)])) };
 
-/** Rows of `facts` for a field as GET /v1/types describes it. */
+/** Returns rows of `facts` for a field, which GET /v1/types describes. */
 function rowsOf({ name, label, form }, job) {
   const value = job[name];
   if (form === "object") return Object.entries(value).map(([key, one]) => [key, String(one)]);
@@ -177,7 +177,7 @@ export class JobDetail {
     this.progress.show(this.job);
   }
 
-  /** After a break, or for what events do not tell. */
+  /** Reads the job again, after a break or for changes without events. */
   async refresh() {
     const id = this.number;
     if (id === null || !this.isOpen) return;
@@ -259,10 +259,10 @@ export class JobDetail {
     dialog.showModal();
   }
 
-  /** A link cannot send the token, and the token does not belong into a list of downloads. */
+  /** Downloads by script: a link cannot send the token, and the token must not appear in a list of downloads. */
   fetchResult(event) { return this.save(event, "result", (blob) => (blob.type === "application/x-tar" ? ".tar" : "")); }
 
-  /** To a page that shows the result, and is made when it is first asked for. */
+  /** Makes a link to a page that shows the result; the service makes the page at the first request. */
   pageLink(job, view) {
     const link = node("a", { href: `/v1/jobs/${job.id}/pictures/${view.file}`, target: "_blank", rel: "noopener",
       onclick: (event) => this.openPage(event, link, view) });
@@ -272,7 +272,7 @@ export class JobDetail {
 
   namePage(link, view) { setText(link, hasToken() ? view.saved_caption : view.caption); }
 
-  /** Waits until the page is made, which may take a while, so that a refusal is said here. */
+  /** Waits until the page is made, which may take a while, so that a refusal is shown here. */
   async openPage(event, link, view) {
     if (link.isMade && !hasToken()) return;
     event.preventDefault();

@@ -51,7 +51,7 @@ class Row {
 }
 
 export class JobList {
-  /** `on` has open(id) and changed(job), for each job that an event tells of. */
+  /** `on` has open(id) and changed(job); the latter is called for each job that an event names. */
   constructor(on) {
     this.on = on;
     this.rows = new Map();
@@ -273,7 +273,7 @@ export class JobList {
     this.focus();
   }
 
-  /** The job that is open beside the list. */
+  /** Marks the job that is open next to the list. */
   setOpen(id) {
     this.opened = id;
     if (this.rows.has(id)) this.choose(id);

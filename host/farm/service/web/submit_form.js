@@ -10,7 +10,7 @@ const PATH_LENGTH = 4095; // marks paths of files in the schema
 
 const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml))+$/i, "");
 
-/** What comes of an input, beside it; of an upload, among the results that can be downloaded. */
+/** Proposes an output: next to the input; for an upload, among the downloadable results. */
 function outputFor(type, input) {
   const upload = /^(.*)\/uploads\/([0-9a-f]{8})[0-9a-f]*\/([^/]+)$/.exec(input);
   // For a manifest, the name of its folder is used.
@@ -33,7 +33,7 @@ function inputFor(name, schema, isRequired) {
     autocomplete: "off", placeholder: schema.maxLength === PATH_LENGTH ? "/path/on/the/server.png" : null });
 }
 
-/** Undefined: not given. */
+/** Returns the value of an input; undefined if none was entered. */
 function valueOf(input, schema) {
   if (schema.type === "boolean") return input.checked || undefined;
   if (input.value === "") return undefined;
@@ -41,7 +41,7 @@ function valueOf(input, schema) {
 }
 
 export class SubmitForm {
-  /** `submitted`(job) is called with the new job. */
+  /** Calls `submitted`(job) with the new job. */
   constructor(submitted) {
     this.submitted = submitted;
     this.dialog = byId("submit");

@@ -25,19 +25,19 @@ class Progress;
 struct JobView {
   struct Shown {
     std::string file, caption;
-    std::string saved_caption = {};  // of a page that can only be saved
+    std::string saved_caption = {};  // caption of a page that can only be saved
   };
   std::vector<std::string> files;  // made by one run; every successful run makes the first
-  std::string program = {};        // in the folder of this program, or in PATH; empty: this program
+  std::string program = {};        // a program in the folder of this program, or in PATH; empty: this program
   std::vector<std::string> words;  // first words of the command line
   bool writes_folder = false;      // PLACE is a folder, otherwise a file
   bool takes_roots = false;        // adds --root=FOLDER for each folder that jobs may read
   std::vector<std::pair<std::string, std::string>> maps = {};  // parameters of the job, each with the option that takes
                                                                // its file, if the file still exists
   std::string first_map_is_for = {};  // why the view needs the first of them; empty: it does not
-  std::string folder_ending = {};     // of the folder that stores the view; different for each view of a type
+  std::string folder_ending = {};     // ends the name of the view's folder; different for each view of a type
   std::size_t kept_max = 0;           // number of views that are kept, the newest; 0: all
-  std::vector<Shown> shown = {};      // in the order of a job's page
+  std::vector<Shown> shown = {};      // files in the order of a job's page
   std::map<std::string, std::string> only_for = {};  // shown only if these parameters have these values, or none
 };
 

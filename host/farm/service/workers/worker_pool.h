@@ -24,7 +24,7 @@ struct WorkerPoolSettings {
   std::vector<std::string> command;               // command line of a worker; "--socket=3" is added
   std::chrono::milliseconds lease{10000};         // without a word
   std::chrono::milliseconds no_progress{600000};  // longest time without progress; 0: no limit
-  std::chrono::milliseconds cancel_grace{10000};  // from the request to stop to the kill
+  std::chrono::milliseconds cancel_grace{10000};  // time between the request to stop and the kill
   int jobs_a_worker = 1000;                       // then the worker is replaced: drivers leak
 };
 

@@ -30,7 +30,7 @@ struct ExrChunkArea {
 };
 
 struct ExrChunkPlace {
-  std::int64_t position;  // of the packed bytes
+  std::int64_t position;  // position of the packed bytes
   std::int32_t size;      // at least 1; all of the bytes are within the file
 };
 
@@ -43,7 +43,7 @@ struct ExrLevel {
 /// The fields of a part's header that its chunks depend on, and the chunks in the order of the part's table.
 struct ExrPart {
   std::string name;                         // empty: the only part of the file, without a name
-  std::vector<ExrChannel> channels;         // in the order of the file
+  std::vector<ExrChannel> channels;         // channels in the order of the file
   int x = 0, y = 0, width = 0, height = 0;  // data window
   int compression = 0;
   bool is_tiled = false;
@@ -82,7 +82,7 @@ class ExrChunks {
   void read_headers();
   void read_table(std::size_t part, std::int64_t& position);
   void check_overlaps() const;
-  const unsigned char* packed_bytes(std::size_t part, std::size_t chunk) const;  // until this thread's next call
+  const unsigned char* packed_bytes(std::size_t part, std::size_t chunk) const;  // valid until this thread's next call
   void check(std::size_t part, std::size_t chunk) const;
   void check_range(std::size_t part, std::size_t first, std::size_t end, int threads) const;
 

@@ -18,7 +18,7 @@ constexpr std::uint64_t kExrMagic = 0x01312f76;  // the first four bytes
 
 // Reads a name or type of an EXR attribute, at most 255 bytes, and moves `position` past its zero byte.
 std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& position) {
-  constexpr std::int64_t kBytesMax = 256;  // with the zero byte
+  constexpr std::int64_t kBytesMax = 256;  // includes the zero byte
   const std::int64_t left = std::max<std::int64_t>(0, file.size() - position);
   std::string text = file.bytes(position, std::min(left, kBytesMax), kHeader);
   const std::size_t size = text.find('\0');

@@ -13,14 +13,14 @@
 namespace multum {
 
 struct ExrPartSize {
-  std::int64_t width = 0, height = 0;  // of the data window, at least 1
+  std::int64_t width = 0, height = 0;  // size of the data window, at least 1
   std::string subsampled = {};         // a channel with fewer samples than texels; empty: none
 };
 
 struct ExrAttribute {
   int part;
   std::string name, type;       // as stored in the file
-  std::int64_t position, size;  // of the value, which is entirely within the file
+  std::int64_t position, size;  // place of the value, which is entirely within the file
 };
 
 /// Visits every attribute of every header, in the file's order, and calls `end_part` after each header. Throws

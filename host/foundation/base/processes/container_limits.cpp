@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 // A hierarchy; in version 2, its list of controllers is empty.
 struct Hierarchy {
   std::string controllers;  // "cpu,cpuacct"
-  std::string group;        // of this process: "/docker/a1/b"
+  std::string group;        // group of this process: "/docker/a1/b"
 };
 
 // A folder that shows a hierarchy from its group `top` downwards.

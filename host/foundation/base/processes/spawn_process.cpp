@@ -28,8 +28,8 @@ namespace {
 struct ChildStart {
   const SpawnSettings& settings;
   char* const* argv;
-  sigset_t mask;    // of the child
-  int failure_end;  // of a pipe, for the number of an error
+  sigset_t mask;    // signal mask of the child
+  int failure_end;  // end of a pipe for the number of an error
   int last_file;    // the highest descriptor that the child keeps
   pid_t starter;
 };
