@@ -30,7 +30,7 @@ struct FarmCommand {
   std::vector<std::string> output_folders;
   bool is_one_map = false;  // shares of one map: its coarse levels, its bands, and their merge
   bool is_merged = false;   // shares of a scene or of inference, followed by `--merge`
-  int shards = 1;           // tasks; more than one: `--shard` is added
+  int shards = 1;           // number of tasks; more than one adds `--shard`
   int threads = 0;          // per task; 0: unspecified
 };
 

@@ -16,7 +16,7 @@ LogLevel log_level();
 void log_warning(const std::string& subject, const std::string& message);
 /// Like log_warning(), for a text that begins with its subject: one from HeldWarnings, or from a report.
 void log_named_warning(const std::string& warning);
-/// Logs what was detected or decided. Shown unless quiet.
+/// Logs findings and decisions. Shown unless quiet.
 void log_info(const std::string& message);
 /// Logs plans, caches and timings. Shown with -v.
 void log_verbose(const std::string& message);

@@ -59,7 +59,7 @@ int steady_seconds() {
 }
 
 // The first signal asks politely. A later one ends a program that does not react, but only after a delay: some senders
-// (timeout of coreutils, agents of farms) signal a process and then its group, and on an overloaded machine seconds may
+// (timeout of coreutils, agents of farms) signal a process and then its group. On an overloaded machine, seconds may
 // pass between the two. A user who presses Ctrl-C again does not wait so long.
 void on_interrupt(int signal) {
   if (g_interrupted == 0) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress and cancelling of long calls. Work is counted in units declared up front; a callback that returns false
-// cancels: the next advance() throws Cancelled and the caller's objects clean up as they are destroyed.
+// Reports progress of long calls and cancels them. Work is counted in units declared in advance. If a callback returns
+// false, the next advance() throws Cancelled, and the caller's objects clean up as they are destroyed.
 #pragma once
 
 #include <cstdint>

@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// Escapes control characters except for tab and newline - C0, DEL, and C1, which in UTF-8 is C2 80 to C2 9F - and
-/// bytes that are not UTF-8: each byte as \x and two digits.
+/// Escapes control characters (C0, DEL, and C1, which in UTF-8 is C2 80 to C2 9F), except for tab and newline. Also
+/// escapes bytes that are not UTF-8. Each byte becomes \x and two digits.
 std::string shown_text(std::string_view text);
 
 /// Writes text unchanged; to a terminal, writes shown_text() of it.

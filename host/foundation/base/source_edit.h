@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edits the text of kernels and shaders, so that a test can run without the guard that it covers: the test then shows,
-// and does not only assert, what happens without the guard (host/lab/selftest, tests/gl).
+// Edits the text of kernels and shaders, so that a test can run without the guard that it covers. The test then shows
+// what happens without the guard (host/lab/selftest, tests/gl).
 #pragma once
 
 #include <string>

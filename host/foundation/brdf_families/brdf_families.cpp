@@ -19,7 +19,7 @@ constexpr BrdfMember kRoughness = {BrdfField::kRoughness, "roughness", "ROUGHNES
 constexpr BrdfMember kSigma = {BrdfField::kSigma, "sigma", "SIGMA", 0.002, 1.0, "radians"};
 constexpr BrdfMember kF0 = {BrdfField::kF0, "f0", "F0", 0.0, 1.0};
 
-// f = (s + 1) / (2 pi) (n.h)^s.
+// Blinn-Phong: f = (s + 1) / (2 pi) (n.h)^s.
 constexpr BrdfMember kBlinnPhongMembers[] = {{BrdfField::kExponent, "exponent", "S", 1.0, 1e5}};
 constexpr Text kBlinnPhongFlags[] = {"MULTUM_BLINN_PHONG"}, kBlinnPhongFiles[] = {"blinn_phong.glsl"};
 
@@ -69,7 +69,7 @@ double smith_visibility(float width, double n_l, double n_v, double, double) {
 constexpr BrdfMember kCharlieMembers[] = {kRoughness};
 constexpr Text kCharlieFlags[] = {"MULTUM_CHARLIE", "MULTUM_VISIBILITY"}, kCharlieFiles[] = {"charlie.glsl"};
 
-// (2 + 1 / alpha) sin^(1 / alpha) / (2 pi).
+// Density of Charlie: (2 + 1 / alpha) sin^(1 / alpha) / (2 pi).
 double charlie_density(float width, double e) {
   const double power = 0.5 / alpha_of(width);
   return e < 1.0 ? (1.0 + power) / std::numbers::pi * std::pow(e * (2.0 - e), power) : 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bars a process from files that it does not need, with Linux's Landlock: whatever path, link or library the process
+// Bars a process from files that it does not need, with Linux's Landlock. Whatever path, link or library the process
 // and its children follow later, the system opens only the allowed files. Newer kernels also bar it from TCP (6.7), and
 // from sending signals to processes that are not confined with it (6.12). Landlock needs no privilege and cannot be
 // undone.

@@ -34,9 +34,9 @@ struct HelperLimits {
 class HelperEnded : public std::runtime_error {
  public:
   HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}
-  /// Returns whether the machine, and not the request, is the likely cause: the child could not be loaded, the system
-  /// killed it (as when memory runs out), or a limit of this process (ulimit -v, -d) left it less memory than
-  /// HelperLimits allow.
+  /// Returns whether the machine, and not the request, is the likely cause. True if the child could not be loaded, if
+  /// the system killed it (as when memory runs out), or if it died with less memory than HelperLimits allow, because of
+  /// a limit of this process (ulimit -v, -d).
   bool lacked_memory() const { return lacked_memory_; }
 
  private:

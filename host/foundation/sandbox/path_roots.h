@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Confines reading and writing to files below some folders, whatever names or links lead to them, and even if a name
-// changes after its check: a file is opened only beneath its root's descriptor, by a name without links (openat2).
+// changes after its check. A file is opened only beneath its root's descriptor, by a name without links (openat2).
 #pragma once
 
 #include <memory>

@@ -61,7 +61,7 @@ class StrictTable {
   std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
   std::vector<int> integers(const std::string& key) const;
-  /// Four rows of four finite numbers, for column vectors.
+  /// Reads four rows of four finite numbers, for column vectors.
   glm::dmat4 matrix(const std::string& key) const;
   /// Returns the table of this key; an empty one if it is missing.
   const toml::table& table(const std::string& key) const;

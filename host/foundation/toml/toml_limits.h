@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks a TOML file before the parser reads it. toml++ 3.3 nests a table for every part of a dotted key, without
-// limit, and destroys the tables by recursion: a key of 32,000 parts (64 KB) ended the program by a stack overflow, and
+// limit, and destroys the tables by recursion. A key of 32,000 parts (64 KB) ended the program by a stack overflow, and
 // an array of 24 MB took 1 GB. The scan knows only strings, comments, keys and brackets; the parser refuses other text
 // that is not TOML.
 #pragma once

@@ -68,7 +68,7 @@ class DataFolder {
   void remove_found(JobQueue& queue, const Sweep& sweep);
   const std::string path_;
   const std::int64_t bytes_max_;
-  const PathRoots own_;  // uploads and results
+  const PathRoots own_;  // the folders of uploads and results
   const ResultSeal seal_;
   mutable std::mutex mutex_;
   std::int64_t bytes_ = 0, bytes_coming_ = 0;

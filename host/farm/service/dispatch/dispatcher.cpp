@@ -180,7 +180,7 @@ void Dispatcher::start() {
   on_due();
 }
 
-// ---- Out
+// ---- Giving out jobs
 
 void Dispatcher::pump() {
   if (is_draining_) return;
@@ -367,7 +367,7 @@ void Dispatcher::on_progress(std::int64_t id, const JobProgress& progress) {
                       -1, ' ', false, Json::error_handler_t::replace));
 }
 
-// ---- Back
+// ---- Results
 
 void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result) {
   const auto found = running_.find(id);

@@ -68,7 +68,7 @@ class Dispatcher {
   std::string log_path(std::int64_t id) const;
   void remove_logs(const std::vector<std::int64_t>& ids) const;
   const std::string& instance() const { return instance_; }
-  /// Removes the staging of a job that will not be run. Blocks.
+  /// Removes the staging folder of a job that will not be run. Blocks.
   void remove_staging(const Job& job) const;
 
  private:

@@ -41,10 +41,9 @@ struct ServiceSettings {
 /// Throws Error(kInput) that names the file, the line, the value found and the value expected.
 void read_service_settings(const std::string& path, ServiceSettings& settings);
 
-/// Throws Error(kUsage) for an invalid address, or one that others can reach without a token; for no root, or a root
-/// that contains the daemon's own files - its data, token, settings or socket, which jobs could then write - or that is
-/// inside its data; for own files in a part of the machine that every worker sees, `system`. `settings_file`: empty for
-/// none.
+/// Throws Error(kUsage) for an invalid address, an address that others can reach without a token, or missing roots. A
+/// root must not contain the daemon's data, token, settings or socket, which jobs could then write, nor be inside the
+/// data. None of these may be in a part of the machine that every worker sees, `system`. `settings_file`: may be empty.
 void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
                             const Confinement& system);
 

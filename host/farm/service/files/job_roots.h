@@ -7,7 +7,6 @@
 
 namespace multum {
 
-/// Folders that jobs may touch.
 struct JobRoots {
   PathRoots inputs;   // the configured roots, uploads and results
   PathRoots outputs;  // the configured roots and results

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Distinguishes file systems on a network, and those of programs, from disks of this machine. An SQLite ledger must not
-// be on them: they do not keep locks and the order of writes as SQLite needs, so two daemons could both believe that
-// they have the ledger to themselves.
+// be on such file systems: their locks and their order of writes are not reliable enough for SQLite. Two daemons could
+// both believe that they own the ledger.
 #pragma once
 
 #include <cstdint>

@@ -71,7 +71,7 @@ void copy_entry(const Place& source, const Place& target, int depth) {
   const OpenFile to(::openat(target.folder, target.name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (!to.is_open()) fail_by_errno(target.path, "cannot be opened");
   for (const std::string& name : names_in(from, source.path))
-    if (depth > 0 || name != kResultListingName)  // the copy gets its own
+    if (depth > 0 || name != kResultListingName)  // the copy gets a listing of its own
       copy_entry({from.descriptor(), name, source.path + "/" + name}, {to.descriptor(), name, target.path + "/" + name},
                  depth + 1);
   sync(to, target.path);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages a job's result before it gets its name: in a hidden folder next to the output, on the same file system, so
-// that a rename publishes it and an incomplete result is never visible. Names are used beneath the descriptor of the
-// output's folder, opened by PathRoots: links or folders that change above it have no effect.
+// Stages a job's result in a hidden folder next to the output, on the same file system. A rename publishes the result,
+// so an incomplete result is never visible. Names are used beneath the descriptor of the output's folder, opened by
+// PathRoots: links or folders that change above it have no effect.
 #pragma once
 
 #include <cstdint>

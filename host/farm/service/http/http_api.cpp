@@ -603,8 +603,8 @@ std::string bearer_token(const std::string& field) {
   return begin == std::string::npos ? "" : field.substr(begin);
 }
 
-// A foreign page must not make a browser on this machine command the service: neither through a form or script of
-// another origin, nor through a host name whose owner points it here (DNS rebinding).
+// A foreign page must not make a browser on this machine command the service. The page could use a form or script of
+// another origin, or a host name whose owner points it here (DNS rebinding).
 bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto host = request.headers.find("host");
   const std::string name = host == request.headers.end() ? "" : host->second;

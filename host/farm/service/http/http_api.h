@@ -36,7 +36,7 @@ class HttpApi {
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
   /// Runs `work` on a thread that may wait for disks; rethrows its exception.
   boost::asio::awaitable<void> beside(std::function<void()> work);
-  /// For /metrics.
+  /// Gives /metrics the server whose counters it shows.
   void set_server(const HttpServer* server);
   bool has_token() const;
   void set_token(std::string token);

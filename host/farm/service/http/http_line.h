@@ -48,8 +48,8 @@ class HttpLine {
   HttpLine(const HttpLine&) = delete;
   HttpLine& operator=(const HttpLine&) = delete;
 
-  /// Reads a header. Throws UnreadableRequest if it is not a header, is too large, is incomplete at `until`, or could
-  /// be read as either one request or two (RFC 9112, sections 5.2, 6.1 and 11.2).
+  /// Reads a header. Throws UnreadableRequest if it is not a header, is too large, or is incomplete at `until`. Refuses
+  /// a header that could mean one request or two (RFC 9112, sections 5.2, 6.1 and 11.2).
   boost::asio::awaitable<void> read_header(Parser& parser, Clock::time_point until);
   /// Reads the body after the header, piece by piece, up to `bytes_max`. `silence`: longest pause of the client;
   /// `until`: latest end of the body. Throws UnreadableRequest, and passes on exceptions of `take`.

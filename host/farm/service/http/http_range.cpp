@@ -22,7 +22,7 @@ std::optional<std::uint64_t> number_of(std::string_view digits) {
   return error == std::errc::result_out_of_range ? UINT64_MAX : number;
 }
 
-// A part of a file.
+// A body that is a part of a file.
 class FilePart : public HttpBody {
  public:
   FilePart(std::shared_ptr<OpenFile> file, ByteRange part)

@@ -23,9 +23,9 @@ struct RangeRequest {
 };
 RangeRequest range_request(const HttpRequest& request);
 
-/// Adapts an answer of status 200, with a file or a seekable body, to this request: 304 if the client has it already,
-/// 206 for a part, 416 if there is no such part. Adds the ETag of the file's state, and announces ranges. `is_head`:
-/// ranges are only for GET.
+/// Adapts an answer of status 200, with a file or a seekable body, to this request. The status becomes 304 if the
+/// client has the body already, 206 for a part, 416 for a missing part. Adds the ETag of the file's state, and
+/// announces ranges. `is_head`: ranges are only for GET.
 void serve_range(HttpResponse& response, const RangeRequest& request, bool is_head);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Serves HTTP/1.1 over TCP or a unix socket, to few trusted or many unknown clients: one thread, bounded connections,
-// one memory budget for all requests and answers, and time limits for slow clients. The content of answers is made
-// elsewhere (http_api.h).
+// Serves HTTP/1.1 over TCP or a unix socket, to few trusted or many unknown clients. Uses one thread, bounded
+// connections, one memory budget for all requests and answers, and time limits for slow clients. The content of answers
+// is made elsewhere (http_api.h).
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -47,7 +47,7 @@ class HttpBody {
   virtual void skip(std::uint64_t) {}
 };
 
-/// Part of a body.
+/// A range of a body's bytes.
 struct HttpBodyPart {
   std::uint64_t first = 0, count = 0;
 };
@@ -57,7 +57,7 @@ struct HttpResponse {
   std::string content_type = "application/json";
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers = {};
-  std::shared_ptr<OpenFile> file = nullptr;  // sent instead of a body
+  std::shared_ptr<OpenFile> file = nullptr;  // sent instead of `body`
   std::shared_ptr<HttpBody> made = nullptr;  // likewise
   std::optional<HttpBodyPart> part = {};     // part of `made` to send; nullopt: all
   bool is_stream = false;                    // server-sent events until the client disconnects

@@ -45,7 +45,7 @@ class JobPictures {
   /// and all wait for it. Throws Refusal 404 "no_picture" with the reason, 507 "quota" if data_max leaves no room.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string name);
 
-  /// Blocks.
+  /// Removes the pictures of these jobs. Blocks.
   void remove(const std::vector<std::int64_t>& ids);
   /// Removes pictures of jobs that are no longer in the ledger: a daemon may have died between purging and removing, or
   /// pictures may have been made meanwhile.

@@ -25,7 +25,7 @@ nlohmann::json parse_body(const HttpRequest& request);
 /// The request of POST /v1/jobs. Files must be below `roots`, and are replaced by their canonical names, in the
 /// parameters as texts (path_text.h); check_input_files() checks the files that a scene names.
 struct SubmitRequest {
-  JobSubmission job;  // without its key
+  JobSubmission job;  // submission without its key
   nlohmann::json parameters;
   bool again = false;  // even if a result exists
 };

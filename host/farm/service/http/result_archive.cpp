@@ -18,12 +18,12 @@ namespace multum {
 namespace {
 
 constexpr std::size_t kBlock = 512;
-constexpr std::uint64_t kOctalSizeMax = (std::uint64_t{1} << 33) - 1;  // eleven octal digits
+constexpr std::uint64_t kOctalSizeMax = (std::uint64_t{1} << 33) - 1;  // largest number in eleven octal digits
 constexpr std::size_t kTarNameMax = 100;
 
 std::size_t padding_of(std::uint64_t bytes) { return static_cast<std::size_t>((kBlock - bytes % kBlock) % kBlock); }
 
-// The two numbers of a file's state.
+// Returns the two numbers of a file's state.
 std::pair<std::uint64_t, std::int64_t> size_and_time(const std::string& state) {
   std::uint64_t size = 0;
   std::int64_t nanoseconds = 0;

@@ -14,7 +14,7 @@ namespace multum {
 /// tools/embed_files.py.
 const std::map<std::string, std::string_view>& embedded_web_files();
 const std::map<std::string, std::string_view>& shared_web_files();
-/// Both together.
+/// The service's own files and the shared ones together.
 const std::map<std::string, std::string_view>& web_files();
 
 /// Answers "/" and "/NAME" for each file; 304 if the client has it already. The page may load nothing from elsewhere

@@ -55,7 +55,7 @@ struct Job : JobSubmission {
   std::optional<int> exit_code;             // exit code of the last attempt
   std::string message;                      // the reason for its state, for people
   std::optional<std::int64_t> reused_from;  // the job whose result was copied instead of making it again
-  int attempts_counted = 0;                 // against attempt_max
+  int attempts_counted = 0;                 // attempts that count against attempt_max
   std::string result_identity;              // identity of the last published result; "": none
   std::string stop_asked;  // why it will be cancelled when its attempt ends without a result; "": it will not
 };

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of a job's fields, one row each. It determines their columns in the ledger, their JSON, the fields that a
-// submission may set, the options of `multum jobs submit`, the rows of the page and the schemas of
-// docs/reference/openapi.json. A new field needs a member of Job, its row, the lines that set it, and schemas updated
-// by tools/parameter_documents.
+// The table of a job's fields, one row each. The table determines the ledger's columns, the JSON of jobs, the fields of
+// a submission, the options of `multum jobs submit`, the rows of the page and schemas of docs/reference/openapi.json. A
+// new field needs a member of Job, its row, the lines that set it, and schemas updated by tools/parameter_documents.
 #pragma once
 
 #include <limits>
@@ -46,7 +45,7 @@ struct JobField {
 
 const std::vector<JobField>& job_fields();
 
-/// visit(field, job, [](auto& value) { ... })
+/// Calls `use` with the member of `job` that the field describes.
 template <typename AJob, typename Use>
 decltype(auto) with_field(const JobField& field, AJob& job, const Use& use) {
   return std::visit([&](const auto member) -> decltype(auto) { return use(job.*member); }, field.member);

@@ -104,7 +104,7 @@ void JobQueue::resync() {
   while (query.step()) count_use(job_from_row(query), 1);
 }
 
-// ---- In
+// ---- Submission
 
 SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact, TimeMs now) {
   check_kept();
@@ -311,7 +311,7 @@ void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeM
   changed_.insert(job.id);
 }
 
-// ---- Out
+// ---- Ends, retries and purges
 
 void JobQueue::set_state(std::int64_t id, JobState state, const std::string& message) {
   statement("UPDATE jobs SET state = ?, owner = '', message = ? WHERE id = ?")

@@ -21,7 +21,7 @@ namespace multum {
 /// Limits of the jobs that run at the same time in a queue.
 struct QueueLimits {
   int priority = 0;             // queues with higher values go first, whatever their jobs' priorities
-  int jobs_max = 1 << 30;       // running at once
+  int jobs_max = 1 << 30;       // jobs that run at the same time
   std::int64_t memory_max = 0;  // bytes of its running jobs together; 0: no limit
   bool is_paused = false;
   // Restricts a claim to jobs of the types in this JSON list, or to all other types; "": all types.
@@ -54,7 +54,7 @@ struct SubmitResult {
   bool is_new = true;  // false: a job with this key and output existed
 };
 
-/// Result of an attempt.
+/// The end of an attempt.
 struct AttemptResult {
   AttemptOutcome outcome = AttemptOutcome::kSucceeded;
   int exit_code = 0;
@@ -169,7 +169,7 @@ class JobQueue {
   SqliteDatabase& database() { return database_; }
   FileNotes& files() { return files_; }
   SlurmNotes& slurm() { return slurm_; }
-  /// Jobs whose state has changed since the last call.
+  /// Returns the jobs whose state has changed since the last call.
   std::set<std::int64_t> take_changed() { return std::exchange(changed_, {}); }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rescues the readable part of a damaged ledger into a new one: row by row, from both ends of each table, and by number
-// in between, so that a damaged page costs only the rows on it. If the page with the list of tables is lost, the page
-// of a new ledger replaces it, because all ledgers have the same layout.
+// Rescues the readable part of a damaged ledger into a new one. Reads each table row by row from both ends, and by
+// number in between, so that a damaged page costs only the rows on it. If the page with the list of tables is lost, the
+// page of a new ledger replaces it, because all ledgers have the same layout.
 #pragma once
 
 #include <cstdint>

@@ -40,7 +40,7 @@ struct SlurmLook {
   bool is_up() const { return trouble.empty(); }
 };
 
-/// `prefix`: of the names of this daemon's jobs at Slurm.
+/// `prefix`: beginning of the names of this daemon's jobs at Slurm.
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched);
 

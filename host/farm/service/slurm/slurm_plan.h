@@ -51,8 +51,8 @@ PartKind parse_part(const std::string& name);
 /// Array size while Slurm's MaxArraySize is unknown.
 constexpr int kAnyArraySize = std::numeric_limits<int>::max();
 
-/// Groups bands of one map into arrays whose task numbers are below `array_size_max`, at least 1: one array with the
-/// bands' own numbers if they fit, otherwise several with numbers from 0.
+/// Groups bands of one map into arrays whose task numbers are below `array_size_max`, at least 1. If the bands' own
+/// numbers fit, makes one array with them; otherwise makes several with numbers from 0.
 std::vector<std::vector<SlurmPart>> in_arrays(std::vector<SlurmPart> bands, int array_size_max);
 
 /// Returns the batches that make and merge these shares, in order: share 0, its bands in arrays (in_arrays()), the

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The node's side of Slurm: a task that reads its order in the shared folder and lets a worker do the items one after
-// the other, as the daemon does on its own machine (worker_pool.h).
+// Runs a Slurm task on a node: reads its order in the shared folder, and lets a worker do the items one after the
+// other. The daemon uses workers in the same way on its own machine (worker_pool.h).
 #pragma once
 
 #include <functional>

@@ -250,7 +250,7 @@ SlurmPool::Fate SlurmPool::end_part(Part& part, SlurmPartState state, const Work
   return Fate::kEnded;
 }
 
-// ---- What follows from it
+// ---- Effects on jobs
 
 void SlurmPool::settle(const std::vector<SlurmPart>& ended) {
   if (!ended.empty())

@@ -162,7 +162,7 @@ function shield() {
 }
 narrow.addEventListener("change", shield);
 
-// ---- The line
+// ---- Connection
 
 let brokenSince = null;
 function setLine(state) {

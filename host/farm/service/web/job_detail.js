@@ -158,7 +158,7 @@ export class JobDetail {
     setText(this.took, this.job.started ? `${words} ${tookText(this.job)}` : "not started yet");
   }
 
-  // ---- As it goes on
+  // ---- Updates
 
   takeJob(job) {
     if (job.id === this.number) this.wasTold = true;

@@ -240,7 +240,7 @@ export class JobList {
     byId("filter-text").focus();
   }
 
-  // ---- Which row keys are for: one of them is reached by Tab, the others from it.
+  // ---- The chosen row: Tab reaches this row, and keys lead from it to the others.
 
   choose(id) {
     const old = this.rows.get(this.chosen);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The types of jobs, as registered by the program that runs the farm. Each type's row and its table of parameters
-// determine what the web interface accepts, the options of `multum jobs submit`, the command line of a worker, the
-// files that the idempotency key covers, and the views of a result.
+// The types of jobs, as registered by the program that runs the farm. Each type has a row and a table of parameters.
+// The two determine what the web interface accepts, the options of `multum jobs submit`, and the command line of a
+// worker. They also determine the files that the idempotency key covers, and the views of a result.
 #pragma once
 
 #include <atomic>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daemon's side of its workers: child processes that bake, so that a driver crash ends only one of them. A worker
-// that dies, sends no sign of life within its lease, or makes no progress for too long is killed and waited for before
-// its job is given to another worker.
+// is killed if it sends no sign of life within its lease, or makes no progress for too long. The pool waits for the end
+// of a lost worker before another one gets its job.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -31,7 +31,7 @@ struct WorkerPoolSettings {
 struct WorkResult {
   int exit_code = 0;  // -1: the worker was lost
   std::string message;
-  bool have_inputs_changed = false;  // since the job was submitted
+  bool have_inputs_changed = false;  // true: inputs have changed since the job was submitted
 };
 
 struct JobProgress {

@@ -23,7 +23,7 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Open for reading and writing.
+  /// The descriptor is open for reading and writing.
   int descriptor() const { return file_.descriptor(); }
   /// A path to the open file itself, for functions that take names; valid in this process and in its children.
   const std::string& open_path() const { return open_path_; }

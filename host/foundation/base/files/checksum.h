@@ -12,7 +12,7 @@ namespace multum {
 class Checksum {
  public:
   void update(const void* data, std::size_t byte_count);
-  /// 16 lower-case hexadecimal digits.
+  /// Returns 16 lower-case hexadecimal digits.
   std::string text() const;
 
  private:

@@ -56,9 +56,8 @@ struct ExrPart {
 class ExrChunks {
  public:
   /// Reads headers and tables of the file, and the head of every chunk. Messages add `first_levels` (one per part;
-  /// empty: 0) to level numbers and begin with `damaged`. Throws Error(kInput) naming the file, part, level and tile if
-  /// a chunk is not where its table says, is empty, too short, too long or beyond the end of the file, or overlaps
-  /// another chunk.
+  /// empty: 0) to level numbers and begin with `damaged`. Throws Error(kInput), which names the file, part, level and
+  /// tile, for a chunk that is not where its table says, overlaps another, or has an impossible size.
   explicit ExrChunks(const std::string& path, std::vector<int> first_levels = {}, std::string damaged = "damaged");
 
   const std::vector<ExrPart>& parts() const { return parts_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes JSON for exchange with other programs: refuses texts that hold NUL, checks the ranges of integers,
-// and writes file names that are not UTF-8 as described in host/foundation/base/path_text.
+// Reads and writes JSON for exchange with other programs. Refuses texts that hold NUL, and checks the ranges of
+// integers. Writes file names that are not UTF-8 as described in host/foundation/base/path_text.
 #pragma once
 
 #include <cstdint>

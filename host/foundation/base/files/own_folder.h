@@ -28,13 +28,12 @@ struct NamedPlace {
 /// that is too long.
 NamedPlace open_place(const std::string& path);
 
-// An own folder, for work: created with mode 0700, and marked. An existing folder is accepted as ours if it is marked
-// or empty, belongs to this user, is writable only by this user, is on the same device as the folder above, and is not
-// a link. Mounts that give all files one owner or one mode (FAT, other systems' shares, NFS that squashes root) are
-// detected with a file created for this purpose.
+// An own folder, for work: created with mode 0700, and marked. An existing folder must be marked or empty, belong to
+// this user, be writable only by this user, be on the same device as the folder above, and not be a link. Mounts that
+// give all files one owner or one mode (FAT, other systems' shares, NFS that squashes root) are detected with a file
+// created for this purpose.
 //
-//   FOLDER/.multum-folder    the mark: without it, a user who may rename folders could have another one of ours
-//   emptied.
+//   FOLDER/.multum-folder    the mark; without marks, a user who may rename folders could have another one emptied
 
 /// Opens the folder `name` of `above`, created if it is missing; does not mark it yet. If it is not ours, throws
 /// Error(kEnvironment), which names the obstacle, and does not change it. Messages show `path`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps stdout, stderr and the progress bar apart when they go to one terminal, pipe or file: stdout writes only whole
+// Keeps stdout, stderr and the progress bar apart when they go to one terminal, pipe or file. Stdout writes only whole
 // lines, one thread writes at a time, and the bar is wiped before any line.
 #pragma once
 

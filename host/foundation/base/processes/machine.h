@@ -20,9 +20,9 @@ std::string own_folder();
 /// first call.
 std::uint64_t machine_memory_bytes();
 
-/// Number of threads that can run at once, at least 1: the processors that this process may use (its affinity, which a
-/// container's cpuset limits too), or a container's quota of processor time, rounded up, if that is lower. Determined
-/// at the first call.
+/// Number of threads that can run at once, at least 1. This is the number of processors that this process may use (its
+/// affinity, which a container's cpuset limits too), or a container's lower quota of processor time, rounded up.
+/// Determined at the first call.
 int processor_count();
 /// Like processor_count(), determined anew under these limits of a container.
 int processor_count(const ContainerLimits& limits);
@@ -32,8 +32,8 @@ int processor_count(const ContainerLimits& limits);
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 /// Keeps freed blocks of up to 32 MB for later allocations, up to 64 MB in all. Otherwise the C library would return
-/// each block to the system, which clears the pages of the next: 4 % of a bake in bands, which allocates and frees
-/// blocks often. For main().
+/// each block to the system, which clears the pages of the next block. That would take 4 % of a bake in bands, which
+/// allocates and frees blocks often. For main().
 void keep_freed_memory();
 
 }  // namespace multum

@@ -15,7 +15,7 @@ namespace multum {
 void for_each_row_band(int row_count, int rows_per_band, int threads,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 
-/// The same; `progress` may cancel after every few bands.
+/// Like the function above; `progress` may cancel after every few bands.
 void for_each_row_band(int row_count, int rows_per_band, int threads, Progress* progress,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 
