@@ -140,7 +140,7 @@ bool is_listed(const Listing& listing, const Found& found) {
   return line != listing.end() && line->second == found.state;
 }
 
-// Returns the first file that differs from the listing; `count` is the number of all others.
+// Returns the first file that differs from the listing; `count` counts the unchanged files before it.
 std::string first_unlisted(const OpenFile& folder, const Listing& listing, std::size_t& count) {
   std::string unlisted;
   Walk{[&](const Found& found) {

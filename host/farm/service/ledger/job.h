@@ -37,7 +37,7 @@ struct JobSubmission {
   std::vector<std::int64_t> needs;  // jobs that must succeed first
   int attempt_max = 5;              // 1..100
   std::optional<TimeMs> deadline;   // latest time of its end
-  std::int64_t memory_bytes = 0;    // its memory limit
+  std::int64_t memory_bytes = 0;    // memory that the service counts for it
   std::string device;               // "" or a device name of the settings
   std::string output;               // absolute path of the result; "": none
   std::string key;                  // idempotency key; "": none
