@@ -254,7 +254,7 @@ void run_service(const ServiceOptions& options) {
   if (!can_confine())
     service_log(LogSeverity::kWarning, 0,
                 "this kernel has no Landlock: workers are not barred from files outside the roots "
-                "(docs/reference/service.md)");
+                "(docs/contributing/HOSTILE.md, \"The service\")");
   Service(options).run();
 }
 
