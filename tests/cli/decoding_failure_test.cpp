@@ -49,11 +49,11 @@ TEST_F(DecodingFailureTest, BakeRefusesWhatEndsItsDecoder) {
   install("failing_helper");
 #ifndef MULTUM_SHADOW_MEMORY  // which has its own words for signals
   expect_refused({"multum", "bake", map_named("segfault.png")}, kInput,
-                 {"segfault.png: ", "decodes", "signal 11", "Segmentation fault", "expected"});
+                 {"segfault.png: ", "decoding", "signal 11", "Segmentation fault", "expected"});
 #endif
-  expect_refused({"multum", "bake", map_named("exit.png")}, kInput, {"exit.png: ", "decodes", "exit code 7"});
+  expect_refused({"multum", "bake", map_named("exit.png")}, kInput, {"exit.png: ", "decoding", "exit code 7"});
   expect_refused({"multum", "bake", map_named("hang.png"), "--decode", "child:1"}, kInput,
-                 {"hang.png: ", "decodes", "more than 1 s"});
+                 {"hang.png: ", "decoding", "more than 1 s"});
 }
 
 TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
@@ -92,11 +92,11 @@ TEST_F(DecodingFailureTest, TheViewerRefusesWhatEndsItsDecoder) {
   write_bytes(path("exit.obj"), "");
   write_bytes(path("hang.glb"), "");
   expect_refused({"multum-view", baked, "--mesh", path("exit.obj")}, kInput,
-                 {"exit.obj: ", "decodes", "exit code 7", "assimp"});
+                 {"exit.obj: ", "decoding", "exit code 7", "assimp"});
   expect_refused({"multum-view", baked, "--mesh", path("hang.glb"), "--decode", "child:1"}, kInput,
-                 {"hang.glb: ", "decodes", "more than 1 s"});
+                 {"hang.glb: ", "decoding", "more than 1 s"});
   expect_refused({"multum-view", baked, "--source", map_named("exit.png"), "--compare", "reference"}, kInput,
-                 {"exit.png: ", "decodes", "exit code 7"});
+                 {"exit.png: ", "decoding", "exit code 7"});
 }
 
 #ifndef MULTUM_SHADOW_MEMORY

@@ -372,7 +372,7 @@ class SlurmTest(ClientCase):
         self.succeed(number, "mine", attempts=2)
         self.slurm.wait_until("the alien is cancelled",
                               lambda: [line.split()[0] for line in self.slurm.jobs()] == [other.strip()])
-        self.assertIn(f"Slurm has job {alien.strip()}, of which the ledger knows nothing", service.log_text())
+        self.assertIn(f"Slurm has job {alien.strip()}, which the ledger does not know", service.log_text())
         self.assertEqual(service.metric("multum_slurm_unknown_cancelled_total"), 1)
         self.slurm.run("scancel", other.strip())
         self.nothing_is_left()
@@ -384,7 +384,7 @@ class SlurmTest(ClientCase):
         node = self.first_part(number)["node"]
         self.slurm.crash_node(node)
         job = self.succeed(number, "moved", attempts=2)
-        self.assertIn("it was silent", job["attempts"][0]["message"])
+        self.assertIn("task was silent", job["attempts"][0]["message"])
         self.assertNotEqual(job["parts"][-1]["node"], node)
         self.slurm.return_node(node)
         self.slurm.wait_for_nodes()
@@ -456,13 +456,13 @@ class SlurmSettingsTest(ClientCase):
         self.assertIn(expected, done.stderr)
 
     def test_refusals(self):
-        self.refused_settings("expected a folder that all nodes have by this name")
+        self.refused_settings("expected a folder with the same path on all nodes")
         shared = os.path.join(self.folder, "shared")
         os.mkdir(shared)
         os.chmod(shared, 0o777)
-        self.refused_settings("others own it or may write there")
+        self.refused_settings("other users own it or may write there")
         os.chmod(shared, 0o700)
-        self.refused_settings("where jobs could write it", folder=os.path.join(self.folder, "root", "shared"))
+        self.refused_settings("where jobs could write to it", folder=os.path.join(self.folder, "root", "shared"))
         self.refused_settings("unknown key 'slurm.partitions'", 'partitions = "a"')
         self.refused_settings("slurm.jobs", "jobs = 0")
         self.refused_settings("is less than time_min_s", "time_max_s = 100")

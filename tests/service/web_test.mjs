@@ -328,7 +328,7 @@ const steps = {
     await page.locator("#detail .badge[data-state=cancelled]").waitFor();
     const good = await drill(2);
     await page.goto(`${service.url}/#job-${good}`);
-    await page.getByText("Nothing was printed yet.").waitFor();
+    await page.getByText("The log is empty so far.").waitFor();
     await page.locator("#detail .log").getByText("drill: done").waitFor();
     await page.context().close();
   },
@@ -600,7 +600,7 @@ const steps = {
       document.getElementById("new-job").click();
       setTimeout(() => Promise.reject(undefined));
     });
-    await page.getByText("Nobody answers (the browser gives no reason).").waitFor();
+    await page.getByText("The service does not answer (the browser gives no reason).").waitFor();
     await page.getByText("Something in this page failed: the browser gives no reason.").waitFor();
     assert.doesNotMatch(await page.locator("#notices").innerText(), /undefined/);
     complaints.length = 0;
@@ -617,7 +617,7 @@ const steps = {
     assert.equal(await page.locator("#token[open]").count(), 1, "there is nothing behind it");
     await page.locator("#token-text").fill("a wrong token of letters");
     await page.keyboard.press("Enter");
-    await page.getByText("That was not it.").waitFor();
+    await page.getByText("This token was refused.").waitFor();
     await page.locator("#token-text").fill(guarded.token);
     await page.keyboard.press("Enter");
     await page.locator("#line[data-state=live]").waitFor();

@@ -17,14 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Multum listens to SIGTERM and leaves what --resume takes.
+// On SIGTERM, multum stops and leaves files that --resume continues.
 constexpr int kNoticeSeconds = 30;
-// Shares that a farm hands to one process: starting one, with its OpenCL programs, takes a second or less.
+// Work that a farm gives to one process: starting a process, with its OpenCL programs, takes a second or less.
 constexpr int kChunkSeconds = 60;
 
 std::string absolute(const std::string& path) {
   const fs::path normal = fs::absolute(path).lexically_normal();
-  return (normal.has_filename() ? normal : normal.parent_path()).string();  // without a slash behind
+  return (normal.has_filename() ? normal : normal.parent_path()).string();  // without a final slash
 }
 
 std::vector<std::string> all_absolute(std::vector<std::string> paths) {
@@ -34,7 +34,7 @@ std::vector<std::string> all_absolute(std::vector<std::string> paths) {
   return paths;
 }
 
-// Input, Input2, ... , Output: in order of the words.
+// Returns Input, Input2, ..., Output, in the order of the words.
 std::vector<std::string> parameter_names(const FarmCommand& command) {
   std::vector<std::string> names;
   int inputs = 0, outputs = 0;
@@ -46,12 +46,12 @@ std::vector<std::string> parameter_names(const FarmCommand& command) {
   return names;
 }
 
-// In strings of a template {{ begins a reference and }} ends it, and nothing escapes them.
+// In strings of a template, {{ begins a reference and }} ends it; they cannot be escaped.
 void check_word(const std::string& word) {
   for (const char* braces : {"{{", "}}"})
     if (word.find(braces) != std::string::npos)
       throw Error(ErrorCode::kUsage, word + ": holds " + braces +
-                                         ", which Open Job Description takes for a reference, expected another name");
+                                         ", which marks a reference in Open Job Description; expected another name");
 }
 
 std::vector<std::string> template_words(const FarmCommand& command, const std::vector<std::string>& more) {
@@ -115,7 +115,7 @@ FarmJson steps_of(const FarmCommand& command) {
       {step(command, "Coarse", {"--shard", fmt::format("0/{}", command.shards)}), bands, merge_step(command, "Bands")});
 }
 
-// Files that no word names, of sets and scenes, are in the references alone.
+// Files of sets and scenes that no word names are only in the asset references.
 void check_texts(const FarmJson& value) {
   if (value.is_string()) return check_openjd_text(value.get<std::string>(), value.get<std::string>());
   for (const FarmJson& own : value) check_texts(own);
@@ -169,7 +169,7 @@ FarmJson openjd_template(const FarmCommand& command) {
   parameters.push_back({{"name", "Multum"},
                         {"type", "STRING"},
                         {"default", "multum"},
-                        {"description", "The program, by its name on PATH or its path on the workers"}});
+                        {"description", "The program: its name in PATH, or its path on the workers"}});
   FarmJson job = {{"specificationVersion", "jobtemplate-2023-09"}};
   if (command.shards > 1 && !command.is_one_map) job["extensions"] = {"TASK_CHUNKING"};
   check_word(command.name);

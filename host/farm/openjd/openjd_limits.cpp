@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// By the specification's sections. Lengths are characters of Unicode.
+// Each with its section of the specification. Lengths are in Unicode characters.
 constexpr std::size_t kJobNameMax = 128;         // 1.1.1
 constexpr std::size_t kExtensionNameMax = 128;   // 1.1.2, and at least 3
 constexpr std::size_t kValueMax = 1024;          // 2.5
@@ -36,7 +36,7 @@ constexpr std::size_t kDescriptionMax = 2048;    // 7.2
               fmt::format("{}: {}, expected {} (Open Job Description 2023-09)", what, found, expected));
 }
 
-// Characters of a text that is UTF-8; nothing of another.
+// Returns the characters of a UTF-8 text; nullopt for another text.
 std::optional<std::u32string> characters_of(const std::string& text) {
   std::u32string characters;
   for (std::size_t at = 0, length = 0; at < text.size(); at += length) {
@@ -53,17 +53,17 @@ std::optional<std::u32string> characters_of(const std::string& text) {
 // Unicode's category Cc: C0, DEL and C1 (section 9).
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
 
-// What a text may be.
+// The rules for one kind of text.
 struct TextRule {
   std::size_t least = 1;
   std::size_t most = std::string::npos;
-  bool has_lines = false;  // of controls, newline, carriage return and tab are allowed
+  bool has_lines = false;  // allows newline, carriage return and tab
   bool is_any = false;     // any character
 };
 
 void check_text(const std::string& what, const std::string& text, const TextRule& rule) {
   const std::optional<std::u32string> characters = characters_of(text);
-  if (!characters) refuse(what, "is not UTF-8", "text of UTF-8: give it another name");
+  if (!characters) refuse(what, "is not UTF-8", "UTF-8 text: give it another name");
   if (characters->size() < rule.least) refuse(what, "is empty", fmt::format("at least {} character", rule.least));
   if (characters->size() > rule.most)
     refuse(what, fmt::format("has {} characters", characters->size()), fmt::format("at most {}", rule.most));
@@ -71,14 +71,14 @@ void check_text(const std::string& what, const std::string& text, const TextRule
     const bool is_line = c == '\n' || c == '\r' || c == '\t';
     if (!rule.is_any && is_control(c) && !(rule.has_lines && is_line))
       refuse(what, fmt::format("holds the control character U+{:04X}", static_cast<std::uint32_t>(c)),
-             "none: give it another name");
+             "no control character: give it another name");
   }
 }
 
 void check_identifier(const std::string& what, const std::string& name) {
   static const std::regex kForm("[A-Za-z_][A-Za-z0-9_]*");
   check_text(what, name, {1, kIdentifierMax});
-  if (!std::regex_match(name, kForm)) refuse(what, "is " + name, "letters, digits and _, the first no digit");
+  if (!std::regex_match(name, kForm)) refuse(what, "is " + name, "letters, digits and _, not beginning with a digit");
 }
 
 void check_count(const std::string& what, std::size_t count, std::size_t least, std::size_t most) {
@@ -87,10 +87,10 @@ void check_count(const std::string& what, std::size_t count, std::size_t least, 
 }
 
 void check_choice(const std::string& what, const std::string& value, const std::set<std::string>& choices) {
-  if (!choices.contains(value)) refuse(what, "is " + value, "one that the specification has");
+  if (!choices.contains(value)) refuse(what, "is " + value, "a value of the specification");
 }
 
-// 7.3: {{ opens a reference and }} closes it; nothing escapes them. `values` are what references stand for.
+// Section 7.3: {{ opens a reference and }} closes it; they cannot be escaped. `values`: values of the references.
 std::string resolved(const std::string& what, const std::string& text,
                      const std::map<std::string, std::string>& values) {
   std::string result;
@@ -98,7 +98,7 @@ std::string resolved(const std::string& what, const std::string& text,
     const std::size_t opens = text.find("{{", at), closes = text.find("}}", at);
     if (opens == std::string::npos && closes == std::string::npos) return result + text.substr(at);
     if (opens == std::string::npos || closes == std::string::npos || closes < opens)
-      refuse(what, "holds {{ or }}, which stand for a reference: " + text, "another name");
+      refuse(what, "holds {{ or }}, which mark a reference: " + text, "another name");
     std::string name = text.substr(opens + 2, closes - opens - 2);
     name.erase(0, name.find_first_not_of(' '));
     name.erase(name.find_last_not_of(' ') + 1);
@@ -111,7 +111,7 @@ std::string resolved(const std::string& what, const std::string& text,
 
 std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
 
-// The bundle's parameters with their values, as references have them.
+// Parameters of the bundle with their values, by the names of references.
 class Checker {
  public:
   Checker(const Json& job, const Json& values) : job_(job), values_(values) {}
@@ -122,7 +122,7 @@ class Checker {
     check_description("template", job_);
     check_parameters();
     check_values();
-    // No parameter's value may come into it: those of paths are known where a task runs alone.
+    // The name must not contain a path parameter: only a running task knows its value.
     check_text("the job's name (--name)", resolved("the job's name (--name)", text_of(job_, "name"), {}),
                {1, kJobNameMax});
     const Json& steps = job_.at("steps");
@@ -171,12 +171,13 @@ class Checker {
     for (const Json& one : values_.at("parameterValues")) {
       const std::string name = text_of(one, "name"), value = text_of(one, "value");
       const auto found = references_.find("Param." + name);
-      if (found == references_.end()) refuse("value of " + name, "is of no parameter", "one that the template defines");
+      if (found == references_.end())
+        refuse("value of " + name, "belongs to an unknown parameter", "a parameter of the template");
       check_text(value, value, {0, kValueMax, false, true});
       found->second = value;
       without_value_.erase(name);
     }
-    if (!without_value_.empty()) refuse("parameter " + *without_value_.begin(), "has no value", "one");
+    if (!without_value_.empty()) refuse("parameter " + *without_value_.begin(), "has no value", "a value");
   }
 
   void check_step(const Json& step) {
@@ -185,7 +186,7 @@ class Checker {
     check_description(what, step);
     if (step.contains("dependencies")) {
       check_count(what + ": dependencies", step.at("dependencies").size(), 1, std::string::npos);
-      // In a template of ours a step depends on those before it, so that there is no circle.
+      // In templates of multum a step depends only on earlier steps, so there are no cycles.
       for (const Json& one : step.at("dependencies"))
         if (!steps_.contains(text_of(one, "dependsOn")))
           refuse(what, "depends on " + text_of(one, "dependsOn"), "a step before it");
@@ -210,7 +211,7 @@ class Checker {
       const double least = name == "amount.worker.vcpu" ? 1.0 : 0.0;
       if (!amount.contains("min") || !std::isfinite(amount.at("min").get<double>()) ||
           amount.at("min").get<double>() < least)
-        refuse(what + ": " + name, "has a minimum that is none", fmt::format("a number from {:g}", least));
+        refuse(what + ": " + name, "has an invalid minimum", fmt::format("a number from {:g}", least));
     }
   }
 
@@ -228,7 +229,7 @@ class Checker {
     }
   }
 
-  // Its first value. 3.4.1.1.1 of expressions: a comma between them, none of which overlap.
+  // Returns the first value. Section 3.4.1.1.1: expressions are separated by commas, and must not overlap.
   std::string check_range(const std::string& what, const Json& range) {
     if (range.is_array()) {
       check_count(what + ": range", range.size(), 1, kRangeElementsMax);
@@ -243,8 +244,8 @@ class Checker {
   }
 
   void check_chunks(const std::string& what, const Json& chunks, std::size_t number) {
-    if (!extensions_.contains("TASK_CHUNKING")) refuse(what, "is in chunks", "the extension TASK_CHUNKING with it");
-    if (number > 1) refuse(what, "is the second one in chunks", "one of a step");
+    if (!extensions_.contains("TASK_CHUNKING")) refuse(what, "has chunks", "the extension TASK_CHUNKING");
+    if (number > 1) refuse(what, "is the second parameter with chunks", "one per step");
     if (chunks.at("defaultTaskCount").get<std::int64_t>() < 1)
       refuse(what + ": defaultTaskCount", "is " + chunks.at("defaultTaskCount").dump(), "1 or more");
     if (chunks.contains("targetRuntimeSeconds") && chunks.at("targetRuntimeSeconds").get<std::int64_t>() < 0)
@@ -252,7 +253,7 @@ class Checker {
     check_choice(what + ": rangeConstraint", text_of(chunks, "rangeConstraint"), {"CONTIGUOUS", "NONCONTIGUOUS"});
   }
 
-  // 5.1 and 5.2: no control character in a command or its words, those included that parameters bring in.
+  // Sections 5.1 and 5.2: no control characters in a command or its words, also after parameters are inserted.
   void check_action(const std::string& what, const Json& action, const std::map<std::string, std::string>& references) {
     check_text(what + ": command", resolved(what + ": command", text_of(action, "command"), references), {});
     if (action.contains("args"))

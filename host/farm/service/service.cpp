@@ -27,7 +27,7 @@ namespace {
 
 namespace asio = boost::asio;
 
-// Every connection and worker is a file.
+// Every connection and every worker needs a file.
 void raise_file_limit(const ServiceSettings& settings) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -36,7 +36,7 @@ void raise_file_limit(const ServiceSettings& settings) {
   const rlim_t wanted = static_cast<rlim_t>(settings.connections_max) + 256;
   if (limit.rlim_max < wanted)
     service_log(LogSeverity::kWarning, 0,
-                fmt::format("this process may open {} files, and connections_max is {}: expected a limit of {} "
+                fmt::format("this process may open {} files, but connections_max is {}: expected a limit of {} files "
                             "(LimitNOFILE, ulimit -n)",
                             limit.rlim_max, settings.connections_max, wanted));
 }
@@ -46,10 +46,11 @@ std::string read_token(const std::string& path) {
   RegularFileStream file(path);
   std::string token;
   if (!std::getline(file, token) || token.size() < 16)
-    throw Error(ErrorCode::kInput, path + ": expected a first line of at least 16 characters, the token");
+    throw Error(ErrorCode::kInput, path + ": its first line is too short for a token, expected at least 16 characters");
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0 && (found.st_mode & 077) != 0)
-    throw Error(ErrorCode::kInput, path + ": others may read it, expected a file of its owner alone (chmod 600)");
+    throw Error(ErrorCode::kInput,
+                path + ": other users may read it, expected a file that only its owner can read (chmod 600)");
   return token;
 }
 
@@ -62,7 +63,7 @@ class Service {
         data_(settings_.data, settings_.data_max),
         roots_(roots_of(settings_, data_)),
         work_(asio::make_work_guard(io_)),
-        // Numbers of events go on, from one daemon to the next.
+        // Event numbers increase from one daemon to the next.
         events_(static_cast<std::uint64_t>(wall_clock_ms()) * 1000),
         ledger_(std::make_unique<QueueThread>(find_ledger(settings_.data, settings_.retry, options.begins_anew),
                                               [this](std::function<void()> task) {
@@ -81,7 +82,7 @@ class Service {
     api_.set_server(&server_);
   }
 
-  ~Service() { ledger_.reset(); }  // ends before what it posts to
+  ~Service() { ledger_.reset(); }  // must end before the objects that it posts to
 
   void run() {
     dispatcher_.recover();
@@ -100,7 +101,7 @@ class Service {
   std::unique_ptr<DataLock> lock() const {
     std::unique_ptr<DataLock> lock = DataLock::take(settings_.data);
     check_is_local(settings_.data);
-    if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is at work there");
+    if (!lock) throw Error(ErrorCode::kEnvironment, settings_.data + ": another daemon is running there");
     return lock;
   }
 
@@ -137,7 +138,7 @@ class Service {
       const bool is_v6 = address.host.find(':') != std::string::npos;
       where = fmt::format("http://{}{}{}:{}", is_v6 ? "[" : "", address.host, is_v6 ? "]" : "", port);
     }
-    // For those who let the system choose a port.
+    // For clients, if the system chose the port.
     write_text_file(settings_.data + "/address", where + "\n");
     service_log(LogSeverity::kInfo, 0, "listening on " + where);
   }
@@ -146,16 +147,16 @@ class Service {
     signals_.async_wait([this](const boost::system::error_code& error, int number) {
       if (error) return;
       if (is_ending_) {
-        service_log(LogSeverity::kWarning, 0, "asked again: ending at once");
+        service_log(LogSeverity::kWarning, 0, "second signal: ending at once");
         io_.stop();
         return;
       }
       is_ending_ = true;
-      service_log(LogSeverity::kInfo, 0, fmt::format("signal {}: no more jobs are started", number));
+      service_log(LogSeverity::kInfo, 0, fmt::format("signal {}: starting no more jobs", number));
       sd_notify(0, "STOPPING=1");
       dispatcher_.drain([this] {
         server_.close();
-        // Answers that are on their way.
+        // Leaves time for answers that are being sent.
         const auto last = std::make_shared<asio::steady_timer>(io_, std::chrono::milliseconds(200));
         last->async_wait([this, last](const boost::system::error_code&) { io_.stop(); });
       });
@@ -169,20 +170,21 @@ class Service {
       sd_notify(0, "RELOADING=1");
       try {
         ServiceSettings settings = options_.read_settings();
-        // What is in use until a restart is what the rest is checked with.
+        // The other settings are checked together with the values that stay in use until a restart.
         settings.listen = settings_.listen;
         settings.roots = settings_.roots;
         settings.data = settings_.data;
         check_service_settings(settings, options_.settings_file, options_.system);
         const std::string token = read_token(settings.token_file);
         if (token.empty() && api_.has_token())
-          throw Error(ErrorCode::kUsage, "no token_file is named any more: without a token it must be started again");
+          throw Error(ErrorCode::kUsage,
+                      "the settings name no token_file any more: restart the service to run without a token");
         api_.set_token(token);
         dispatcher_.reload(settings);
         service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
         sweep();
       } catch (const std::exception& wrong) {
-        service_log(LogSeverity::kError, 0, std::string("settings are kept as they were: ") + wrong.what());
+        service_log(LogSeverity::kError, 0, std::string("the previous settings stay in use: ") + wrong.what());
       }
       sd_notify(0, "READY=1");
       wait_for_reload();
@@ -195,7 +197,7 @@ class Service {
     watchdog_.expires_after(std::chrono::microseconds(interval / 3));
     watchdog_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      // By way of the ledger: a daemon whose ledger hangs is of no use.
+      // Through the ledger, so that a daemon whose ledger hangs counts as failed.
       ledger_->run([](JobQueue&) {},
                    [this](const std::exception_ptr&) {
                      sd_notify(0, "WATCHDOG=1");
@@ -204,7 +206,7 @@ class Service {
     });
   }
 
-  // Every hour: what has outlived its keeping.
+  // Removes, every hour, jobs and files whose retention time is over.
   void sweep() {
     sweep_.expires_after(std::chrono::hours(1));
     sweep_.async_wait([this](const boost::system::error_code& error) {
@@ -218,7 +220,7 @@ class Service {
             queue.take_changed();
           },
           [this, purged](const std::exception_ptr& error) {
-            if (!error) dispatcher_.remove_logs(*purged);  // else they are still there
+            if (!error) dispatcher_.remove_logs(*purged);  // on error, the jobs still exist
           });
     }
     api_.pictures().sweep(*ledger_);
@@ -251,7 +253,7 @@ void run_service(const ServiceOptions& options) {
   check_service_settings(options.settings, options.settings_file, options.system);
   if (!can_confine())
     service_log(LogSeverity::kWarning, 0,
-                "this kernel has no Landlock: workers are not shut off from files outside of the roots "
+                "this kernel has no Landlock: workers are not barred from files outside the roots "
                 "(docs/contributing/HOSTILE.md, \"The service\")");
   Service(options).run();
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daemon: ledger, workers, web interface, signals.
-//   SIGTERM, SIGINT   no more jobs are started; those that run may end within the grace, then they are handed back
+//   SIGTERM, SIGINT   starts no more jobs; running jobs may end within the grace period, then they are handed back
 //   SIGHUP            reads the settings file again
 #pragma once
 
@@ -16,14 +16,14 @@ namespace multum {
 struct ServiceOptions {
   ServiceSettings settings;
   std::string settings_file;                       // empty: none
-  std::function<ServiceSettings()> read_settings;  // the same again, as the file is by then: at SIGHUP
-  std::vector<std::string> worker_command;         // of a worker, without its socket
-  std::vector<std::string> driver_command;         // ends with exit code 0 where a worker finds an OpenCL device
-  Confinement system;                              // what of the machine every worker sees
-  bool begins_anew = false;                        // a new ledger, where the folder's is lost
+  std::function<ServiceSettings()> read_settings;  // reads the settings file again, at SIGHUP
+  std::vector<std::string> worker_command;         // command line of a worker, without its socket
+  std::vector<std::string> driver_command;         // exits with code 0 if workers find an OpenCL device
+  Confinement system;                              // the part of the machine that every worker sees
+  bool begins_anew = false;                        // makes a new ledger if the folder's ledger is lost
 };
 
-/// Until it is asked to end. Throws Error for what keeps it from starting.
+/// Runs until it is asked to end. Throws Error if it cannot start.
 void run_service(const ServiceOptions& options);
 
 }  // namespace multum

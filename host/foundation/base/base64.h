@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Base64 (RFC 4648, section 4), as data URIs have it.
+// Decodes Base64 (RFC 4648, section 4), the encoding of data URIs.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@ namespace multum {
 
 std::string encode_base64(const std::string& bytes);
 
-/// Up to the first '='; nullopt where another character is none of the 64 digits.
+/// Decodes up to the first '='; returns nullopt if any other character is not one of the 64 digits.
 std::optional<std::string> decode_base64(const std::string& text);
 
 }  // namespace multum

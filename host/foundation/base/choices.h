@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names the values of a setting, the same on a command line and in a file.
+// Names the values of a setting; command lines and files use the same names.
 #pragma once
 
 #include <initializer_list>
@@ -10,12 +10,12 @@
 
 namespace multum {
 
-/// In the order in which they are shown. For constants at namespace scope: tables that are made while a program starts
-/// use them, so they must need no making.
+/// Pairs of names and values, in the order in which help shows them. For constants at namespace scope: tables that are
+/// initialized when a program starts use these lists, so a list must not need an initialization of its own.
 template <typename Value>
 using Choices = std::initializer_list<std::pair<const char*, Value>>;
 
-/// Of Choices or another list of pairs of names and values.
+/// Returns the names of Choices, or of another list of pairs of names and values.
 template <typename List>
 auto find_choice(const List& choices, const std::string& name)
     -> std::optional<typename List::value_type::second_type> {
@@ -31,7 +31,7 @@ std::vector<std::string> choice_names(const List& choices) {
   return names;
 }
 
-/// The name of one of them.
+/// Returns the name of one value.
 template <typename Value>
 const char* choice_name(const Choices<Value>& choices, Value value) {
   for (const auto& [name, own_value] : choices)

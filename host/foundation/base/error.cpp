@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// "/proc/PID/fd/N/rows" as "/maps/.multum-partial-a.exr/rows", while N is open.
+// Rewrites "/proc/PID/fd/N/rows" as "/maps/.multum-partial-a.exr/rows", while N is open.
 std::string with_names(std::string message) {
   const std::string own = "/proc/" + std::to_string(::getpid()) + "/fd/";
   for (std::size_t at = message.find(own); at != std::string::npos; at = message.find(own, at + 1)) {
@@ -46,9 +46,9 @@ int exit_code(ErrorCode code) {
 }
 
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
-  // A write beyond the limit of file sizes (ulimit -f) fails with EFBIG then, as one onto a full disk with ENOSPC; the
-  // signal would end the program amid its work. Programs that this one starts have it as at any program's start
-  // (spawn_process()): those of this project come here themselves.
+  // With the signal ignored, a write beyond the file size limit (ulimit -f) fails with EFBIG, as a write to a full disk
+  // fails with ENOSPC. The signal would end the program in the middle of its work. Other programs that this one starts
+  // get the default action back (spawn_process()); this project's programs run this line themselves.
   std::signal(SIGXFSZ, SIG_IGN);
   begin_whole_lines();
   try {
@@ -58,7 +58,7 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
       throw caught_error("");
     }
   } catch (const Cancelled&) {
-    print_shown(stderr, "%s: cancelled, nothing unfinished was kept\n", program);
+    print_shown(stderr, "%s: cancelled; no unfinished files remain\n", program);
     return 130;
   } catch (const Error& error) {
     print_shown(stderr, "%s: %s\n", program, error.what());
@@ -74,7 +74,7 @@ void refuse_file(const std::string& path, const std::string& what) {
 }
 
 void fail_by_errno(const std::string& subject, const std::string& what) {
-  const int number = errno;  // what is made of it may change it
+  const int number = errno;  // calls below may change errno
   throw Error(errno_code(number), subject + ": " + what + ": " + errno_text(number));
 }
 

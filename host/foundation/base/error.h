@@ -13,15 +13,15 @@ namespace multum {
 
 enum class ErrorCode {
   kUsage,         // the command line or a setting is wrong
-  kInput,         // a file that was given cannot be used: missing, damaged, of the wrong kind
-  kEnvironment,   // device, driver, disk, memory: the machine cannot do it now
+  kInput,         // a given file cannot be used: missing, damaged, of the wrong kind
+  kEnvironment,   // device, driver, disk, memory: the machine cannot do the work at present
   kVerification,  // a check of a finished file failed
 };
 
 class Error : public std::runtime_error {
  public:
-  /// Paths in the message that lead through a descriptor of this process, as those of working folders do, are replaced
-  /// by the names of what is open.
+  /// In the message, paths through a descriptor of this process (those of working folders, for example) are replaced by
+  /// the names of the open files.
   Error(ErrorCode code, const std::string& message);
   ErrorCode code() const { return code_; }
 
@@ -29,7 +29,7 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-/// Thrown at the next tile boundary after a Progress callback asked to stop. Nothing partial is left behind.
+/// Thrown at the next tile boundary after a Progress callback asked to stop. No partial file remains.
 class Cancelled : public std::exception {
  public:
   const char* what() const noexcept override { return "cancelled"; }
@@ -39,20 +39,21 @@ class Cancelled : public std::exception {
 int exit_code(ErrorCode code);
 
 /// Runs `body`, maps every exception to a message on stderr ("PROGRAM: message") and an exit code (Cancelled: 130).
-/// The only place, with the daemon's job and a C boundary, where exceptions are caught.
+/// Exceptions are caught only here, in the daemon's jobs and at the C boundary.
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv);
 
 /// Throws Error{kInput}: "PATH: WHAT".
 [[noreturn]] void refuse_file(const std::string& path, const std::string& what);
 
-/// Throws Error{kEnvironment}: "SUBJECT: WHAT: " and what errno means. The subject is a path, or what it was about.
+/// Throws Error{kEnvironment}: "SUBJECT: WHAT: " and the meaning of errno. The subject is a path or another object of
+/// the failed call.
 [[noreturn]] void fail_by_errno(const std::string& subject, const std::string& what);
 
 [[noreturn]] void check_failed(const char* condition, const char* file, int line);
 
 }  // namespace multum
 
-/// Stops the program when `condition` is false, in release builds too: a bug of ours, never bad input.
+/// Stops the program when `condition` is false, also in release builds: a programming error, never bad input.
 #define MULTUM_CHECK(condition) \
   ((condition) ? static_cast<void>(0) : ::multum::check_failed(#condition, __FILE__, __LINE__))
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// float to IEEE half, rounded to nearest with ties to even. Done here because drivers differ: llvmpipe truncates floats
-// that are uploaded to an RGBA16F texture (measured, Mesa 22.3.6), half a step of bias on average.
+// Converts float to IEEE half, rounded to nearest with ties to even. Done here because drivers differ: llvmpipe
+// truncates floats that are uploaded to an RGBA16F texture (measured, Mesa 22.3.6), half a step of bias on average.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Beyond the range of half: infinity. NaN stays NaN.
+/// Values beyond the range of half become infinity. NaN stays NaN.
 inline std::uint16_t float_to_half(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const std::uint32_t sign = (bits >> 16) & 0x8000u;
@@ -24,22 +24,22 @@ inline std::uint16_t float_to_half(float value) {
   return static_cast<std::uint16_t>(sign | ((magnitude - 0x38000000u + 0xfffu + odd) >> 13));
 }
 
-/// The nearest half, ties to even, of a number; what is beyond the largest becomes that, 65504. Without branches: loops
-/// of it become vector instructions.
+/// Returns the half nearest to a number, ties to even; larger numbers are clamped to the largest half, 65504. Has no
+/// branches, so that loops over it become vector instructions.
 inline std::uint16_t clamped_to_half(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const std::uint32_t magnitude = std::min(bits & 0x7fffffffu, 0x477fe000u);
   const std::uint32_t subnormal = std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude) + 0.5f) - 0x3f000000u;
   const std::uint32_t normal = (magnitude - 0x38000000u + 0xfffu + (magnitude >> 13 & 1u)) >> 13;
-  // Chosen by bits: of a choice by ?: GCC 12 makes a branch around the addition of floats, and no vectors.
+  // Selects by bits: for a ?: here, GCC 12 makes a branch around the float addition, and no vector instructions.
   const std::uint32_t is_subnormal = 0u - static_cast<std::uint32_t>(magnitude < 0x38800000u);
   return static_cast<std::uint16_t>((bits >> 16 & 0x8000u) | (subnormal & is_subnormal) | (normal & ~is_subnormal));
 }
 
-/// The number that a finite half stands for.
+/// Returns the value of a finite half.
 inline float half_to_float(std::uint16_t bits) {
   const std::uint32_t magnitude = bits & 0x7fffu;
-  // Subnormals count steps of 2^-24; the others move to float's exponent.
+  // Subnormals count steps of 2^-24; other values get float's exponent.
   const float value = magnitude < 0x400u ? static_cast<float>(magnitude) * 0x1p-24f
                                          : std::bit_cast<float>((magnitude << 13) + 0x38000000u);
   return (bits & 0x8000u) != 0 ? -value : value;

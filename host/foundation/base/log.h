@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages for the person who runs the program, on stderr: results go to stdout, so that both can be piped apart.
+// Writes messages for the user to stderr; results go to stdout, so that the two can be piped separately.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@ enum class LogLevel { kQuiet, kNormal, kVerbose };
 void set_log_level(LogLevel level);
 LogLevel log_level();
 
-/// Something doubtful that does not stop the work, about `subject`: the file, or else the library that said it. Shown
-/// unless quiet, as "warning: SUBJECT: MESSAGE", so that it can be told which of many files is meant.
+/// Reports a doubt that does not stop the work, about `subject`: a file, or else the library that reported it. Shown
+/// unless quiet, as "warning: SUBJECT: MESSAGE", so that users know which of many files is meant.
 void log_warning(const std::string& subject, const std::string& message);
-/// The same of a text that begins with its subject: one that HeldWarnings kept, or that a report has.
+/// Like log_warning(), for a text that begins with its subject: one from HeldWarnings, or from a report.
 void log_named_warning(const std::string& warning);
-/// Logs what was detected or decided. Shown unless quiet.
+/// Logs findings and decisions. Shown unless quiet.
 void log_info(const std::string& message);
-/// Plans, caches, timings. Shown with -v.
+/// Logs plans, caches and timings. Shown with -v.
 void log_verbose(const std::string& message);
 
 }  // namespace multum

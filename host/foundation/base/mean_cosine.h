@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mean cosines of von Mises-Fisher lobes, in double.
+// Converts mean cosines of von Mises-Fisher lobes, in double.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// kappa of a mean cosine r, at most `kappa_max`: Banerjee's start and two Newton steps.
+/// Returns kappa for a mean cosine r, at most `kappa_max`: Banerjee's approximation and two Newton steps.
 inline double kappa_of_mean_cosine(double r, double kappa_max) {
   r = std::min(r, 1.0 - 1e-9);
   if (r > 0.9) return std::min(1.0 / (1.0 - r), kappa_max);

@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// Levenshtein: the fewest letters to insert, leave out or replace.
+// Levenshtein distance: the smallest number of letters to insert, remove or replace.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -27,9 +27,9 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest_name(const std::string& name, const std::vector<std::string>& known) {
   std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // further off is another word
+  std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // a larger distance means another word
   for (const std::string& candidate : known) {
-    // No less than the difference of their lengths: a name of megabytes would take minutes.
+    // The distance is at least the difference in length; without this test, a name of megabytes would take minutes.
     const auto [shorter, longer] = std::minmax({name.size(), candidate.size()});
     if (longer - shorter > least) continue;
     const std::size_t distance = edit_distance(name, candidate);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the known name that a misspelt one was meant to be.
+// Finds the known name that is closest to a misspelt one.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace multum {
 
-/// Returns the name of `known` with the least edit distance to `name`, for "did you mean"; empty where none is near:
-/// more than 2 letters and more than half of the name off.
+/// Returns the name in `known` with the smallest edit distance to `name`, for "did you mean"; empty if all distances
+/// exceed both 2 letters and half the length of `name`.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& known);
 
 }  // namespace multum

@@ -27,14 +27,14 @@ char escaped_byte(std::string_view escape) {
   return static_cast<char>((escape[1] == '\xbe' ? 0x80 : 0xc0) | low);
 }
 
-// The character at `at`, or the byte that is part of none, whose `is_character` is false.
+// Returns the character at `at`, or, with `is_character` false, a byte that is not part of a character.
 std::string_view next_piece(std::string_view text, std::size_t at, bool& is_character) {
   const std::size_t length = character_length(text, at);
   is_character = length > 0;
   return text.substr(at, std::max<std::size_t>(length, 1));
 }
 
-// Bytes of what is no character that `stays`.
+// Escapes all bytes except for characters that `stays` accepts.
 template <typename Stays>
 std::string escaped(std::string_view bytes, const Stays& stays) {
   std::string text;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths in JSON. A name of a file may hold any byte but '/' and NUL, and a text of JSON holds characters. A byte that
-// is part of no UTF-8 character is written as one character of the private use area, and read back from it:
+// Stores paths in JSON. A file name may hold any byte except for '/' and NUL, but a JSON text holds only characters. A
+// byte that is not part of a UTF-8 character is written as one character of the private use area:
 //
 //   byte 80 .. FF   <->   U+EF80 .. U+EFFF        e.g. "caf\xe9.png" is "caf\uefe9.png"
 //
-// A character of that range in a name is written in the same way, byte by byte, so that no two names are one text.
-// Every other name is its own text. In Python, os.fsencode(re.sub("[\uef80-\uefff]", lambda m: chr(ord(m[0]) - 0x1300),
-// text)) is the name.
+// A character of that range in a name is escaped too, byte by byte, so that no two names have the same text. All other
+// names stay unchanged. In Python, os.fsencode(re.sub("[\uef80-\uefff]", lambda m: chr(ord(m[0]) - 0x1300), text))
+// gives the name.
 #pragma once
 
 #include <string>
@@ -15,18 +15,18 @@
 
 namespace multum {
 
-/// A text of valid UTF-8 for a path.
+/// Returns a valid UTF-8 text for a path.
 std::string text_of_path(std::string_view path);
 std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths);
 
-/// The path that text_of_path() wrote so; a text without characters from U+EF80 to U+EFFF is its own path.
+/// Inverse of text_of_path(). A text without characters from U+EF80 to U+EFFF is its own path.
 std::string path_of_text(std::string_view text);
 std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts);
 
-/// A text of valid UTF-8 for a message that quotes paths, some perhaps as texts already: what is UTF-8 stays as it is.
+/// Returns a valid UTF-8 text for a message that quotes paths, some perhaps as texts already: UTF-8 stays unchanged.
 std::string text_of_message(std::string_view message);
 
-/// Does text_of_path() leave it as it is? False for every name that is not UTF-8.
+/// Returns whether text_of_path() leaves the path unchanged. False for every path that is not UTF-8.
 bool is_own_text(std::string_view path);
 
 }  // namespace multum

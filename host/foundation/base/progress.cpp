@@ -47,7 +47,7 @@ void Progress::report() {
 
 namespace {
 
-// Written by the handler, read from any thread: only atomics without locks may be.
+// Written by the signal handler, read by any thread: only lock-free atomics are allowed.
 std::atomic<int> g_interrupted{0};
 std::atomic<int> g_interrupted_at{0};  // seconds of a steady clock
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -58,9 +58,9 @@ int steady_seconds() {
   return static_cast<int>(now.tv_sec);
 }
 
-// The first one asks politely. Another ends a program that does not listen, but not at once: some senders (timeout of
-// coreutils, agents of farms) signal a process and then its group, which it is in, and on a machine that is overloaded
-// seconds may lie between. Who presses Ctrl-C again does not wait so long.
+// The first signal asks politely. A later one ends a program that does not react, but only after a delay: some senders
+// (timeout of coreutils, agents of farms) signal a process and then its group. On an overloaded machine, seconds may
+// pass between the two. A user who presses Ctrl-C again does not wait so long.
 void on_interrupt(int signal) {
   if (g_interrupted == 0) {
     g_interrupted_at = steady_seconds();
@@ -77,8 +77,8 @@ bool is_interrupted() { return g_interrupted != 0; }
 
 namespace {
 
-// LLVM, which OpenCL's driver brings, puts handlers of its own in place of these, which a first signal takes away again
-// (SA_RESETHAND): a second one at the same moment would end the program. So they are looked after.
+// LLVM, which OpenCL's driver loads, replaces these handlers with its own, which the first signal removes again
+// (SA_RESETHAND): a second signal at the same moment would end the program. So the handlers are restored regularly.
 void keep_interrupt_handlers() {
   for (const int signal : {SIGINT, SIGTERM}) {
     struct sigaction action = {};
@@ -120,7 +120,7 @@ class TerminalBar {
     }
     shown_ = false;
   }
-  // By the pace so far; of short work, and of the beginning, nothing worth reading.
+  // Estimates from the pace so far; returns nothing for short work and at the beginning.
   std::string time_left(double fraction, std::chrono::steady_clock::time_point now) const {
     const double spent = std::chrono::duration<double>(now - start_).count();
     if (spent < 5.0 || fraction < 0.02 || fraction >= 1.0) return "";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress and cancelling of long calls. Work is counted in units declared up front; a callback that returns false
-// cancels: the next advance() throws Cancelled and the caller's objects clean up as they are destroyed.
+// Reports progress of long calls and cancels them. Work is counted in units declared in advance. If a callback returns
+// false, the next advance() throws Cancelled, and the caller's objects clean up as they are destroyed.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 namespace multum {
 
 struct ProgressEvent {
-  std::string stage;          // "read", "fit level 3", "write": what is being done now
-  std::uint64_t units_done;   // of all stages together
+  std::string stage;          // the current work: "read", "fit level 3", "write"
+  std::uint64_t units_done;   // finished units of all stages together
   std::uint64_t units_total;  // declared by start(); 0 while unknown
 };
 
@@ -22,13 +22,13 @@ class Progress {
 
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
-  /// Declares the whole work. Called once by the outermost long call; by the next of several, counting begins anew.
+  /// Declares the whole work. Called once by the outermost long call; if several follow each other, each starts at 0.
   void start(std::uint64_t units_total);
-  /// Names what comes next. Throws Cancelled when the callback says so.
+  /// Names the next stage. Throws Cancelled if the callback returns false.
   void stage(const std::string& name);
-  /// Counts finished units. Throws Cancelled when the callback says so.
+  /// Counts finished units. Throws Cancelled if the callback returns false.
   void advance(std::uint64_t units);
-  /// Counts what is left of the work. Never throws Cancelled: a result that is in place cannot be called off any more.
+  /// Counts the remaining work as done. Never throws Cancelled: a result that is in place cannot be cancelled.
   void finish();
 
  private:
@@ -37,7 +37,7 @@ class Progress {
   ProgressEvent event_{"", 0, 0};
 };
 
-// The same on an optional Progress: null means that nobody listens.
+// The calls above for an optional Progress; null: no listener.
 inline void progress_start(Progress* p, std::uint64_t units) {
   if (p != nullptr) p->start(units);
 }
@@ -51,7 +51,7 @@ inline void progress_finish(Progress* p) {
   if (p != nullptr) p->finish();
 }
 
-/// For a part of a longer call that counts in units of its own: passes on whether to cancel, and no more. `progress`
+/// Returns a Progress for a part of a longer call that counts its own units: it only passes cancellation on. `progress`
 /// must outlive it.
 inline Progress cancel_only(Progress* progress) {
   return Progress([progress](const ProgressEvent&) {
@@ -60,7 +60,7 @@ inline Progress cancel_only(Progress* progress) {
   });
 }
 
-/// A bar on a terminal's stderr, silent when stderr is not a terminal. Ctrl-C and SIGTERM cancel.
+/// Shows a bar on stderr if it is a terminal. Ctrl-C and SIGTERM cancel.
 std::unique_ptr<Progress> make_terminal_progress(bool show_bar);
 
 }  // namespace multum

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times runs that can be compared: in turns, so that what else the machine does falls on all of them, and the least of
-// several, since other work only ever adds. Processor time is this process's, in all its threads.
+// Times runs for comparison: alternately, so that other load on the machine affects all of them, and as the minimum of
+// several rounds, since other load only adds time. Processor time covers all threads of this process.
 //
-// Elapsed time says how long someone waits on this machine now. Work says what settings cost: other programs hardly
-// change it, so that it can rank settings on a busy machine.
+// Elapsed time tells how long a user of this machine waits. Work tells the cost of settings: other programs hardly
+// change it, so it can rank settings on a busy machine.
 #pragma once
 
 #include <functional>
@@ -14,23 +14,23 @@
 
 namespace multum {
 
-/// Seconds of a run; of several rounds the least of each.
+/// Seconds of a run; for several rounds, the minimum of each value.
 struct RunTime {
   double processor_seconds = 0.0;
   double elapsed_seconds = 0.0;
-  double device_seconds = 0.0;  // of kernels on a device that is no processor of this machine, by its own clock
+  double device_seconds = 0.0;  // kernels on devices other than this machine's processors, by the device's clock
 
   double work_seconds() const { return processor_seconds + device_seconds; }
 };
 RunTime operator+(const RunTime& a, const RunTime& b);
 
-/// Of this process so far, in all its threads.
+/// Processor seconds of this process so far, in all its threads.
 double processor_seconds();
 
-/// What a device has worked so far, by its own clock; empty: no other device works than processors.
+/// Returns the seconds that a device has worked, by its own clock; empty: only processors work.
 using DeviceSeconds = std::function<double()>;
 
-/// Times what happens since it was made.
+/// Times the work since its construction.
 class RunClock {
  public:
   explicit RunClock(DeviceSeconds device_seconds = {});
@@ -45,8 +45,8 @@ class RunClock {
 
 constexpr int kTimedRounds = 3;
 
-/// Runs all of `runs` once a round, `rounds` (at least 1) times. What is done at a first run alone, such as compiling
-/// kernels, must have been done before. Progress: a unit a run; may cancel between two.
+/// Runs all of `runs` once per round, `rounds` (at least 1) times. Work that happens only in a first run, such as
+/// compiling kernels, must have been done before. Progress: one unit per run; may cancel between two runs.
 std::vector<RunTime> time_in_turns(const std::vector<std::function<void()>>& runs, int rounds, Progress* progress,
                                    const DeviceSeconds& device_seconds = {});
 

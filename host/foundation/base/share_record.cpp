@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Some hundred bytes a sample of each texture: what is larger is nobody's record, and is not read into memory.
+// A record takes some hundred bytes per sample of each texture. A larger file cannot be a record, and is not read.
 constexpr std::int64_t kBytesMax = std::int64_t{256} << 20;
 
 [[noreturn]] void refuse(const ShareName& share, const std::string& found) {
@@ -29,7 +29,7 @@ std::string text_of(const ShareName& share) {
   try {
     ByteFile file(share.path());
     if (file.size() > kBytesMax)
-      refuse(share, fmt::format("has {} bytes, expected {} at most", file.size(), kBytesMax));
+      refuse(share, fmt::format("has {} bytes, expected at most {}", file.size(), kBytesMax));
     return file.size() > 0 ? file.bytes(0, file.size(), "a share's record") : "";
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kEnvironment) throw;
@@ -39,11 +39,11 @@ std::string text_of(const ShareName& share) {
 
 nlohmann::json checked(const ShareName& share, const std::string& text) {
   const std::size_t end = text.find('\n');
-  if (end == std::string::npos || !text.ends_with('\n')) refuse(share, "is cut or no record of a share");
+  if (end == std::string::npos || !text.ends_with('\n')) refuse(share, "is incomplete, or not a record of a share");
   const std::string line = text.substr(0, end);
-  if (text.substr(end + 1) != hash_text(line) + "\n") refuse(share, "is damaged: its hash is not that of its contents");
+  if (text.substr(end + 1) != hash_text(line) + "\n") refuse(share, "is damaged: its hash does not match its contents");
   nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
-  if (!json.is_object()) refuse(share, "is no record of a share");
+  if (!json.is_object()) refuse(share, "is not a record of a share");
   return json;
 }
 
@@ -70,7 +70,7 @@ nlohmann::json read_share_record(const ShareName& share, const std::string& key)
       refuse(share,
              fmt::format("says {} {}, expected {}", name, json.value(name, nlohmann::json()).dump(), value.dump()));
   if (json.value("key", nlohmann::json()) != key)
-    refuse(share, "is of other inputs, settings or another version than these");
+    refuse(share, "was made with other inputs, other settings or another version");
   if (!json.contains("content") || !json["content"].is_object()) refuse(share, "has no content");
   return json["content"];
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// UTF-8 as RFC 3629, section 4, has it: nothing over-long, no surrogates, nothing beyond U+10FFFF. A decoder that takes
-// more could be made to find a control character where this one finds none.
+// Accepts UTF-8 as in RFC 3629, section 4: no overlong forms, no surrogates, nothing beyond U+10FFFF. A decoder that
+// accepts more could find a control character where this one finds none.
 #include "host/foundation/base/shown_text.h"
 
 #include <unistd.h>
@@ -20,7 +20,7 @@ constexpr char kHexDigits[] = "0123456789abcdef";
 
 std::uint32_t byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
 
-// Bytes that the first one of a character announces; 0: it is none.
+// Returns the length that the first byte of a character announces; 0 if it is not a first byte.
 std::size_t announced_length(std::uint32_t first) {
   if (first < 0x80) return 1;
   if (first >= 0xc2 && first <= 0xdf) return 2;
@@ -76,7 +76,7 @@ void write_shown(std::FILE* stream, std::string_view text) {
   const std::string shown = isatty(fileno(stream)) != 0 ? shown_text(text) : "";
   if (!shown.empty()) text = shown;
   const StreamTurn turn;
-  std::fwrite(text.data(), 1, text.size(), stream);  // a failure stays with the stream, for who flushes it
+  std::fwrite(text.data(), 1, text.size(), stream);  // the stream keeps a failure until it is flushed
 }
 
 void print_shown(std::FILE* stream, const char* format, ...) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text for the person at a terminal. File names, what is in files and what a service answers may hold control
-// characters, by which a terminal moves its cursor, changes its title or types for its user. Programs write all their
-// text by these functions: on a terminal such characters are shown as \x9b; into files and pipes bytes go as they are,
-// so that names read from them are the files' own.
+// Shows text to the user of a terminal. File names, contents of files and answers of a service may hold control
+// characters, with which a terminal moves its cursor, changes its title or types for its user. Programs write all text
+// with these functions. Terminals show such characters as \x9b; files and pipes get the bytes unchanged, so that names
+// can be read from them.
 #pragma once
 
 #include <cstdio>
@@ -11,27 +11,28 @@
 
 namespace multum {
 
-/// Escapes control characters but tab and newline - C0, DEL, and C1, which as UTF-8 is C2 80 to C2 9F - and bytes that
-/// are no UTF-8: each byte as \x and two digits.
+/// Escapes control characters (C0, DEL, and C1, which in UTF-8 is C2 80 to C2 9F), except for tab and newline. Also
+/// escapes bytes that are not UTF-8. Each byte becomes \x and two digits.
 std::string shown_text(std::string_view text);
 
-/// Writes text as it is; to a terminal, as shown_text().
+/// Writes text unchanged; to a terminal, writes shown_text() of it.
 void write_shown(std::FILE* stream, std::string_view text);
-/// Writes what printf() would, in the same way.
+/// Writes the output of printf() in the same way.
 [[gnu::format(printf, 2, 3)]] void print_shown(std::FILE* stream, const char* format, ...);
 
-/// Escapes JSON: DEL and C1, which may stand in its texts alone, as \u escapes. To a reader of JSON it is the same.
+/// Escapes DEL and C1 in valid JSON, which holds them only in texts, as \u escapes. JSON parsers read the same value.
 std::string escaped_json(std::string_view json);
 
-/// Bytes of the UTF-8 character that begins at `begin`, which is in the text (RFC 3629); 0: none begins there.
+/// Returns the length of the UTF-8 character (RFC 3629) at `begin`, which is within the text; 0 if none begins there.
 std::size_t character_length(std::string_view text, std::size_t begin);
 
-/// Is all of it UTF-8?
+/// Returns whether the whole text is UTF-8.
 bool is_utf8(std::string_view text);
-/// Does it hold a control character: C0 with tab and newline, DEL, C1? Bytes that are not UTF-8 are none.
+/// Returns whether the text holds a control character: C0 with tab and newline, DEL, C1. Bytes that are not UTF-8 do
+/// not count.
 bool holds_control(std::string_view text);
 
-/// Bytes of `text` but for a UTF-8 character at its end that is not whole yet.
+/// Returns the length of `text` without an incomplete UTF-8 character at its end.
 std::size_t whole_characters(std::string_view text);
 
 }  // namespace multum

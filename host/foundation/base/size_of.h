@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts counts to sizes: products of counts may be beyond an int.
+// Converts counts to sizes: a product of counts may exceed the range of int.
 #pragma once
 
 #include <cstddef>

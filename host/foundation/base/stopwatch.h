@@ -7,11 +7,11 @@
 
 namespace multum {
 
-/// Runs from its making, or its last lap, on.
+/// Measures from its construction or its last lap.
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  /// Seconds so far; begins anew.
+  /// Returns the seconds so far and starts again at 0.
   double lap() {
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - start_).count();
@@ -24,7 +24,7 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-/// Processor time of the calling thread from its making on: what else runs on the machine does not count.
+/// Measures the processor time of the calling thread from its construction on; other programs do not affect it.
 class ThreadStopwatch {
  public:
   double seconds() const { return now() - start_; }
@@ -38,7 +38,7 @@ class ThreadStopwatch {
   double start_ = now();
 };
 
-/// Adds the seconds of its own life to `total`.
+/// Adds the seconds of its own lifetime to `total`.
 class ScopedStopwatch {
  public:
   explicit ScopedStopwatch(double& total) : total_(total) {}

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Empty without such a limit.
+// Returns "" if the process has no such limit.
 std::string limit_text(__rlimit_resource which, const char* before, const char* after) {
   rlimit limit = {};
   if (::getrlimit(which, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return "";
@@ -34,7 +34,7 @@ std::string errno_text(int number) {
   if (number == EFBIG) limit = limit_text(RLIMIT_FSIZE, "files may have ", " bytes (ulimit -f)");
   if (number == EMFILE) limit = limit_text(RLIMIT_NOFILE, "this process may have ", " files open (ulimit -n)");
   if (number == ENOMEM) limit = limit_text(RLIMIT_AS, "this process may take ", " bytes of memory (ulimit -v)");
-  // A thread's stack is memory too.
+  // The stack of a thread takes memory too.
   if (number == EAGAIN)
     limit = limit_text(RLIMIT_NPROC, "this user may have ", " threads (ulimit -u)") +
             limit_text(RLIMIT_AS, "this process may take ", " bytes of memory (ulimit -v)");

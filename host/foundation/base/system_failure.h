@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says what the system refused, and which limit of this process was in the way.
+// Describes a refusal of the system, and the limit of this process that caused it.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace multum {
 
-/// What `number`, a value of errno, means; where a limit of this process explains it, the limit, its value and the
-/// option of the shell's ulimit that sets it: "File too large; files may have 1048576 bytes (ulimit -f)".
+/// Returns the meaning of `number`, a value of errno. If a limit of this process explains it, adds the limit, its value
+/// and the option of the shell's ulimit that sets it: "File too large; files may have 1048576 bytes (ulimit -f)".
 std::string errno_text(int number);
 
-/// Kind of an error of errno: kUsage of a name that is too long for the file system, which no other try makes shorter;
-/// else kEnvironment.
+/// Returns the error code for a value of errno: kUsage for a name that is too long for the file system, since trying
+/// again cannot help; otherwise kEnvironment.
 ErrorCode errno_code(int number);
 
-/// Within a catch block: the exception as an Error, for loops over files that go on with the next one. An Error is
-/// returned as it is; memory that has run out and what the system refuses (std::bad_alloc, std::system_error) become
-/// an Error about `subject`. Rethrows everything else: Cancelled ends the loop too, and so does a fault of the program.
+/// Called in a catch block: returns the exception as an Error, for loops that continue with the next file. Returns an
+/// Error unchanged; turns exhausted memory and refusals of the system (std::bad_alloc, std::system_error) into an Error
+/// about `subject`. Rethrows all others: Cancelled and faults of the program end the loop.
 Error caught_error(const std::string& subject);
 
 }  // namespace multum

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiles loops once for every width of vector registers; the program takes the widest that the machine has. All give
-// the same bits: such a loop computes each element by itself, and no multiplication is contracted with an addition
-// (-ffp-contract=off, for every target), so that width cannot be seen in a result.
+// Compiles loops once for every width of vector registers; the program uses the widest that the machine has. All widths
+// give the same bits, because such a loop computes each element independently, and no multiplication is contracted with
+// an addition (-ffp-contract=off, for every target).
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
-// Which clone runs is chosen while the program is loaded, before sanitizers are set up: they get the plain loop.
+// The loader chooses the clone before sanitizers are initialized, so programs with sanitizers get the plain loop.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define MULTUM_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -17,7 +17,7 @@
 
 namespace multum {
 
-/// Doubles whose first begins a cache line: the widest registers are one, and are slow across two.
+/// Doubles that begin at a cache line: the widest registers have the size of one line, and are slow across two.
 class AlignedRow {
  public:
   explicit AlignedRow(std::size_t count = 0) : lines_((count + 7) / 8) {}

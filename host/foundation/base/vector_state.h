@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workaround "ISA-L leaves vector registers in use": ISA-L 2.30's AVX functions return without VZEROUPPER, after which
-// every SSE instruction of the thread waits for the upper halves that it need not keep: rounding after a checksum took
-// twice its time. To be called after such functions.
+// Workaround "ISA-L leaves vector registers in use": ISA-L 2.30's AVX functions return without VZEROUPPER. Afterwards
+// every SSE instruction of the thread waits to preserve the unneeded upper halves: rounding after a checksum took twice
+// as long. Called after such functions.
 #pragma once
 
 namespace multum {

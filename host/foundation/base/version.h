@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// "multum 0.1.0", as files name what made them.
+/// "multum 0.1.0", the name of this program in files that it writes.
 const std::string& software_version();
 
 }  // namespace multum

@@ -19,15 +19,16 @@ WorkShard parse_work_shard(const std::string& option, const std::string& text) {
     shard.count = std::stoi(found[3]);
     if (1 <= shard.first && shard.first <= shard.last && shard.last <= shard.count) return shard;
   }
-  throw Error(ErrorCode::kUsage,
-              fmt::format("{} is '{}', expected I/N or I-J/N, shares I to J of N, from 1: 3/8", option, text));
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("{} is '{}', expected I/N or I-J/N (shares I to J of N, from 1), for example 3/8", option, text));
 }
 
 WorkShard parse_merged_shard(const std::string& option, const std::string& text) {
   const WorkShard shard = parse_work_shard(option, text);
   if (shard.count <= kMergedSharesMax) return shard;
-  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected {} shares at most, which --merge puts together",
-                                             option, text, kMergedSharesMax));
+  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected at most {} shares, the limit of --merge", option,
+                                             text, kMergedSharesMax));
 }
 
 std::string share_file(const std::string& output, int index, int count) {

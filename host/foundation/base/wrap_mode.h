@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wrap modes: the values beyond an image's border, by maketx's names.
+// Wrap modes: the values beyond an image's border, named as in maketx.
 #pragma once
 
 #include <optional>

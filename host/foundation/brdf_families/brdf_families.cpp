@@ -12,14 +12,14 @@ using Text = std::string_view;
 
 double width_itself(float width) { return static_cast<double>(width); }
 
-// glTF's alpha, in float as shaders have it.
+// Computes glTF's alpha, in float as in shaders.
 double alpha_of(float roughness) { return static_cast<double>(roughness * roughness); }
 
 constexpr BrdfMember kRoughness = {BrdfField::kRoughness, "roughness", "ROUGHNESS", 0.05, 1.0};
 constexpr BrdfMember kSigma = {BrdfField::kSigma, "sigma", "SIGMA", 0.002, 1.0, "radians"};
 constexpr BrdfMember kF0 = {BrdfField::kF0, "f0", "F0", 0.0, 1.0};
 
-// f = (s + 1) / (2 pi) (n.h)^s.
+// Blinn-Phong: f = (s + 1) / (2 pi) (n.h)^s.
 constexpr BrdfMember kBlinnPhongMembers[] = {{BrdfField::kExponent, "exponent", "S", 1.0, 1e5}};
 constexpr Text kBlinnPhongFlags[] = {"MULTUM_BLINN_PHONG"}, kBlinnPhongFiles[] = {"blinn_phong.glsl"};
 
@@ -28,7 +28,7 @@ double blinn_phong_density(float width, double e) {
   return e < 1.0 ? (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e)) : 0.0;
 }
 
-// f = vMF of kappa 1 / (2 sigma^2). Of Torrance and Sparrow F = V = 1: Fresnel and shadowing are left to k_s.
+// f = vMF of kappa 1 / (2 sigma^2). Torrance-Sparrow here has F = V = 1: k_s includes Fresnel and shadowing.
 constexpr BrdfMember kTorranceSparrowMembers[] = {kSigma};
 constexpr Text kTorranceSparrowFlags[] = {"MULTUM_TORRANCE_SPARROW"},
                kTorranceSparrowFiles[] = {"torrance_sparrow.glsl"};
@@ -43,7 +43,7 @@ double torrance_sparrow_density(float width, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// Cook and Torrance 1982: the same f, V of V-shaped grooves.
+// Cook and Torrance 1982: f as for Torrance-Sparrow, V of V-shaped grooves.
 constexpr BrdfMember kCookTorranceMembers[] = {kSigma, kF0};
 constexpr Text kCookTorranceFlags[] = {"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"},
                kCookTorranceFiles[] = {"torrance_sparrow.glsl", "cook_torrance.glsl"};
@@ -52,7 +52,7 @@ double groove_visibility(float, double n_l, double n_v, double n_h, double v_h) 
   return 0.25 * std::min(1.0 / std::max(n_l * n_v, 1e-8), 2.0 * n_h / std::max(v_h, 1e-4) / std::max({n_l, n_v, 1e-4}));
 }
 
-// As in glTF: alpha = roughness^2, Smith's V.
+// GGX as in glTF: alpha = roughness^2, Smith's V.
 constexpr BrdfMember kGgxMembers[] = {kRoughness, kF0};
 constexpr Text kGgxFlags[] = {"MULTUM_GGX", "MULTUM_VISIBILITY"},
                kGgxFiles[] = {"cook_torrance.glsl", "ggx.glsl", "ggx_lobe.glsl"};
@@ -64,25 +64,25 @@ double smith_visibility(float width, double n_l, double n_v, double, double) {
   return 0.5 / std::max(n_l * std::sqrt(n_v * n_v * (1.0 - x) + x) + n_v * std::sqrt(n_l * n_l * (1.0 - x) + x), 1e-6);
 }
 
-// The sheen of cloth: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with alpha = roughness^2 and
-// the V of Ashikhmin and Premoze 2007 as KHR_materials_sheen, Filament and three.js have them. f is 0 at the normal.
+// Sheen of cloth: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with alpha = roughness^2 and the
+// V of Ashikhmin and Premoze 2007, as in KHR_materials_sheen, Filament and three.js. f is 0 at the normal.
 constexpr BrdfMember kCharlieMembers[] = {kRoughness};
 constexpr Text kCharlieFlags[] = {"MULTUM_CHARLIE", "MULTUM_VISIBILITY"}, kCharlieFiles[] = {"charlie.glsl"};
 
-// (2 + 1 / alpha) sin^(1 / alpha) / (2 pi).
+// Density of Charlie: (2 + 1 / alpha) sin^(1 / alpha) / (2 pi).
 double charlie_density(float width, double e) {
   const double power = 0.5 / alpha_of(width);
   return e < 1.0 ? (1.0 + power) / std::numbers::pi * std::pow(e * (2.0 - e), power) : 0.0;
 }
 
-// Beside the horizon f is near exp(-t^2 / (2 alpha)), t = n.h.
+// Near the horizon f is about exp(-t^2 / (2 alpha)), t = n.h.
 double charlie_exponent(float width) { return 1.0 / alpha_of(width); }
 
 double sheen_visibility(float, double n_l, double n_v, double, double) {
   return 0.25 / std::max(n_l + n_v - n_l * n_v, 1e-6);
 }
 
-// f(n.h) and F(v.h) of a file, V = 1.
+// f(n.h) and F(v.h) are read from a file, V = 1.
 constexpr Text kMeasuredFlags[] = {"MULTUM_MEASURED"}, kMeasuredFiles[] = {"measured.glsl", "terms.glsl"};
 
 constexpr Text kLambertFlags[] = {"MULTUM_LAMBERT"};
@@ -112,7 +112,7 @@ constexpr BrdfFamily kFamilies[] = {
     {.kind = BrdfKind::kCookTorrance,
      .name = "cook-torrance",
      .members = kCookTorranceMembers,
-     .specular = 1.0f,  // Schlick's term is in its specular part already
+     .specular = 1.0f,  // the measured specular part includes Schlick's term
      .fit = BrdfFit::kOne,
      .density = torrance_sparrow_density,
      .exponent = kappa_of_sigma,
@@ -123,7 +123,7 @@ constexpr BrdfFamily kFamilies[] = {
      .name = "ggx",
      .members = kGgxMembers,
      .specular = 1.0f,
-     .is_normalised = false,  // its projection is
+     .is_normalised = false,  // its projection is normalised
      .density = ggx_of_roughness,
      .visibility = smith_visibility,
      .shader_flags = kGgxFlags,
@@ -134,7 +134,7 @@ constexpr BrdfFamily kFamilies[] = {
      .specular = 1.0f,  // glTF's sheenColorFactor
      .sum_from = 0.6,
      .lights_alone = true,
-     .is_normalised = false,  // its projection is
+     .is_normalised = false,  // its projection is normalised
      .density = charlie_density,
      .exponent = charlie_exponent,
      .visibility = sheen_visibility,
@@ -150,7 +150,7 @@ constexpr BrdfFamily kFamilies[] = {
      .shader_takes_terms = true},
 };
 
-// brdf_family() counts on it.
+// brdf_family() relies on this order.
 constexpr bool stand_by_kind() {
   for (std::size_t i = 0; i < std::size(kFamilies); ++i)
     if (kFamilies[i].kind != static_cast<BrdfKind>(i)) return false;

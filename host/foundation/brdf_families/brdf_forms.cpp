@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// Of those that a text names by itself.
+// Returns the families that have a text form other than a file.
 std::vector<const BrdfFamily*> named_families() {
   std::vector<const BrdfFamily*> families;
   for (const BrdfFamily& family : brdf_families())

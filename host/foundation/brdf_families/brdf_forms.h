@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text forms of the table of BRDFs in words and as a pattern.
+// Describes the text forms of the table of BRDFs, in words and as a pattern.
 #pragma once
 
 #include <string>
@@ -9,17 +9,18 @@
 
 namespace multum {
 
-/// "lambert, blinn-phong:S, ..., cook-torrance:SIGMA and ggx:ROUGHNESS" of the families that have a text; `last`: the
-/// word before the last, "" for a comma. `with_f0`: "ggx:ROUGHNESS[,F0]".
+/// Returns "lambert, blinn-phong:S, ..., cook-torrance:SIGMA and ggx:ROUGHNESS" for the families with a text form;
+/// `last` is the word before the last one, "" for a comma. `with_f0`: "ggx:ROUGHNESS[,F0]".
 std::string brdf_forms(std::string_view last, bool with_f0 = false);
 
-/// What a refused text is told: the same with ranges, and files.
+/// Returns the forms with ranges, and the file form, for messages about a refused text.
 std::string expected_brdf();
 
-/// "a number from 0.05 to 1", "radians from 0.002 to 1".
+/// Returns "a number from 0.05 to 1" or "radians from 0.002 to 1", for example.
 std::string range_text(const BrdfMember& member);
 
-/// A regular expression, as JSON schemas have it, of a text that names a family and its numbers: no file's name.
+/// Returns a regular expression, in the syntax of JSON schemas, that matches texts of a family and its numbers, but not
+/// file names.
 const std::string& brdf_pattern();
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modules of JavaScript as one classic script, for pages that are one file.
+// Turns JavaScript modules into one classic script, for pages that are a single file.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace multum {
 
-/// A module's text without what it imports, and with what it exports as plain declarations. Modules that are joined
-/// stand in the order of what they import, and no two have a name in common at top level.
+/// Returns a module's text without its imports, and with its exports as plain declarations. When modules are joined,
+/// each follows the modules that it imports, and no two may share a name at top level.
 std::string plain_script(std::string_view module_text);
 
-/// Stops the program where a script's text would end the <script> that it stands in.
+/// Stops the program if a script's text would end its <script> element.
 void check_script(const std::string& script);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages between processes of one machine, as bytes: numbers as the machine has them, texts behind their lengths.
-// What is read may have been written by a process that has lost its mind: every length is checked.
+// Encodes messages between processes of one machine as bytes: numbers in the machine's format, texts after their
+// lengths. The other process may have been corrupted by a broken file, so the reader checks every length.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ class MessageWriter {
   std::string bytes_;
 };
 
-/// Throws std::out_of_range where the message is shorter than what is asked for.
+/// Throws std::out_of_range if the message is shorter than the requested values.
 class MessageReader {
  public:
   explicit MessageReader(std::string_view bytes) : bytes_(bytes) {}
@@ -44,7 +44,7 @@ class MessageReader {
     return value;
   }
   std::string text() { return std::string(take(number<std::uint64_t>())); }
-  /// Reads a count of items, each of which takes a byte at least.
+  /// Reads a count of items, each of which takes at least one byte.
   std::size_t count() {
     const auto value = number<std::uint64_t>();
     if (value > bytes_.size()) throw std::out_of_range("a count beyond the end of the message");

@@ -25,12 +25,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As later kernels' linux/landlock.h has them; that of Debian 12 lacks them.
+// Values from linux/landlock.h of later kernels; the header of Debian 12 lacks them.
 constexpr std::uint64_t kTruncate = 1 << 14, kDeviceControl = 1 << 15;
 constexpr std::uint64_t kBindTcp = 1 << 0, kConnectTcp = 1 << 1;
 constexpr std::uint64_t kSignals = 1 << 1;
 struct Ruleset {
-  std::uint64_t files = 0, network = 0, scoped = 0;  // what is refused where no rule allows it
+  std::uint64_t files = 0, network = 0, scoped = 0;  // accesses that are refused unless a rule allows them
 };
 constexpr std::uint64_t kReadFile = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE;
 constexpr std::uint64_t kRead = kReadFile | LANDLOCK_ACCESS_FS_READ_DIR;
@@ -40,7 +40,7 @@ int abi() {
   return static_cast<int>(::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION));
 }
 
-// All that this kernel knows to refuse.
+// Returns all accesses that this kernel can refuse.
 std::uint64_t all_rights(int version) {
   std::uint64_t rights = (std::uint64_t{1} << 13) - 1;
   if (version >= 2) rights |= LANDLOCK_ACCESS_FS_REFER;
@@ -75,7 +75,7 @@ void add_matching(std::vector<std::string>& list, const char* pattern) {
   ::globfree(&found);
 }
 
-// Where drivers keep what they have compiled.
+// Adds the folders where drivers store compiled programs.
 void add_caches(std::vector<std::string>& writable, const Variables& variable) {
   const std::string home = variable("HOME"), named = variable("XDG_CACHE_HOME");
   const std::string cache = !named.empty() ? named : home.empty() ? "" : home + "/.cache";
@@ -92,7 +92,7 @@ void add_caches(std::vector<std::string>& writable, const Variables& variable) {
   }
 }
 
-// A driver of OpenCL lies where a line of a file in /etc says.
+// A line of a file in /etc names the library of an OpenCL driver.
 void add_drivers(std::vector<std::string>& readable, const Variables& variable) {
   std::vector<std::string> lists;
   add_matching(lists, "/etc/OpenCL/vendors/*.icd");
@@ -139,7 +139,7 @@ Confinement system_confinement(const Variables& variable) {
                       "/etc/ssl/openssl.cnf"};
   for (const char* drivers : {"/opt/rocm*", "/opt/amdgpu*", "/opt/intel"}) add_matching(allowed.readable, drivers);
   add_drivers(allowed.readable, variable);
-  // An unpacked archive: PREFIX/bin and PREFIX/lib.
+  // In an unpacked archive: PREFIX/bin and PREFIX/lib.
   const fs::path folder = own_folder();
   allowed.readable.push_back(folder.string());
   allowed.readable.push_back((folder.parent_path() / "lib").string());

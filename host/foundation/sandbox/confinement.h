@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shuts a process off from files that it has no use for, by Linux's Landlock: whatever path, link or library it follows
-// later, the system opens nothing else for it or its children. Newer kernels shut it off from TCP (6.7) and from
-// sending signals to processes that are not confined with it (6.12) too. It needs no privilege, and there is no way
-// back.
+// Bars a process from files that it does not need, with Linux's Landlock. Whatever path, link or library the process
+// and its children follow later, the system opens only the allowed files. Newer kernels also bar it from TCP (6.7), and
+// from sending signals to processes that are not confined with it (6.12). Landlock needs no privilege and cannot be
+// undone.
 #pragma once
 
 #include <functional>
@@ -12,25 +12,26 @@
 namespace multum {
 
 struct Confinement {
-  /// Files, or folders with all in them; those that are not there are passed over.
+  /// Files, or folders with their contents; missing ones are skipped.
   std::vector<std::string> readable, writable;
 };
 
-/// An environment variable's value; "": not set.
+/// Returns an environment variable's value; "" if it is not set.
 using Variables = std::function<std::string(const char* name)>;
 
-/// Confinement that leaves what every program of this project needs of a machine: libraries, drivers of OpenCL and GL
-/// and their caches, which are made if need be; little of /etc, nothing of others' homes, no temporary folder.
+/// Returns a confinement that allows the parts of the machine that every program of this project needs: libraries,
+/// OpenCL and GL drivers and their caches, which are created if missing. It allows little of /etc, no other users'
+/// homes and no temporary folder.
 Confinement system_confinement(const Variables& variable);
 
-/// The part of it that holds `path`, which may not be there; "": none does. Links are followed.
+/// Returns the entry of `allowed` that contains `path`, which need not exist; "" if there is none. Follows links.
 std::string part_that_holds(const Confinement& allowed, const std::string& path);
 
-/// Can the kernel confine threads (Linux 5.13 and later, if it is switched on)?
+/// Returns whether the kernel can confine threads (Linux 5.13 and later, if enabled).
 bool can_confine();
 
-/// Confines this thread, and what it starts, to these alone from here on. False: the kernel cannot. Throws
-/// Error(kEnvironment) when it refuses.
+/// Confines this thread, and everything that it starts, to `allowed` from now on. Returns false if the kernel cannot.
+/// Throws Error(kEnvironment) when the kernel refuses.
 bool confine_this_thread(const Confinement& allowed);
 
 }  // namespace multum

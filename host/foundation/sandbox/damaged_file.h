@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns what libraries throw at damaged files into an error that names the file. OpenEXR's own exceptions may pass
+// Turns libraries' exceptions about damaged files into an error that names the file. OpenEXR's own exceptions may pass
 // through OpenImageIO.
 #pragma once
 
@@ -26,7 +26,7 @@ auto with_damage_named(const std::string& path, const Body& body) {
     throw NotEnoughMemory(path);
   } catch (const Error&) {
     throw;
-  } catch (const std::system_error& error) {  // a thread that finds no memory for its stack, too
+  } catch (const std::system_error& error) {  // for example, no memory for a thread's stack
     const bool is_memory =
         error.code() == std::errc::not_enough_memory || error.code() == std::errc::resource_unavailable_try_again;
     if (is_memory) throw NotEnoughMemory(path);

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Throws std::out_of_range where the answer is cut; returns where it is none of a refusal.
+// Throws the error of a refusal, or std::out_of_range if the answer is cut; returns for other answers.
 void throw_refusal(const AskedFile& file, std::string_view answer) {
   MessageReader in(answer);
   const DecodingAnswer kind{in.number<std::uint8_t>()};
@@ -30,16 +30,16 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
   if (kind == DecodingAnswer::kOutOfMemory)
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: its decoding needs more than {} bytes of memory, expected a file that needs less{}", file.path,
+        fmt::format("{}: decoding needs more than {} bytes of memory, expected a file that needs less{}", file.path,
                     file.memory_max, advice(" (<decode child:SECONDS,MEMORY> allows more, for files that you trust)")));
   if (kind == DecodingAnswer::kNoMemoryHere)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: not enough memory to decode it: found less than the {} bytes that its decoding may "
-                            "take, expected a machine, a container and limits (ulimit -v) that leave more: {}",
+                fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available; use a "
+                            "machine, a container or limits (ulimit -v) that leave more: {}",
                             file.path, file.memory_max, errno_text(ENOMEM)));
 }
 
-// Bytes that RLIMIT_DATA counts.
+// Returns the bytes that RLIMIT_DATA counts.
 std::uint64_t data_bytes() {
   std::FILE* const file = std::fopen("/proc/self/statm", "re");
   if (file == nullptr) return 0;
@@ -49,7 +49,7 @@ std::uint64_t data_bytes() {
   return found == 1 ? std::uint64_t{data} * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) : 0;
 }
 
-// Libraries say so in words of their own: "Insufficient memory", "Cannot allocate", "std::bad_alloc".
+// Libraries report exhausted memory in their own words: "Insufficient memory", "Cannot allocate", "std::bad_alloc".
 bool speaks_of_memory(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text.find("memory") != std::string::npos || text.find("alloc") != std::string::npos;
@@ -65,18 +65,18 @@ std::string no_memory() {
 void refuse_as_answered(const AskedFile& file, std::string_view answer) {
   try {
     throw_refusal(file, answer);
-  } catch (const std::out_of_range&) {  // no refusal either
+  } catch (const std::out_of_range&) {  // not a refusal either
   }
-  throw Error(ErrorCode::kInput, fmt::format("{}: its decoding ended in {} bytes that are no answer, expected a file "
-                                             "that {} survives",
+  throw Error(ErrorCode::kInput, fmt::format("{}: decoding returned {} invalid bytes, expected an undamaged "
+                                             "file that {} can read",
                                              file.path, answer.size(), file.library));
 }
 
 bool has_allowed_memory() {
   rlimit limit = {};
   if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return true;
-  if (limit.rlim_cur == limit.rlim_max) return false;       // the asker could not allow as much as it wanted to
-  constexpr std::uint64_t kSlack = std::uint64_t{4} << 20;  // that the C library takes meanwhile
+  if (limit.rlim_cur == limit.rlim_max) return false;       // the parent could not allow as much as intended
+  constexpr std::uint64_t kSlack = std::uint64_t{4} << 20;  // for the C library's own allocations
   const std::uint64_t taken = data_bytes() + kSlack;
   if (limit.rlim_cur <= taken) return true;
   const std::size_t rest = limit.rlim_cur - taken;

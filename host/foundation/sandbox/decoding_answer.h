@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages between a process and the child that decodes files for it, whatever the files are
-// (host/foundation/sandbox/decoding_child.h). What a kind of file adds is beside it:
-// host/formats/image/files/decoding_messages.h, host/formats/mesh/mesh_messages.h.
+// Messages between a process and the child that decodes files for it, for files of any kind
+// (host/foundation/sandbox/decoding_child.h). Further messages of each kind of file are in
+// host/formats/image/files/decoding_messages.h and host/formats/mesh/mesh_messages.h.
 //
-//   request   DecodingRequest, what it needs    answer   kDone, what was asked for
+//   request   DecodingRequest, arguments        answer   kDone, result
 //             kClose                                     kDone
 //             any                                        kRefused, error code, message
-//             any                                        kOutOfMemory: it needs more than it is allowed
-//             any                                        kNoMemoryHere: it was given less than it is allowed
+//             any                                        kOutOfMemory: decoding needs more than its limit
+//             any                                        kNoMemoryHere: the machine has less than the limit
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,19 @@ namespace multum {
 enum class DecodingRequest : std::uint8_t { kClose, kOpenImage, kReadImage, kOpenMesh, kOpenObjects, kReadMesh };
 enum class DecodingAnswer : std::uint8_t { kDone, kRefused, kOutOfMemory, kNoMemoryHere };
 
-/// File that an answer is about. `memory_max` is what the child was held to.
+/// The file that an answer concerns. `memory_max` is the child's memory limit.
 struct AskedFile {
   std::string path;
-  std::string library;  // that the file is expected to survive
+  std::string library;  // the library that decodes the file
   std::uint64_t memory_max;
 };
 
-/// Throws Error as the child did; Error(kInput) where the file needs more memory than it is allowed, or its decoding
-/// ended in no answer; Error(kEnvironment) where there was less memory than that here.
+/// Throws the child's Error; Error(kInput) if the file needs more memory than its limit, or its decoding ended without
+/// a valid answer; Error(kEnvironment) if this machine has less memory than the limit.
 [[noreturn]] void refuse_as_answered(const AskedFile& file, std::string_view answer);
 
-/// Takes an answer apart by `read(MessageReader&)` where the request was done. Throws Error as above where it was not.
+/// Parses an answer with `read(MessageReader&)` if the request was done; otherwise throws Error like
+/// refuse_as_answered().
 template <typename Read>
 auto parse_answer(const AskedFile& file, std::string_view answer, const Read& read) {
   try {
@@ -48,13 +49,13 @@ auto parse_answer(const AskedFile& file, std::string_view answer, const Read& re
   refuse_as_answered(file, answer);
 }
 
-/// Whether the system would give this process all that its limit of RLIMIT_DATA still allows: if so, an allocation that
-/// failed was beyond the limit. Where it would not, another limit was in the way (of address space, of the machine's
-/// memory where the system promises no more than it has), or an administrator's own on RLIMIT_DATA.
+/// Returns whether the system would give this process all memory that its limit RLIMIT_DATA still allows. If so, a
+/// failed allocation exceeded the limit. If not, another limit was in the way: the address space, the machine's memory
+/// (on systems that do not overcommit), or an administrator's own RLIMIT_DATA.
 bool has_allowed_memory();
 
-/// The child's side: what `work` answers, or its Error as an answer. Memory that ran out is told apart by
-/// has_allowed_memory().
+/// The child's side: returns the answer of `work`, or its Error as an answer. has_allowed_memory() decides which answer
+/// reports exhausted memory.
 std::string answer_or_refusal(const std::function<std::string()>& work);
 
 }  // namespace multum

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Children between two files.
+// Keeps a child between two files.
 class IdleChildren {
  public:
   std::unique_ptr<HelperProcess> take(const std::string& program) {
@@ -48,14 +48,14 @@ DecodedFile::DecodedFile(DecodingChild child, std::string path, std::string libr
   allow(0, {});
 }
 
-// Whoever answers "close" is fit for the next file.
+// A child that answers "close" can decode the next file.
 DecodedFile::~DecodedFile() {
   if (!process_->is_alive()) return;
   try {
     const std::string request = MessageWriter().number(DecodingRequest::kClose).take();
     ask(request, [](MessageReader&) { return true; });
     idle_children().give_back(std::move(process_));
-  } catch (const std::exception&) {  // then it is ended
+  } catch (const std::exception&) {  // the child is killed
   }
 }
 
@@ -68,17 +68,16 @@ std::string DecodedFile::answer(const std::string& request, const std::function<
     return process_->ask(request, limits_, while_waiting);
   } catch (const HelperEnded& ended) {
     if (ended.lacked_memory())
-      throw Error(
-          ErrorCode::kEnvironment,
-          fmt::format("{}: the process that decodes it {}; not enough memory is the likely reason: its decoding "
-                      "may take {} bytes, expected a machine, a container and limits (ulimit -v) that leave "
-                      "them",
-                      path_, ended.what(), limits_.memory_max));
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: the process that decodes it {}; expected a file that {} survives, in {} bytes of "
-                            "memory and {} s",
-                            path_, ended.what(), library_, limits_.memory_max,
-                            std::chrono::duration<double>(limits_.time_max).count()));
+      throw Error(ErrorCode::kEnvironment,
+                  fmt::format("{}: decoding failed (its process {}), probably for lack of memory; expected {} bytes of "
+                              "memory: use a machine, a container or limits (ulimit -v) that leave as much",
+                              path_, ended.what(), limits_.memory_max));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: decoding failed (its process {}); expected an undamaged file that {} reads with {} bytes "
+                    "of memory in {} s",
+                    path_, ended.what(), library_, limits_.memory_max,
+                    std::chrono::duration<double>(limits_.time_max).count()));
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes files whose libraries die on some of them in a child process (tools/multum_decode), which hands numbers over
-// in memory that both see. A child that has read a file to its end reads the next one; one that has failed is gone, and
-// a file's failure is no other file's. How much a file may take is its kind's to say:
+// Decodes files in a child process (tools/multum_decode), because libraries crash on some files. The child returns
+// numbers in shared memory. A child that has read a whole file reads the next one too; a child that failed is replaced,
+// so one file's failure never affects another file. Each kind of file sets its own limits:
 // host/formats/image/files/child_image_file.cpp, host/formats/mesh/mesh_source.cpp.
 #pragma once
 
@@ -16,10 +16,10 @@
 
 namespace multum {
 
-/// multum-decode in the folder of the running program: it must be of the same build, nothing is looked for in PATH.
+/// Returns multum-decode in the folder of the running program: both must be of the same build, so PATH is not searched.
 std::string decoder_beside_this_program();
 
-/// Limits of a child for one request: these, and more for larger files.
+/// Base limits of a child for one request; larger files add to them.
 struct DecodingChild {
   std::string program = decoder_beside_this_program();
   std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes
@@ -34,12 +34,13 @@ class DecodedFile {
   DecodedFile(const DecodedFile&) = delete;
   DecodedFile& operator=(const DecodedFile&) = delete;
 
-  /// Requests from here on may take so much more than the base.
+  /// Adds memory and time to the base limits of later requests.
   void allow(std::uint64_t more_memory, std::chrono::seconds more_time);
   SharedMemory& memory() { return process_->memory(); }
   AskedFile asked() const { return {path_, library_, limits_.memory_max}; }
 
-  /// The answer's content by `read(MessageReader&)`. Throws Error that names the file, whatever becomes of the child.
+  /// Returns the answer parsed by `read(MessageReader&)`. If the child fails in any way, throws Error that names the
+  /// file.
   template <typename Read>
   auto ask(const std::string& request, const Read& read, const std::function<void()>& while_waiting = {}) {
     return parse_answer(asked(), answer(request, while_waiting), read);

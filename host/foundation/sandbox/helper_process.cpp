@@ -36,11 +36,11 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kTick = std::chrono::milliseconds(50);
 constexpr auto kGapMax = 4 * kTick;
 constexpr std::uint64_t kAnswerMax = std::uint64_t{64} << 20;  // bytes
-constexpr int kFirstFree = 16;  // descriptors from here on cannot be among those that the child is given
+constexpr int kFirstFree = 16;                                 // above all descriptors that the child is given
 
 [[noreturn]] void fail(const char* what) { fail_by_errno("a process that decodes files", what); }
 
-// Where no dup2 of another one overwrites it.
+// Moves a descriptor to a number that no later dup2() overwrites.
 int moved_away(int descriptor) {
   const int moved = ::fcntl(descriptor, F_DUPFD_CLOEXEC, kFirstFree);
   const int error = errno == EINVAL ? EMFILE : errno;  // the limit of open files is below kFirstFree
@@ -50,7 +50,8 @@ int moved_away(int descriptor) {
   return moved;
 }
 
-// It stays in this process's group, and ends with it; what a terminal sends to the group is for this process.
+// The child stays in this process's group, and ends with this process; signals that a terminal sends to the group are
+// for this process only.
 pid_t spawn_helper(const std::string& program, int socket, int memory, int last_words) {
   return spawn_process({program}, {.files = {{last_words, STDOUT_FILENO},
                                              {last_words, STDERR_FILENO},
@@ -60,7 +61,7 @@ pid_t spawn_helper(const std::string& program, int socket, int memory, int last_
                                    .blocked_signals = {{SIGINT, SIGTERM, SIGHUP, SIGQUIT}}});
 }
 
-// Bytes of its own in memory now: what is resident and not shared.
+// Returns the bytes that are resident and not shared.
 std::uint64_t own_memory_bytes(pid_t pid) {
   std::FILE* file = std::fopen(fmt::format("/proc/{}/statm", pid).c_str(), "re");
   if (file == nullptr) return 0;
@@ -71,7 +72,7 @@ std::uint64_t own_memory_bytes(pid_t pid) {
   return std::uint64_t{resident - shared} * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// Of all its threads.
+// Sums over all threads of the process.
 std::chrono::nanoseconds processor_time(pid_t pid) {
   timespec used = {};
   clockid_t clock = {};
@@ -79,7 +80,7 @@ std::chrono::nanoseconds processor_time(pid_t pid) {
   return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
 
-// 'R' behind "TID (NAME) " (proc(5)): it runs, or would if it had a processor.
+// 'R' after "TID (NAME) " (proc(5)): the thread runs, or waits only for a processor.
 bool is_thread_ready(const std::string& folder) {
   std::FILE* file = std::fopen((folder + "/stat").c_str(), "re");
   if (file == nullptr) return false;
@@ -91,7 +92,7 @@ bool is_thread_ready(const std::string& folder) {
   return name_end != std::string_view::npos && line.substr(name_end + 2).starts_with('R');
 }
 
-// Whether any of its threads is: libraries decode by threads of their own, for which the first one waits.
+// Returns whether any thread is ready: libraries decode in threads of their own, for which the first thread waits.
 bool is_ready_to_run(pid_t pid) {
   std::error_code error;
   std::filesystem::directory_iterator threads(fmt::format("/proc/{}/task", pid), error), end;
@@ -100,8 +101,8 @@ bool is_ready_to_run(pid_t pid) {
   return false;
 }
 
-// Whether limits that a child inherits may leave it less than it is allowed. Its libraries take address space, too: 360
-// MB were measured (OpenImageIO and assimp of Debian 12).
+// Returns whether inherited limits may leave a child less memory than HelperLimits allow. Its libraries take address
+// space too: 360 MB were measured (OpenImageIO and assimp of Debian 12).
 bool may_lack_memory(std::uint64_t memory_max) {
   constexpr std::uint64_t kLibraries = std::uint64_t{1} << 29;
   rlimit space = {}, data = {};
@@ -115,7 +116,8 @@ std::string text_of(std::chrono::milliseconds time) {
   return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
 }
 
-// The line that says most of what a program printed before its end: an exception's or a sanitizer's, else the last.
+// Returns the most informative line that a program printed before its end: of an exception or a sanitizer, else the
+// last one.
 std::string essence(std::string_view said) {
   constexpr std::size_t kLengthMax = 200;
   std::string_view last, chosen;
@@ -165,7 +167,7 @@ HelperProcess::~HelperProcess() {
 int HelperProcess::kill_and_wait() {
   if (pid_ <= 0) return 0;
   ::close(std::exchange(socket_, -1));
-  ::kill(pid_, SIGKILL);  // of one that is ending already, this changes nothing
+  ::kill(pid_, SIGKILL);  // no effect on a child that is ending already
   int status = 0;
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }
@@ -173,8 +175,8 @@ int HelperProcess::kill_and_wait() {
   return status;
 }
 
-// It has closed its end of the socket: as a rule it is ending by itself, and then this says how. One that does not is
-// killed.
+// The child has closed its end of the socket. It is usually ending by itself; then its status tells how it ended. A
+// child that does not end is killed.
 int HelperProcess::wait_for_end() {
   constexpr int kTries = 200;
   int status = 0;
@@ -188,7 +190,7 @@ int HelperProcess::wait_for_end() {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   kill_and_wait();
-  throw HelperEnded("fell silent and was ended", false);
+  throw HelperEnded("stopped answering and was ended", false);
 }
 
 void HelperProcess::end(const std::string& why) {
@@ -197,7 +199,8 @@ void HelperProcess::end(const std::string& why) {
 }
 
 void HelperProcess::reap() {
-  // Of a program that cannot be loaded (ld.so), and of one that finds no memory outside of a request (run_guarded()).
+  // Exit codes of a program that cannot be loaded (ld.so), and of one that runs out of memory outside a request
+  // (run_guarded()).
   constexpr int kNotLoaded = 127, kNoMemory = 4;
   const int status = wait_for_end();
   std::string how;
@@ -218,7 +221,7 @@ void HelperProcess::reap() {
   throw HelperEnded(words.empty() ? how : how + ": " + words, lacked_memory);
 }
 
-// From outside, before the child knows what is asked.
+// Sets the limits from outside, before the child gets the request.
 void HelperProcess::hold_to(const HelperLimits& limits) {
   const auto used = std::chrono::duration_cast<std::chrono::seconds>(processor_time(pid_));
   rlimit processor = {};
@@ -227,7 +230,7 @@ void HelperProcess::hold_to(const HelperLimits& limits) {
   const auto seconds = static_cast<rlim_t>(limits.time_max.count()) / 1000 + 1;
   processor.rlim_cur = std::min(processor.rlim_max, static_cast<rlim_t>(used.count()) + 1 + seconds * cores);
   ::prlimit(pid_, RLIMIT_CPU, &processor, nullptr);
-#ifndef MULTUM_SHADOW_MEMORY  // their shadow memory needs terabytes
+#ifndef MULTUM_SHADOW_MEMORY  // sanitizers' shadow memory needs terabytes
   if (memory_max_ == limits.memory_max) return;
   rlimit memory = {};
   ::prlimit(pid_, RLIMIT_DATA, nullptr, &memory);
@@ -250,8 +253,8 @@ void HelperProcess::send(std::string_view request) {
   }
 }
 
-// What has passed since the last look counts; of a child that is ready to run, what it ran. A long gap between two
-// looks is this process's, which was stopped or had no processor: of what the child did meanwhile nobody knows.
+// Adds the time since the last look; for a child that is ready to run, only its processor time. After a long gap this
+// process was stopped or had no processor, and the child's state meanwhile is unknown, so the gap is capped.
 void HelperProcess::Stopwatch::look(pid_t pid) {
   const auto now = Clock::now();
   const auto ran = processor_time(pid);
@@ -277,7 +280,7 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     if (received_.size() >= sizeof(size)) {
       std::memcpy(&size, received_.data(), sizeof(size));
       if (size > kAnswerMax) end(fmt::format("announced an answer of {} bytes", size));
-      if (received_.size() > sizeof(size) + size) end("said more than it was asked");
+      if (received_.size() > sizeof(size) + size) end("sent more than its answer");
       if (received_.size() == sizeof(size) + size) return received_.substr(sizeof(size));
     }
     pollfd waited = {socket_, POLLIN, 0};
@@ -302,7 +305,7 @@ std::string HelperProcess::ask(std::string_view request, const HelperLimits& lim
     send(request);
     return receive(limits, while_waiting);
   } catch (...) {
-    kill_and_wait();  // an answer that nobody waits for any more would be taken for the next one's
+    kill_and_wait();  // otherwise its late answer would be taken for the answer to the next request
     throw;
   }
 }

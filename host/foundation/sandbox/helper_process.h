@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a child that does what may end a process: it calls libraries that die on broken files. It is asked by messages
-// over a socket, answers by messages and in memory that both see, and is held to memory and time. Its crash, its
-// silence and its hunger are an exception here.
+// Runs a child for work that may end a process: libraries that crash on broken files. Requests and answers are messages
+// over a socket; results are in shared memory; the child's memory and time are limited. Its crash, its silence and its
+// excess memory become exceptions in this process.
 //
 //   this process                        the child (host/foundation/sandbox/helper_service.h)
 //   ask("...")      -- socket, fd 3 -->  answer("...")
-//   memory()        == memfd,  fd 4 ===  what it writes there
-//   its last words  <- memfd, fd 1, 2 -  what libraries print
+//   memory()        == memfd,  fd 4 ===  the child's results
+//   its last words  <- memfd, fd 1, 2 -  output of libraries
 #pragma once
 
 #include <sys/types.h>
@@ -22,21 +22,21 @@
 
 namespace multum {
 
-/// Limits of one request. Above the memory, the child's own allocations fail, and it is killed where they do not; above
-/// the time it is killed: what passes while it is ready to run and other programs have the processors does not count.
-/// The processor time of all its threads is limited to time_max a core.
+/// Limits of one request. Above the memory limit, the child's own allocations fail; if they do not, it is killed. Above
+/// the time limit it is killed; time in which it is ready to run while other programs have the processors does not
+/// count. The processor time of all its threads is limited to time_max per core.
 struct HelperLimits {
-  std::uint64_t memory_max;  // bytes that it may write to, all in all; those of the shared memory not counted
+  std::uint64_t memory_max;  // writable bytes in total, without the shared memory
   std::chrono::milliseconds time_max;
 };
 
-/// The child is gone; what() says how: "was ended by signal 11 (Segmentation fault)".
+/// The child has ended; what() says how: "was ended by signal 11 (Segmentation fault)".
 class HelperEnded : public std::runtime_error {
  public:
   HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}
-  /// Whether the machine, and not what it was asked for, is the likely reason: it could not be loaded, the system
-  /// killed it, as it does where memory runs out, or it died where a limit of this process (ulimit -v, -d) leaves it
-  /// less memory than HelperLimits allow.
+  /// Returns whether the machine, and not the request, is the likely cause. True if the child could not be loaded, if
+  /// the system killed it (as when memory runs out), or if it died with less memory than HelperLimits allow, because of
+  /// a limit of this process (ulimit -v, -d).
   bool lacked_memory() const { return lacked_memory_; }
 
  private:
@@ -45,8 +45,8 @@ class HelperEnded : public std::runtime_error {
 
 class HelperProcess {
  public:
-  /// Throws Error(kEnvironment) when the program cannot be started. It has no other files than those above, hears no
-  /// Ctrl-C, and ends when this process does, however that ends.
+  /// Throws Error(kEnvironment) when the program cannot be started. The child has only the files listed above, does not
+  /// receive Ctrl-C, and ends when this process ends in any way.
   explicit HelperProcess(const std::string& program);
   ~HelperProcess();
   HelperProcess(const HelperProcess&) = delete;
@@ -57,12 +57,12 @@ class HelperProcess {
   bool is_alive() const { return pid_ > 0; }
   SharedMemory& memory() { return memory_; }
 
-  /// The child's answer. `while_waiting` is called a few times a second; when it throws, the child is killed. Throws
-  /// HelperEnded, now and whenever it is asked again.
+  /// Returns the child's answer. Calls `while_waiting` a few times per second; if it throws, the child is killed.
+  /// Throws HelperEnded if the child has ended, in this call and in later ones.
   std::string ask(std::string_view request, const HelperLimits& limits, const std::function<void()>& while_waiting);
 
  private:
-  // Of one request.
+  // Time of one request.
   struct Stopwatch {
     std::chrono::steady_clock::time_point looked;
     std::chrono::nanoseconds ran_before, spent;
@@ -82,7 +82,7 @@ class HelperProcess {
   pid_t pid_ = -1;
   int socket_ = -1;
   int last_words_ = -1;
-  std::uint64_t memory_max_ = 0;  // that it is held to now
+  std::uint64_t memory_max_ = 0;  // the current limit
   std::string received_;
   SharedMemory memory_;
 };

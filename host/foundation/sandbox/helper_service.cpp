@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// A library that never returns must not outlive who asked.
+// Ends the child with its parent, also within a library call that never returns.
 void end_with_asker() {
   for (;;) {
     pollfd waited = {kHelperSocket, POLLRDHUP, 0};
@@ -45,7 +45,7 @@ bool send(std::string_view bytes) {
   return true;
 }
 
-// No core files; and what libraries print stays short.
+// Forbids core files, and limits the output of libraries.
 void limit_files() {
   const rlimit none = {0, 0}, little = {1 << 20, 1 << 20};
   ::setrlimit(RLIMIT_CORE, &none);
@@ -69,7 +69,7 @@ int serve_helper(const std::function<std::string(std::string_view request, Share
     size = text.size();
     if (!send({reinterpret_cast<const char*>(&size), sizeof(size)}) || !send(text)) break;
   }
-  std::_Exit(0);  // whatever a library has made of its state by now is not tidied up
+  std::_Exit(0);  // skips destructors: a library may have corrupted its state
 }
 
 }  // namespace multum

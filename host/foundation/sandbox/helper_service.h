@@ -13,8 +13,8 @@ namespace multum {
 inline constexpr int kHelperSocket = 3;
 inline constexpr int kHelperMemory = 4;
 
-/// Answers one request after another until the process that asks is gone. Returns the exit code: 2 where nobody ever
-/// asked, since the program was started by hand.
+/// Answers requests until the parent process has ended. Returns the exit code: 2 if there is no parent that asks,
+/// because a user started the program.
 int serve_helper(const std::function<std::string(std::string_view request, SharedMemory& memory)>& answer);
 
 }  // namespace multum

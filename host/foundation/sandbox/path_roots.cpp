@@ -23,8 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// glibc 2.36 has no function for it. A name with a link anywhere is none: links were resolved when the path was
-// checked.
+// glibc 2.36 has no openat2(). Names with links fail: links were resolved when the path was checked.
 int open_below(int root, const std::string& relative, int flags) {
   open_how how{};
   how.flags = static_cast<std::uint64_t>(flags | O_CLOEXEC | O_NOFOLLOW);
@@ -36,10 +35,10 @@ bool is_below(const std::string& path, const std::string& folder) {
   return path.starts_with(folder) && path.size() > folder.size() && path[folder.size()] == '/';
 }
 
-// Where a name leads that cannot be resolved, since nothing is there: what it begins with is resolved, a link whose
-// target is missing too. Else a link in a root would tell what there is outside.
+// Resolves a name that does not exist: its existing beginning, and links whose targets are missing. Otherwise a link in
+// a root would reveal which files exist outside.
 fs::path place_of(const fs::path& path) {
-  constexpr int kLinksMax = 40;  // as many as the system follows
+  constexpr int kLinksMax = 40;  // the system's own limit
   fs::path place = "/", rest = path;
   std::error_code error;
   for (int links = 0; !rest.empty();) {
@@ -93,7 +92,7 @@ PathRoots::PathRoots(const std::vector<std::string>& roots) {
 }
 
 OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const {
-  // The deepest root: one may lie within another.
+  // Chooses the deepest root, since roots may be nested.
   std::size_t best = roots_.size();
   for (std::size_t i = 0; i < roots_.size(); ++i)
     if ((canonical == roots_[i] || is_below(canonical, roots_[i])) &&
@@ -103,21 +102,21 @@ OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const 
   const std::string& root = roots_[best];
   const int descriptor = descriptors_[best]->descriptor();
   if (!is_same_folder(descriptor, root))
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: its root {} is another folder by now, or unmounted; restart "
-                                                     "the service when it is to be used",
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: its root {} was replaced or unmounted; restart the service "
+                                                     "to use the new folder",
                                                      canonical, root));
   const std::string relative = canonical == root ? "." : canonical.substr(root.size() + 1);
   OpenFile file(open_below(descriptor, relative, flags));
   if (!file.is_open() && (errno == ELOOP || errno == EXDEV))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or lies behind one", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through one", canonical));
   if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is not there any more", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: no longer exists", canonical));
   if (!file.is_open()) fail_by_errno(canonical, "cannot be opened");
   return file;
 }
 
 OpenFile PathRoots::open_input(const std::string& canonical) const {
-  OpenFile file = open_beneath(canonical, O_RDONLY | O_NONBLOCK);  // a pipe is not waited for
+  OpenFile file = open_beneath(canonical, O_RDONLY | O_NONBLOCK);  // does not wait for a pipe
   struct stat found {};
   if (::fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode))
     throw Error(ErrorCode::kUsage, fmt::format("{}: is not a file", canonical));
@@ -139,13 +138,12 @@ bool PathRoots::is_inside(const std::string& canonical) const {
 
 std::string PathRoots::input(const std::string& path) const {
   if (!path.starts_with('/'))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("'{}': expected an absolute path of a file below {}, or the path that its "
-                            "upload was answered with",
-                            path, fmt::join(roots_, ", ")));
+    throw Error(ErrorCode::kUsage, fmt::format("'{}': expected an absolute path of a file below {}, or the path "
+                                               "in the answer to its upload",
+                                               path, fmt::join(roots_, ", ")));
   std::error_code error;
   const fs::path canonical = fs::canonical(path, error);
-  // What is outside is refused by its name first: whether it is there is nobody's business.
+  // Names outside the roots are refused first, so that the answer does not reveal whether they exist.
   if (error) {
     if (!is_inside(place_of(path).string())) refuse(path);
     throw Error(ErrorCode::kUsage, fmt::format("{}: there is no such file", path));
@@ -166,7 +164,7 @@ std::string PathRoots::output(const std::string& path) const {
   const fs::path folder = fs::canonical(named.parent_path(), error);
   if (error) {
     if (!is_inside(place_of(named).string())) refuse(path);
-    throw Error(ErrorCode::kUsage, fmt::format("{}: its folder is not there", path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: its folder does not exist", path));
   }
   const fs::path result = folder / name;
   if (!is_inside(result.string())) refuse(path);

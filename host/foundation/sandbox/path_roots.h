@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Confines whoever reads and writes to files below some folders, by whatever name or link they come, and whatever
-// becomes of a name after it was looked at: a file is opened beneath its root's descriptor by a name without links
-// (openat2), or not at all.
+// Confines reading and writing to files below some folders, whatever names or links lead to them, and even if a name
+// changes after its check. A file is opened only beneath its root's descriptor, by a name without links (openat2).
 #pragma once
 
 #include <memory>
@@ -12,28 +11,28 @@
 
 namespace multum {
 
-/// Opens a name below an open folder, by no link anywhere. Not open, with errno, where that fails.
+/// Opens a name below an open folder without following any link. Not open, with errno, on failure.
 OpenFile open_beneath_folder(const OpenFile& folder, const std::string& relative, int flags);
 
 class PathRoots {
  public:
-  /// Throws Error(kUsage) for a root that is no folder; Error(kEnvironment) where the system has no openat2 (Linux
+  /// Throws Error(kUsage) for a root that is not a folder; Error(kEnvironment) if the system has no openat2 (Linux
   /// before 5.6).
   explicit PathRoots(const std::vector<std::string>& roots);
 
-  /// The file without links or dots. Throws Error(kUsage): not absolute, not there, no file, or outside of the roots;
-  /// nothing is told of what lies outside.
+  /// Returns the file's path without links or dots. Throws Error(kUsage) if the path is not absolute, missing, not a
+  /// file, or outside the roots; reveals nothing about files outside.
   std::string input(const std::string& path) const;
-  /// The same for a result to be written: its folder must be there, and it may be a file, a folder, or not there; no
-  /// link.
+  /// Like input(), for a result to be written: its folder must exist; the path itself may be a file, a folder or
+  /// missing, but not a link.
   std::string output(const std::string& path) const;
   bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }
 
-  /// Opens for reading what input() named. Throws Error(kUsage) when it is no file below its root any more: taken away,
-  /// a link by now, or its root another folder.
+  /// Opens a path returned by input() for reading. Throws Error(kUsage) if it no longer is a file below its root: the
+  /// file was removed or replaced by a link, or the root is another folder.
   OpenFile open_input(const std::string& canonical) const;
-  /// The folder that a result of output() lies in. Throws likewise.
+  /// Opens the folder of a path returned by output(). Throws likewise.
   OpenFile open_folder_of(const std::string& canonical) const;
 
  private:

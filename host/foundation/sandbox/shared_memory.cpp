@@ -38,9 +38,9 @@ void SharedMemory::map(std::size_t byte_count) {
 std::byte* SharedMemory::reserve(std::size_t byte_count) {
   if (byte_count > byte_count_) {
     if (::ftruncate(descriptor_, static_cast<off_t>(byte_count)) != 0)
-      throw Error(ErrorCode::kEnvironment,
-                  "shared memory of " + std::to_string(byte_count) + " bytes: " + std::strerror(errno) +
-                      (errno == EFBIG ? "; expected a limit of file sizes (ulimit -f) above that" : ""));
+      throw Error(ErrorCode::kEnvironment, "shared memory of " + std::to_string(byte_count) +
+                                               " bytes: " + std::strerror(errno) +
+                                               (errno == EFBIG ? "; raise the limit of file sizes (ulimit -f)" : ""));
     map(byte_count);
   }
   return data_;

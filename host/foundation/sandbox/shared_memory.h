@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory shared by two processes: a file without a name (memfd), gone when neither has it any more.
+// Shares memory between two processes: an unnamed file (memfd), which disappears when neither process uses it.
 #pragma once
 
 #include <cstddef>
@@ -8,19 +8,19 @@ namespace multum {
 
 class SharedMemory {
  public:
-  /// Throws Error(kEnvironment) when the machine has none to give.
+  /// Throws Error(kEnvironment) when the system refuses.
   SharedMemory();
-  /// Another process's, by the descriptor that was handed over; it is not closed.
+  /// Uses memory of another process through the descriptor received from it; does not close the descriptor.
   explicit SharedMemory(int descriptor);
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
 
   int descriptor() const { return descriptor_; }
-  /// At least so many bytes, zero where nobody wrote; what was there stays, perhaps at another address. It never
-  /// shrinks: who sees more of it than there is would die.
+  /// Returns memory of at least `byte_count` bytes, with its earlier contents and zeros after them, perhaps at another
+  /// address. Never shrinks: a process that maps more than exists would crash.
   std::byte* reserve(std::size_t byte_count);
-  /// The other process may have made it longer: all of it, as it is now.
+  /// Maps the whole memory in its present size, since the other process may have extended it.
   std::byte* see(std::size_t& byte_count);
 
  private:

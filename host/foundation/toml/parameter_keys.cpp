@@ -34,7 +34,7 @@ void read_parameters(const StrictTable& table, unsigned surface, ParameterValues
     for (const std::string& other : row.excludes)
       if (!table.has(other)) values.erase(other);
       else if (values.is_given(row.name) && values.is_given(other))
-        table.refuse(row.name, fmt::format("is given beside {}: expected one of them", other));
+        table.refuse(row.name, fmt::format("is given together with {}: expected only one of them", other));
   }
 }
 

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Names and texts of the file are in the message, and may be megabytes.
+// Shortens the message: it quotes names and texts of the file, which may be megabytes.
 [[noreturn]] void refuse_at(const std::string& file, std::uint32_t line, std::string what) {
   constexpr std::size_t kBytesMax = 1000;
   if (what.size() > kBytesMax)
@@ -37,7 +37,7 @@ std::string shown(const toml::node& node) {
   return node.is_table() ? "a table" : "a date or time";
 }
 
-// Of a longer file, one byte more than `byte_max`.
+// Reads at most `byte_max` + 1 bytes.
 std::string read_text(const std::string& path, const std::string& expected, std::size_t byte_max) {
   if (std::error_code ignored; std::filesystem::is_directory(path, ignored))
     throw Error(ErrorCode::kInput, path + ": is a folder, expected " + expected);
@@ -56,10 +56,11 @@ std::string read_text(const std::string& path, const std::string& expected, std:
 }
 
 [[noreturn]] void refuse_nul_at(const std::string& path, std::uint32_t line) {
-  refuse_at(path, line, "holds the character NUL (\\u0000), which no text or key of it may");
+  refuse_at(path, line, "holds the character NUL (\\u0000), which no text or key may contain");
 }
 
-// What takes a name ends it at NUL: two parts of a program would see two names. As deep as TomlLimits let it be.
+// Functions that take names stop at NUL, so two parts of a program would see two different names. TomlLimits bound the
+// recursion.
 void refuse_nul_in(const std::string& path, const toml::node& node) {
   if (const auto* text = node.as_string(); text != nullptr && text->get().find('\0') != std::string::npos)
     refuse_nul_at(path, line_of(node));

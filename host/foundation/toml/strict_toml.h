@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// TOML read strictly: every key is known, every value is of the type and in the range that is expected, and every
-// refusal names the file, the line, the key, what was found and what was expected.
+// Reads TOML strictly: every key must be known, and every value must have the expected type and range. Every error
+// names the file, the line, the key, the value found and the value expected.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +19,13 @@
 
 namespace multum {
 
-/// Parses the file. Throws Error(kInput) when it cannot be read, is beyond a limit or is no TOML; `expected`: "a job as
-/// PAGE describes it". No more than the limit's bytes are read of it, of a pipe or a device either.
+/// Parses the file. Throws Error(kInput) when it cannot be read, exceeds a limit or is not TOML; `expected` is, for
+/// example, "a job as PAGE describes it". Reads no more bytes than the limit, also of a pipe or a device.
 toml::table parse_toml(const std::string& path, const std::string& expected, const TomlLimits& limits = {});
 
 struct NumberRange {
   double low = 0.0, high = 0.0;
-  bool low_open = false, high_open = false;  // the end itself is not in the range
+  bool low_open = false, high_open = false;  // the end is outside the range
   std::string text;                          // "a number above 0"
 };
 
@@ -36,35 +36,36 @@ inline const NumberRange kFromZero = {0.0, std::numeric_limits<double>::infinity
 /// One table of a file; `file` and `table` outlive it.
 class StrictTable {
  public:
-  /// `name`: how its keys are called in messages, as "texture": "texture.wrap"; empty at the top. Keys that are not
-  /// among `keys` are refused at once, with the known key that is nearest. `whole`: what the file is called.
+  /// Messages prefix keys with `name` (for example "texture": "texture.wrap"); it is empty for the top table. Keys that
+  /// are not among `keys` are refused at once, with the nearest known key. `whole` names the file's contents.
   StrictTable(const std::string& file, const toml::table& table, std::string name, const std::vector<std::string>& keys,
               std::string whole = "the job");
 
   bool has(const std::string& key) const { return table_.contains(key); }
-  /// Keys that are there, in alphabetical order: for tables whose keys are names.
+  /// Returns the existing keys in alphabetical order, for tables whose keys are names.
   std::vector<std::string> keys() const;
 
-  /// The key's value, or what `fallback` says where the key is missing; without a fallback the key must be there.
+  /// Returns the key's value, or `fallback` if the key is missing; without a fallback the key is required.
   std::string text(const std::string& key, const std::optional<std::string>& fallback = {}) const;
-  /// The path that such a text names (host/foundation/base/path_text.h): TOML is UTF-8, names of files need not be.
+  /// Returns the path that the text encodes (host/foundation/base/path_text.h): TOML is UTF-8, but file names may not
+  /// be.
   std::string path(const std::string& key, const std::optional<std::string>& fallback = {}) const;
   bool boolean(const std::string& key, bool fallback) const;
   int whole(const std::string& key, int low, int high, std::optional<int> fallback = {}) const;
   double number(const std::string& key, const NumberRange& range, double fallback) const;
-  /// One of the choices' names; unset where the key is missing.
+  /// Returns the choice with this name; nullopt if the key is missing.
   template <typename List>
   auto choice(const std::string& key, const List& choices) const
       -> std::optional<typename List::value_type::second_type>;
-  /// One number, or a list of at most `count_max`; none where the key is missing.
+  /// Returns one number, or a list of at most `count_max`; empty if the key is missing.
   std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
   std::vector<int> integers(const std::string& key) const;
-  /// Four rows of four finite numbers, for column vectors.
+  /// Reads four rows of four finite numbers, for column vectors.
   glm::dmat4 matrix(const std::string& key) const;
-  /// The table of this key; empty where there is none.
+  /// Returns the table of this key; an empty one if it is missing.
   const toml::table& table(const std::string& key) const;
-  /// The tables of [[key]]: at least one, unless the key itself may be missing.
+  /// Returns the tables of [[key]]: at least one, unless the key may be missing.
   std::vector<const toml::table*> tables(const std::string& key, bool is_required = true) const;
 
   /// Throws Error(kInput): "FILE:LINE: KEY is WHAT"; `key` may be empty, for the table itself.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text is cut into keys, headers and values as toml++ cuts it. It need be so only as far as toml++ reads: that
-// stops at the first error, and so it does no harm if the scan takes what follows for something else.
+// Cuts the text into keys, headers and values in the same way as toml++. After the first error, at which toml++ stops,
+// the scan may differ from toml++ without harm.
 //
 //     [a.b]                              depth 2                          items 1 (the table) + 2
 //     c.d = [1, {e.f = "x.y"}]  # g.h    depth 2 + 2 + 1 (array) + 1 (table) + 2    items + 2 + 1 + 1 + 1 + 2 + 1
@@ -29,10 +29,10 @@ class TomlScan {
   }
 
  private:
-  // What is open: the document, or an array or inline table in it.
+  // An open element: the document, or an array or inline table in it.
   struct Level {
     bool is_table;
-    int key_parts = 0;  // of the key that is being read, or whose value is
+    int key_parts = 0;  // parts of the current key, or of the key of the current value
   };
 
   void step() {
@@ -67,7 +67,7 @@ class TomlScan {
   void end_line() {
     ++at_;
     ++line_;
-    if (open_.size() > 1) return;  // an array goes on
+    if (open_.size() > 1) return;  // the array continues
     in_header_ = false;
     begin_key();
   }
@@ -78,14 +78,15 @@ class TomlScan {
     in_key_ = true;
   }
 
-  // Only a key's '.' and '=' mean something; a value's are parts of it, and come here where it begins with one.
+  // Handles '.' and '=' of a key. In values these characters have no meaning; a value that begins with one comes here
+  // too.
   void separate(char c) {
     ++at_;
     if (in_key_ && c == '.' && ++dots_ > limits_.dot_max) refuse("dots in keys and headers", limits_.dot_max);
     if (c == '=') in_key_ = false;
   }
 
-  // Of a key or header, a part; else a value.
+  // Counts a part of a key or header, or a value.
   void count_token() {
     count_item();
     if (!in_key_) return;
@@ -100,7 +101,7 @@ class TomlScan {
   }
 
   void deepen() {
-    if (++depth_ > limits_.depth_max) refuse("levels of tables and arrays in one another", limits_.depth_max);
+    if (++depth_ > limits_.depth_max) refuse("levels of nested tables and arrays", limits_.depth_max);
   }
 
   void open(char c) {
@@ -115,7 +116,7 @@ class TomlScan {
     in_key_ = c == '{';
   }
 
-  // [name] or [[name]]; keys behind it stand in its table.
+  // Begins [name] or [[name]], whose table gets the keys that follow.
   void begin_header() {
     is_array_of_tables_ = text_.substr(at_, 2) == "[[";
     at_ += is_array_of_tables_ ? 2 : 1;
@@ -138,7 +139,7 @@ class TomlScan {
     in_key_ = false;
   }
 
-  // From the quote at at_ to behind the one that ends it. One that is not closed ends with its line, or the text.
+  // Moves at_ from the opening quote past the closing one. An unclosed string ends with its line, or with the text.
   void skip_string(char quote) {
     const std::string three(3, quote);
     const bool is_multi_line = text_.substr(at_, 3) == three;
@@ -153,7 +154,7 @@ class TomlScan {
         ++at_;
         return;
       } else if (text_[at_] == quote && text_.substr(at_, 3) == three) {
-        // Up to two quotes more belong to the string.
+        // Up to two more quotes belong to the string.
         at_ += 3;
         for (int more = 0; more < 2 && at_ < text_.size() && text_[at_] == quote; ++more) ++at_;
         return;
@@ -178,7 +179,7 @@ class TomlScan {
   bool is_array_of_tables_ = false;
   std::size_t header_begin_ = 0;
   int header_parts_ = 0;
-  int depth_ = 0;  // parts of the header, and of each open level's key, and brackets
+  int depth_ = 0;  // parts of the header, parts of each open level's key, and brackets
   std::size_t items_ = 0, dots_ = 0;
   std::set<std::string_view> array_names_;
 };

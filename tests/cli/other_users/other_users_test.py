@@ -155,7 +155,7 @@ class OtherUsersTest(unittest.TestCase):
         as_user(ATTACKER, lambda: os.rename(own, partial))
         run = self.run_multum(*arguments)
         self.assertEqual(run.returncode, ENVIRONMENT, run.stderr)
-        self.assertIn("did not make it", run.stderr)
+        self.assertIn("did not create it", run.stderr)
         self.assert_precious_is_whole(partial)
 
     def test_links_at_the_outputs_name(self):

@@ -23,7 +23,7 @@ from service_harness import Service, fail, process_state, with_drill  # noqa: E4
 
 # Of what the file cannot say: which queues, jobs and files there are.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder", "expected an absolute",
-           "not a name for a result", "there is no such file", "its folder is not there", "expected a name ending in",
+           "not a name for a result", "there is no such file", "its folder does not exist", "expected a name ending in",
            "unknown state", "not a file")
 STRANGE_TEXTS = ("", " ", "default", "../../etc/passwd", "%2e%2e", "a" * 1000, "a" * 1001, "\u00e9" * 1000,
                  "\u00e9" * 1001, "\U0001f9f1" * 300, "line\nbreak and more", "nul\x00nul", "<script>alert(1)</script>",

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kCountedFor = std::chrono::seconds(5);  // jobs write results without telling
+constexpr auto kCountedFor = std::chrono::seconds(5);  // jobs write results without notice
 
 std::int64_t bytes_below(const std::string& folder) {
   std::int64_t bytes = 0;
@@ -70,7 +70,7 @@ std::int64_t DataFolder::bytes() {
     const std::lock_guard lock(mutex_);
     if (counted_ != Clock::time_point() && Clock::now() - counted_ <= kCountedFor) return bytes_;
   }
-  // Others that ask for less than a walk do not wait for it.
+  // Callers that ask for less than a walk over the folder do not wait for one.
   std::int64_t counted = 0;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
@@ -93,7 +93,7 @@ void DataFolder::count_result(const std::string& output) {
   bytes_ += bytes;
 }
 
-// Beneath the descriptor of the folder that it lies in: a link above leads nowhere.
+// Removes the path beneath the descriptor of its folder, so that a link above has no effect.
 void DataFolder::remove_own(const std::string& path, const char* why) {
   const std::int64_t bytes = bytes_on_disk(path);
   try {
@@ -104,7 +104,7 @@ void DataFolder::remove_own(const std::string& path, const char* why) {
     service_log(LogSeverity::kInfo, 0, fmt::format("removed {}: {}", path, why));
     const std::lock_guard lock(mutex_);
     bytes_ -= bytes;
-  } catch (const Error&) {  // not there any more, or behind a link
+  } catch (const Error&) {  // already removed, or behind a link
   }
 }
 
@@ -114,9 +114,10 @@ void DataFolder::check_room(std::int64_t more) {
   if (there + more > bytes_max_)
     throw Refusal{
         507, "quota",
-        fmt::format("uploads, results, logs and pictures take {} bytes, and may take {}: {} more are too many; purge "
-                    "jobs, or ask for more by data_max",
-                    there, bytes_max_, more)};
+        fmt::format(
+            "uploads, results, logs and pictures take {} of {} bytes: there is no room for {} more; purge jobs, "
+            "or raise data_max",
+            there, bytes_max_, more)};
 }
 
 void DataFolder::take_room(std::int64_t bytes) {
@@ -164,7 +165,7 @@ DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) 
   try {
     file.name(path);
   } catch (...) {
-    ::rmdir(folder.c_str());  // unless another lies in it
+    ::rmdir(folder.c_str());  // fails if it holds another file
     throw;
   }
   if (is_new) {
@@ -176,7 +177,7 @@ DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) 
   return upload;
 }
 
-// Some at a time: the ledger has other things to do.
+// Removes a few files at a time: the ledger has other work.
 struct DataFolder::Sweep {
   static constexpr int kAtOnce = 200;
   std::chrono::hours upload_age;
@@ -184,7 +185,7 @@ struct DataFolder::Sweep {
   std::int64_t last_job = 0;
   std::string last_upload;
   bool are_there_more = true;
-  // As the last commit has it.
+  // State of the last commit.
   std::vector<FileNotes::LeftOver> left_overs;
   std::vector<std::string> uploads;
   FileNotes::Uses uses;
@@ -197,15 +198,15 @@ void DataFolder::sweep(QueueThread& ledger, std::chrono::hours upload_age, std::
   sweep_some(ledger, sweep);
 }
 
-// What was purged must be on disk as purged before anything of it is removed, so that it is looked for in one commit
-// and removed in a later one.
+// A purge must be committed to disk before any of its files is removed, so files are found in one commit and removed in
+// a later one.
 void DataFolder::sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& sweep) {
   const auto end = [sweep] {
     if (sweep->done) sweep->done();
   };
   ledger.run([=, this](JobQueue& queue) { look(queue, *sweep); },
              [=, this, &ledger](const std::exception_ptr& error) {
-               if (error) return end();  // the next sweep
+               if (error) return end();  // left to the next sweep
                ledger.run([=, this](JobQueue& queue) { remove_found(queue, *sweep); },
                           [=, this, &ledger](const std::exception_ptr& failed) {
                             if (failed || !sweep->are_there_more) return end();
@@ -231,16 +232,16 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
   std::error_code error;
   for (const auto& [job, output, identity] : sweep.left_overs) {
     if (fs::remove(fmt::format("{}/logs/{}.log", path_, job), error))
-      service_log(LogSeverity::kInfo, job, "removed its log: it was purged");
+      service_log(LogSeverity::kInfo, job, "the job was purged; removed its log");
     if (!output.empty() && is_used(output)) continue;
-    // What has taken its place since is nobody's that is known; what was changed in it is not removed either.
+    // A file that has replaced the result since, or was changed in it, has an unknown owner, and is not removed.
     try {
       const bool is_ours = !identity.empty() && result_identity(own_, output) == identity;
       const bool is_folder = fs::is_directory(fs::symlink_status(output, error));
       if (is_ours && (!is_folder || unlisted_in(output, seal_).empty()))
-        remove_own(output, "the result of a job that was purged");
+        remove_own(output, "the result of a purged job");
     } catch (const Error&) {
-      continue;  // it cannot be looked at for now
+      continue;  // it cannot be examined at present
     }
     queue.files().forget_left_over(job);
   }
@@ -249,9 +250,9 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
     const fs::directory_entry file(path, error);
     const bool is_there = file.exists(error);
     if (is_there && (is_used(path) || age_of(file) < sweep.upload_age)) continue;
-    if (is_there) remove_own(path, "an upload that no job waits for any more");
+    if (is_there) remove_own(path, "an upload that no job needs any more");
     const std::string folder = fs::path(path).parent_path().string();
-    if (own_.is_inside(folder)) ::rmdir(folder.c_str());  // unless another lies in it
+    if (own_.is_inside(folder)) ::rmdir(folder.c_str());  // fails if it holds another result
     queue.files().forget_upload(path);
   }
   const std::lock_guard lock(mutex_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manages the folder DATA, where the daemon keeps files for others: uploads by content, results for those who have no
-// other place, logs. Held to a limit, and swept: what the ledger names as finished with goes, and nothing else.
+// Manages the folder DATA, where the daemon stores files for clients: uploads by content, results without another
+// place, and logs. Limits its size, and removes only files that the ledger lists as no longer needed.
 #pragma once
 
 #include <chrono>
@@ -17,46 +17,46 @@
 
 namespace multum {
 
-/// Bytes of a file, or of all files below a folder; of a link and what is not there none. Blocks.
+/// Returns the bytes of a file, or of all files below a folder; 0 for a link or a missing path. Blocks.
 std::int64_t bytes_on_disk(const std::string& path);
 
 class DataFolder {
  public:
-  /// `bytes_max`: of all of it together, but for the ledger; 0: any.
+  /// `bytes_max`: limit of the whole folder except for the ledger; 0: no limit.
   DataFolder(std::string path, std::int64_t bytes_max);
   DataFolder(const DataFolder&) = delete;
   DataFolder& operator=(const DataFolder&) = delete;
 
   std::string uploads() const { return path_ + "/uploads"; }
   std::string results() const { return path_ + "/results"; }
-  /// Of folders that this daemon publishes, here and elsewhere.
+  /// The seal of folders that this daemon publishes, here and elsewhere.
   const ResultSeal& seal() const { return seal_; }
 
-  /// Blocks. Room for an upload of at most so many bytes; what is not stored of it is free again when it is gone.
-  /// Throws as check_room() does, and Error(kEnvironment) as files do. The folder outlives it.
+  /// Blocks. Reserves room for an upload of at most `bytes_max`; the destructor of the upload frees the unused part.
+  /// Throws like check_room(), and Error(kEnvironment) for file errors. The folder must outlive the upload.
   std::shared_ptr<UploadFile> begin_upload(std::int64_t bytes_max);
   struct Upload {
     std::string path, sha256;
   };
-  /// Blocks. The same content under the same name is one file, and as young as its last upload. Throws
-  /// Error(kEnvironment) as files do.
+  /// Blocks. Stores the same content under the same name as one file, whose age counts from the last upload. Throws
+  /// Error(kEnvironment) for file errors.
   Upload store(const std::string& name, UploadFile& file);
-  /// Blocks. Throws Refusal 507 "quota" when so many bytes more are too many.
+  /// Blocks. Throws Refusal 507 "quota" when `bytes` more would exceed the limit.
   void check_room(std::int64_t bytes);
-  /// Blocks. Counts what others have made in the folder; throws as check_room() does, and then does not count it.
+  /// Blocks. Counts files that others have made in the folder; throws like check_room(), and then does not count them.
   void take_room(std::int64_t bytes);
-  /// What take_room() counted is gone.
+  /// Subtracts bytes that take_room() counted.
   void give_back(std::int64_t bytes);
   const std::string& path() const { return path_; }
 
-  /// Is the folder at its limit, by the last count? Looks at no disk.
+  /// Returns whether the folder was at its limit at the last count. Does not access the disk.
   bool is_full() const;
-  /// A result has come: counts it, when it lies here.
+  /// Counts a new result, if it is in this folder.
   void count_result(const std::string& output);
 
-  /// On the ledger's thread, where results are published too: removes the results and logs of purged jobs that no other
-  /// job has a use for, and uploads that are older than `upload_age` and that no unfinished job names. What no ledger
-  /// has noted stays.
+  /// Runs on the ledger's thread, which publishes results too. Removes results and logs of purged jobs that no other
+  /// job uses, and uploads that are older than `upload_age` and that no unfinished job names. Files that no ledger has
+  /// recorded stay.
   void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
 
  private:
@@ -68,12 +68,12 @@ class DataFolder {
   void remove_found(JobQueue& queue, const Sweep& sweep);
   const std::string path_;
   const std::int64_t bytes_max_;
-  const PathRoots own_;  // uploads and results
+  const PathRoots own_;  // the folders of uploads and results
   const ResultSeal seal_;
   mutable std::mutex mutex_;
   std::int64_t bytes_ = 0, bytes_coming_ = 0;
-  std::chrono::steady_clock::time_point counted_;  // no moment: never
-  std::mutex storing_;                             // a folder may not go between its making and its file's
+  std::chrono::steady_clock::time_point counted_;  // default value: never
+  std::mutex storing_;                             // a folder must not be removed between its creation and its file's
 };
 
 }  // namespace multum

@@ -20,9 +20,9 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kSlurmClaimsMax = 200;  // in one commit
+constexpr int kSlurmClaimsMax = 200;  // per commit
 
-// Exit codes of multum (docs/reference/service.md): what of them is worth trying again.
+// Tells which exit codes of multum (docs/reference/service.md) are worth another attempt.
 AttemptOutcome outcome_of(int code) {
   switch (code) {
     case 0: return AttemptOutcome::kSucceeded;
@@ -71,7 +71,7 @@ ClaimLimits limits_of(const ServiceSettings& settings) {
 bool is_result_intact(const JobRoots& roots, const Job& job) {
   try {
     return job.output.empty() || is_as_made(roots.outputs, job.output, job.result_identity, roots.seal);
-  } catch (const Error&) {  // it cannot be looked at for now
+  } catch (const Error&) {  // it cannot be examined at present
     return false;
   }
 }
@@ -142,19 +142,19 @@ void Dispatcher::recover() {
       }
     }
     for (const std::int64_t id : recovered.lost)
-      service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it is tried again");
+      service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it will be tried again");
     folders = queue.files().output_folders();
     numbers = queue.numbers();
     for (const auto& [name, states] : queue.counts())
       for (const auto& [state, count] : states)
         if (!is_final(state) && !limits_.queues.contains(name))
           service_log(LogSeverity::kWarning, 0,
-                      fmt::format("{} jobs are {} in queue {}, which is not configured: they are not started", count,
-                                  job_state_name(state), name));
+                      fmt::format("{} jobs are {} in queue {}, which the settings do not define: they will not start",
+                                  count, job_state_name(state), name));
   });
   const auto is_finished_with = [&](std::int64_t id) { return numbers.is_finished_with(id); };
   for (const std::string& path : sweep_staging(roots_.outputs, folders, instance_, is_finished_with))
-    service_log(LogSeverity::kInfo, 0, "removed what an earlier daemon left: " + path);
+    service_log(LogSeverity::kInfo, 0, "removed a leftover of an earlier daemon: " + path);
   if (slurm_) adopt(with_slurm, parts, last_batch);
 }
 
@@ -180,7 +180,7 @@ void Dispatcher::start() {
   on_due();
 }
 
-// ---- Out
+// ---- Giving out jobs
 
 void Dispatcher::pump() {
   if (is_draining_) return;
@@ -201,8 +201,8 @@ void Dispatcher::claim_for_slurm() {
         &Dispatcher::claim_for_slurm);
 }
 
-// One that ends asks again for itself alone: if it asked for both, each would find at its end that the other had asked,
-// for ever.
+// A finished claim queues only itself again. If it queued both kinds, each would find the other one waiting, and both
+// would loop.
 void Dispatcher::claim(Claims& claims, std::vector<std::string> owners, ClaimLimits limits,
                        void (Dispatcher::*again)()) {
   if (owners.empty()) return;
@@ -249,7 +249,7 @@ ClaimLimits Dispatcher::limits_here() const {
   return limits;
 }
 
-// This machine's memory is no limit of theirs.
+// This machine's memory does not limit Slurm's nodes.
 ClaimLimits Dispatcher::limits_of_slurm() const {
   ClaimLimits limits = limits_;
   limits.memory_max = 0;
@@ -275,14 +275,14 @@ void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::v
     if (!job) break;
     outcome.claimed.push_back(with_reuse(queue, std::move(*job)));
   }
-  queue.take_changed();  // told of when it starts
+  queue.take_changed();  // reported when the job starts
   outcome.due = queue.next_due();
 }
 
 void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& outcome) {
   for (const std::string& owner : owners) reserved_.erase(owner);
   wake_at(outcome.due);
-  give_out(outcome.claimed);  // first: a claimed job is nobody else's to start
+  give_out(outcome.claimed);  // first, because no one else can start a claimed job
   if (slurm_) slurm_->flush();
   for (const Job& job : outcome.touched) events_.publish("job", job.id, job_text(job));
   end_drain_if_idle();
@@ -292,7 +292,7 @@ void Dispatcher::end_drain_if_idle() {
   if (is_draining_ && drained_ && running_.empty() && unsettled_ == 0) std::exchange(drained_, nullptr)();
 }
 
-// A result that is there already is not made again.
+// An existing result of the same key is copied instead of being made again.
 Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) const {
   Claimed claimed{std::move(job), ""};
   for (const Job& other : queue.succeeded_with_key(claimed.job.key)) {
@@ -341,10 +341,10 @@ void Dispatcher::start_job(const Claimed& claimed) {
   std::string made;
   if (data_.is_full() && roots_.results.is_inside(job.output))
     return note_end(job.id, job.owner, job.attempt,
-                    {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for its result"});
+                    {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for the job's result"});
   try {
     order = order_of(job, made);
-    // Nodes do not see what lies in the daemon's data.
+    // Slurm's nodes cannot see files in the daemon's data.
     if (!claimed.copy_from.empty() && !(is_for_slurm && roots_.results.is_inside(claimed.copy_from))) {
       order.copy_from = claimed.copy_from;
       order.copy_to = made;
@@ -357,7 +357,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
   }
   if (is_for_slurm) return slurm_->order(slurm_work(job, std::move(order), std::move(made)));
   if (!pool_.order(job.owner, order))
-    note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kReturned, -1, "its worker was gone before it began"});
+    note_end(job.id, job.owner, job.attempt, {AttemptOutcome::kReturned, -1, "its worker ended before the job began"});
 }
 
 void Dispatcher::on_progress(std::int64_t id, const JobProgress& progress) {
@@ -367,7 +367,7 @@ void Dispatcher::on_progress(std::int64_t id, const JobProgress& progress) {
                       -1, ' ', false, Json::error_handler_t::replace));
 }
 
-// ---- Back
+// ---- Results
 
 void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result) {
   const auto found = running_.find(id);
@@ -381,8 +381,8 @@ void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt
   note_end(id, owner, attempt, {outcome_of(code), code, result.message});
 }
 
-// First the ledger says that this attempt is the one, and where its result lies; then the result gets its name; then
-// the ledger says that it has. A daemon that dies in between finds out which it was.
+// The ledger records first that this attempt counts, and the place of its result; then the result gets its name; then
+// the ledger records that it is published. After a crash in between, the next daemon can tell which step was reached.
 void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed) {
   const Job job = running_.at(id).job;
   std::string identity;
@@ -392,7 +392,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
     return note_end(id, owner, attempt, result_of(moved));
   }
   if (identity.empty())
-    return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "it ended well, but left no result"});
+    return note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "the command succeeded, but made no result"});
   const auto is_mine = std::make_shared<bool>(false);
   note(
       id,
@@ -403,9 +403,9 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
       [=, this] {
         if (*is_mine && have_inputs_changed && !job.key.empty())
           service_log(LogSeverity::kInfo, id,
-                      "its input was changed after it was submitted: other jobs do not take its result");
+                      "its input has changed since the job was submitted: other jobs will not reuse its result");
         if (*is_mine) return finish_publishing(job, identity);
-        note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has taken its place"});
+        note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has replaced this one"});
       });
 }
 
@@ -440,13 +440,13 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
   const auto settled = [this, id, work, done](const std::exception_ptr& error) {
     --unsettled_;
     if (!error) return done();
-    if (ledger_.is_lost()) {  // it has said so; the ledger that is put back finds the job cut off
+    if (ledger_.is_lost()) {  // it has reported this; a restored ledger treats the job as interrupted
       running_.erase(id);
       progress_.erase(id);
       return end_drain_if_idle();
     }
-    // The disk is full, as a rule. What has happened is in no ledger yet: tried until it is noted.
-    service_log(LogSeverity::kError, id, "what became of it cannot be noted: " + words_of(error));
+    // Usually the disk is full. No ledger has the result yet, so this retries until it is recorded.
+    service_log(LogSeverity::kError, id, "cannot record the job's result; retrying: " + words_of(error));
     ++unsettled_;
     const auto timer = std::make_shared<boost::asio::steady_timer>(io_, std::chrono::seconds(2));
     timer->async_wait([=, this](const boost::system::error_code&) {
@@ -456,7 +456,7 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
     });
   };
   ledger_.run(work, settled);
-  ++unsettled_;  // only now: what throws will not give it back
+  ++unsettled_;  // only now: an exception above would not decrement it
 }
 
 StagedResult Dispatcher::staged(const Job& job) const {
@@ -468,13 +468,13 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
   data_.count_result(job.output);
   if (!kept.empty())
     service_log(LogSeverity::kWarning, job.id,
-                fmt::format("{} held what this service had not put there; it is in {}", job.output, kept));
+                fmt::format("{} held files that this service did not publish; they are in {}", job.output, kept));
 }
 
 void Dispatcher::remove_staging(const Job& job) const {
   try {
     staged(job).remove();
-  } catch (const Error&) {  // its folder is gone, or elsewhere: the next start looks again
+  } catch (const Error&) {  // its folder is missing or replaced: the next start tries again
   }
 }
 
@@ -501,7 +501,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
         queue.ended(id, owner, attempt, result, wall_clock_ms());
         const std::optional<Job> job = queue.find(id);
         *is_final_state = !job || is_final(job->state);
-        // The worker's next job in the same breath: one commit a job.
+        // Claims the worker's next job in the same transaction: one commit per job.
         settle(queue, limits, owners, *outcome);
       },
       [=, this] {
@@ -509,7 +509,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
                     fmt::format("attempt {} {}{}{}", attempt, attempt_outcome_name(result.outcome),
                                 result.message.empty() ? "" : ": ", result.message));
         const auto found = running_.find(id);
-        // What was half made is kept for the next attempt to go on from.
+        // A partial result is kept, and the next attempt resumes it.
         if (*is_final_state && found != running_.end() && !found->second.job.output.empty())
           remove_staging(found->second.job);
         forget_running(id, result.outcome);
@@ -542,7 +542,7 @@ void Dispatcher::set_paused(const std::string& queue, bool is_paused) {
 
 void Dispatcher::reload(const ServiceSettings& settings) {
   ClaimLimits limits = limits_of(settings);
-  // What was paused or resumed by request stays so, unless the settings say something else than before.
+  // Queues that a request paused or resumed stay so, unless their settings have changed.
   for (auto& [name, of_queue] : limits.queues) {
     const auto before = settings_.queues.find(name);
     if (before != settings_.queues.end() && before->second.is_paused == of_queue.is_paused)
@@ -558,7 +558,7 @@ void Dispatcher::reload(const ServiceSettings& settings) {
 // ---- Time
 
 void Dispatcher::wake_at(std::optional<TimeMs> due) {
-  // A clock that is set back must not make anybody wait for years: it is looked again within a minute.
+  // A clock that is set back must not cause a wait of years: the time is checked at least every minute.
   constexpr TimeMs kLongest = 60000;
   const TimeMs pause = due ? std::clamp<TimeMs>(*due - wall_clock_ms(), 1, kLongest) : kLongest;
   due_timer_.expires_after(std::chrono::milliseconds(pause));
@@ -568,7 +568,7 @@ void Dispatcher::wake_at(std::optional<TimeMs> due) {
 }
 
 void Dispatcher::on_due() {
-  wake_at(wall_clock_ms() + 5000);  // should what follows fail
+  wake_at(wall_clock_ms() + 5000);  // in case the code below fails
   const auto overdue = std::make_shared<JobQueue::Overdue>();
   const auto due = std::make_shared<std::optional<TimeMs>>();
   ledger_.run(
@@ -580,8 +580,8 @@ void Dispatcher::on_due() {
       [=, this](const std::exception_ptr& error) {
         if (error) return wake_at(wall_clock_ms() + 5000);
         for (const std::int64_t id : overdue->running)
-          stop_job(id, "its deadline passed while it ran", AttemptOutcome::kRefused);
-        // Deadlines of running jobs stay due until they have stopped.
+          stop_job(id, "its deadline passed while the job ran", AttemptOutcome::kRefused);
+        // Running jobs that have passed their deadlines stay due until they have stopped.
         wake_at(overdue->running.empty() ? *due : std::optional<TimeMs>(wall_clock_ms() + 1000));
         changed({overdue->dead.begin(), overdue->dead.end()});
       });
@@ -592,7 +592,7 @@ void Dispatcher::drain(std::function<void()> done) {
   drained_ = std::move(done);
   pool_.close();
   if (slurm_) {
-    // What Slurm has goes on, and is found again by the next daemon.
+    // Slurm's jobs continue, and the next daemon finds them again.
     slurm_->close();
     std::erase_if(running_, [](const auto& one) { return is_slurm_owner(one.second.job.owner); });
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings jobs and workers together: claims when a worker is idle, publishes what it made, notes how it ended, and wakes
-// when a back-off or a deadline is over. On the thread of its io_context; the ledger answers by it too.
+// Brings jobs and workers together: claims jobs for idle workers, publishes results, records how jobs ended, and wakes
+// when a back-off or a deadline has passed. Runs on the thread of its io_context, which also gets the ledger's answers.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -22,73 +22,73 @@
 
 namespace multum {
 
-/// Is a succeeded job's result as it was published?
+/// Returns whether a succeeded job's result is unchanged since it was published.
 bool is_result_intact(const JobRoots& roots, const Job& job);
 
 class Dispatcher {
  public:
   struct Counters {
     std::uint64_t succeeded = 0, failed = 0, lost = 0, reused = 0, published = 0, cancelled = 0;
-    double busy_seconds = 0.0;  // of workers, all together
+    double busy_seconds = 0.0;  // sum over all workers
   };
 
-  /// `worker_command`: of a worker, without its socket. Results are published below the roots of outputs;
-  /// `data` counts those that lie in it, and begins none when it is full.
+  /// `worker_command`: command line of a worker, without its socket. Results are published below the roots of outputs;
+  /// `data` counts the results in it, and no job with a result there starts while it is full.
   Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
              ServiceSettings settings, const JobRoots& roots, std::string instance,
              std::vector<std::string> worker_command);
 
-  /// Looks after what an earlier daemon left, before anything starts. Blocks.
+  /// Recovers the jobs of an earlier daemon, before anything starts. Blocks.
   void recover();
   void start();
-  /// There may be something to do.
+  /// Called whenever there may be work.
   void pump();
-  /// Jobs have changed, by others' doing: tells listeners, and pumps.
+  /// Called when others have changed jobs: tells listeners, and pumps.
   void changed(const std::set<std::int64_t>& ids);
   /// Asks the worker of a running job to stop; the attempt ends with `outcome`.
   void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
   void set_paused(const std::string& queue, bool is_paused);
-  /// New limits, from the settings.
+  /// Takes new limits from the settings.
   void reload(const ServiceSettings& settings);
-  /// Starts nothing more; `done` is called when nothing runs any more, at the latest after the grace: what runs then is
-  /// handed back.
+  /// Starts no more jobs; calls `done` when none is running, at the latest after the grace period. Jobs that are still
+  /// running then are handed back to the queue.
   void drain(std::function<void()> done);
 
   const std::map<std::int64_t, JobProgress>& progress() const { return progress_; }
   const Counters& counters() const { return counters_; }
   const WorkerPool& workers() const { return pool_; }
-  /// Null: nothing is sent to Slurm.
+  /// Null: no jobs are sent to Slurm.
   SlurmPool* slurm() const { return slurm_.get(); }
-  bool uses_slurm(const std::string& queue) const;  // for some types at least
+  bool uses_slurm(const std::string& queue) const;  // for at least one type
   bool goes_to_slurm(const std::string& queue, const std::string& type) const;
-  /// Does any job run on this machine? No: all go to Slurm.
+  /// Returns whether any job runs on this machine; false: all go to Slurm.
   bool bakes_here() const;
   const ClaimLimits& limits() const { return limits_; }
   bool is_draining() const { return is_draining_; }
   std::string log_path(std::int64_t id) const;
   void remove_logs(const std::vector<std::int64_t>& ids) const;
   const std::string& instance() const { return instance_; }
-  /// Removes the staging of a job that will not be run. Blocks.
+  /// Removes the staging folder of a job that will not be run. Blocks.
   void remove_staging(const Job& job) const;
 
  private:
   struct Claimed {
     Job job;
-    std::string copy_from;  // a finished result of the same key
+    std::string copy_from;  // a finished result with the same key
   };
-  /// Changes by a unit of work in the ledger, and the next jobs that it has claimed on the way.
+  /// Changes made by one unit of work in the ledger, and the jobs that it has claimed at the same time.
   struct Outcome {
     std::vector<Job> touched;
     std::vector<Claimed> claimed;
     std::optional<TimeMs> due;
   };
-  /// In the ledger: notes what has changed, and claims for these workers.
+  /// On the ledger's thread: records changes, and claims jobs for these workers.
   void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
               Outcome& outcome) const;
-  /// Back from it: tells those who listen, and starts what was claimed.
+  /// Afterwards, on the dispatcher's thread: tells listeners, and starts the claimed jobs.
   void take(const std::vector<std::string>& owners, const Outcome& outcome);
   void end_drain_if_idle();
-  /// Runs `work` in the ledger until it is committed, however often the disk is full, then `done`.
+  /// Runs `work` in the ledger until it is committed, also if the disk is full for a time, and then `done`.
   void note(std::int64_t id, QueueThread::Work work, std::function<void()> done);
   void finish_publishing(const Job& job, const std::string& identity);
   std::vector<std::string> reserve(const std::vector<std::string>& owners);
@@ -101,14 +101,14 @@ class Dispatcher {
   ClaimLimits limits_of_slurm() const;
   struct Claims {
     bool is_under_way = false;
-    bool is_wanted = false;  // again, for what has changed since
+    bool is_wanted = false;  // again, for changes since
   };
   void claim_here();
   void claim_for_slurm();
   void claim(Claims& claims, std::vector<std::string> owners, ClaimLimits limits, void (Dispatcher::*again)());
   void on_ended(std::int64_t id, const std::string& owner, int attempt, const WorkResult& result);
   void publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed);
-  /// On the ledger's thread. Throws as StagedResult::publish() does.
+  /// Runs on the ledger's thread. Throws like StagedResult::publish().
   void publish(const Job& job, const std::string& identity) const;
   void forget_running(std::int64_t id, AttemptOutcome outcome);
   void note_end(std::int64_t id, const std::string& owner, int attempt, AttemptResult result);
@@ -133,13 +133,13 @@ class Dispatcher {
   struct Running {
     Job job;
     std::chrono::steady_clock::time_point since;
-    std::optional<AttemptResult> stop;  // why it was asked to
+    std::optional<AttemptResult> stop;  // why the job was asked to stop
   };
   std::map<std::int64_t, Running> running_;
-  std::set<std::string> reserved_;  // workers that a claim is on its way for
+  std::set<std::string> reserved_;  // workers for which a claim is under way
   Claims claims_here_, slurm_claims_;
   bool is_draining_ = false;
-  int unsettled_ = 0;  // ends and publications on their way into the ledger
+  int unsettled_ = 0;  // ends and publications that are not yet in the ledger
   std::function<void()> drained_;
   Counters counters_;
 };

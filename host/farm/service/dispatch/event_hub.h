@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends events to everybody who listens: job changes and progress, each with a number, the last ones kept for those who
-// come back after a broken line. Listeners are served on a thread of the hub's own: however many there are, those who
-// publish and those who ask other things do not wait for them.
+// Sends events to all listeners: job changes and progress, each with a number. The last events are kept for clients
+// that reconnect. The hub serves listeners on a thread of its own: publishers and other requests do not wait, however
+// many listeners there are.
 #pragma once
 
 #include <atomic>
@@ -20,33 +20,33 @@ namespace multum {
 struct ServiceEvent {
   std::uint64_t number = 0;
   std::int64_t job = 0;
-  std::shared_ptr<const std::string> text;  // as it goes over the line, one for all who listen
+  std::shared_ptr<const std::string> text;  // as sent, shared by all listeners
 };
 
 class EventHub {
  public:
   using Listener = std::function<void(const ServiceEvent&)>;
 
-  /// Numbers go on after `first`: those of a later daemon must be larger than those of an earlier one.
+  /// Counts on from `first`: a later daemon needs larger numbers than an earlier one.
   explicit EventHub(std::uint64_t first);
-  /// Ends its thread, whatever runs there.
+  /// Ends its thread, whatever is running there.
   ~EventHub();
   EventHub(const EventHub&) = delete;
   EventHub& operator=(const EventHub&) = delete;
 
-  /// On one thread, always the same. `kind`: "job" or "progress"; `data`: JSON in one line.
+  /// Called on one thread, always the same. `kind`: "job" or "progress"; `data`: JSON on one line.
   void publish(const std::string& kind, std::int64_t job, const std::string& data);
-  /// The number of the last event published.
+  /// The number of the last published event.
   std::uint64_t last() const { return last_; }
 
-  /// Bytes of all events whose texts are kept, here or by listeners.
+  /// Bytes of all event texts that the hub or its listeners keep.
   std::size_t bytes() const { return *bytes_; }
 
-  /// Its thread runs this: what listeners do belongs there, and the calls below too.
+  /// The hub's thread runs this: listeners, and the calls below, belong there.
   boost::asio::io_context& io() { return io_; }
-  /// Hands out the events after number `after` that are still kept (0: all of this hub's), then those to come, until
-  /// remove(). Where some in between are no longer kept, or `after` was counted by another daemon, begins with an event
-  /// of the kind "missed", of no job.
+  /// Hands out the kept events after number `after` (0: all), and then new ones until remove(). If events in between
+  /// are no longer kept, or another daemon counted `after`, begins with an event of the kind "missed", which belongs to
+  /// no job.
   std::uint64_t add(std::uint64_t after, Listener listener);
   void remove(std::uint64_t key) { listeners_.erase(key); }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why a client is not served.
+// The reason why a request is refused.
 #pragma once
 
 #include <string>

@@ -24,7 +24,7 @@ const std::vector<std::string> kKeys = {
     "upload_max", "retention_days", "data_max",       "upload_days",      "connections_max",  "request_memory_max",
     "queue",      "device",         "slurm"};
 
-// "800M", "2G": as --memory takes it.
+// Parses "800M" or "2G", in the syntax of --memory.
 std::optional<std::int64_t> parse_bytes(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -68,7 +68,7 @@ void read_queues(const StrictTable& root, const std::string& path, ServiceSettin
     limits.is_paused = table.boolean("paused", false);
     const std::string name = table.text("name");
     if (!settings.queues.emplace(name, limits).second)
-      table.refuse("name", fmt::format("is \"{}\", which another one has", name));
+      table.refuse("name", fmt::format("is \"{}\", the name of another queue", name));
   }
 }
 
@@ -175,7 +175,7 @@ ListenAddress parse_listen_address(const std::string& text) {
 
 namespace {
 
-// Without links, as far as it is there.
+// Resolves the links of the existing part of a path.
 std::string canonical_name(const std::string& path) {
   std::error_code error;
   const std::filesystem::path name = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
@@ -188,8 +188,9 @@ bool is_in(const std::string& path, const std::string& folder) {
 
 void check_roots(const ServiceSettings& settings, const std::string& settings_file, const Confinement& system) {
   if (settings.roots.empty())
-    throw Error(ErrorCode::kUsage,
-                "no root is named: jobs read and write below folders that --root, or roots in the settings, names");
+    throw Error(
+        ErrorCode::kUsage,
+        "there is no root; name the folders that jobs may read and write with --root, or with roots in the settings");
   const std::string socket = parse_listen_address(settings.listen).unix_path;
   const std::pair<const char*, std::string> own[] = {{"the data folder", settings.data},
                                                      {"the token", settings.token_file},
@@ -198,31 +199,35 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
                                                      {"the folder of [slurm]", settings.slurm.folder}};
   for (const std::string& path : {settings.data, settings.token_file})
     if (const std::string part = path.empty() ? "" : part_that_holds(system, path); !part.empty())
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} lies in {}, where every worker may read for its libraries and drivers", path, part));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{} is in {}, where every worker may read its libraries and drivers; expected another folder",
+                      path, part));
   for (const std::string& named : settings.roots) {
     const std::string root = canonical_name(named);
     for (const auto& [what, path] : own)
       if (!path.empty() && is_in(canonical_name(path), root))
         throw Error(ErrorCode::kUsage,
-                    fmt::format("{} {} lies in the root {}, where jobs could write it", what, path, named));
+                    fmt::format("{} {} is in the root {}, where jobs could write to it; expected a path outside", what,
+                                path, named));
     if (is_in(root, canonical_name(settings.data)))
-      throw Error(ErrorCode::kUsage, fmt::format("the root {} lies in the data folder {}", named, settings.data));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("the root {} is in the data folder {}, expected a folder outside", named, settings.data));
   }
 }
 
-// Whoever may write there may have nodes run what they like.
+// A user who may write there could make nodes run any command.
 void check_slurm(const SlurmSettings& settings) {
   if (!settings.is_on()) return;
   struct stat found {};
   if (::stat(settings.folder.c_str(), &found) != 0 || !S_ISDIR(found.st_mode))
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("the folder of [slurm] {}: expected a folder that all nodes have by this name", settings.folder));
+        fmt::format("the folder of [slurm] {}: expected a folder with the same path on all nodes", settings.folder));
   if (found.st_uid != ::geteuid() || (found.st_mode & 022) != 0)
     throw Error(ErrorCode::kUsage,
-                fmt::format("the folder of [slurm] {}: others own it or may write there, expected a folder of the "
-                            "service's user alone (chmod 700)",
+                fmt::format("the folder of [slurm] {}: other users own it or may write there, expected a folder for "
+                            "only the service's user (chmod 700)",
                             settings.folder));
 }
 
@@ -234,8 +239,8 @@ void check_service_settings(const ServiceSettings& settings, const std::string& 
   if (!address.is_loopback() && settings.token_file.empty())
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("'{}' can be reached from other machines: that needs a token (--token-file), and TLS from a "
-                    "reverse proxy before it (docs/reference/service.md)",
+        fmt::format("other machines can reach '{}': this needs a token (--token-file), and a reverse proxy that adds "
+                    "TLS (docs/reference/service.md)",
                     settings.listen));
   check_roots(settings, settings_file, system);
   check_slurm(settings.slurm);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the daemon's settings: from serve.toml, whose keys docs/reference/service.md lists, and from its command line,
+// Reads the daemon's settings from serve.toml, whose keys docs/reference/service.md lists, and from its command line,
 // which takes precedence.
 #pragma once
 
@@ -16,39 +16,38 @@ namespace multum {
 
 struct ServiceSettings {
   std::string data;                       // folder of the ledger, logs and uploads
-  std::string listen = "127.0.0.1:8470";  // HOST:PORT, [::1]:PORT or unix:PATH; port 0: any that is free
-  std::string token_file;                 // its first line is the bearer token; needed when not on loopback
+  std::string listen = "127.0.0.1:8470";  // HOST:PORT, [::1]:PORT or unix:PATH; port 0: any free port
+  std::string token_file;                 // its first line is the bearer token; required except on loopback
   std::vector<std::string> roots;         // folders that jobs may read and write, at least one
   int workers = 2;                        // 1..256
-  int threads_a_worker = 0;               // 0: the cores shared out
+  int threads_a_worker = 0;               // 0: divides the cores among the workers
   std::map<std::string, QueueLimits> queues = {{"default", {}}};
-  std::map<std::string, int> devices;  // jobs at once on each
-  std::int64_t memory_max = 0;         // bytes of all running jobs; 0: three quarters of the machine's
+  std::map<std::string, int> devices;  // simultaneous jobs per device
+  std::int64_t memory_max = 0;         // bytes of all running jobs; 0: three quarters of the machine's memory
   RetryPolicy retry;
   std::chrono::milliseconds lease{10000};
   std::chrono::milliseconds no_progress{600000};
   std::chrono::milliseconds cancel_grace{10000};
-  std::chrono::milliseconds shutdown_grace{30000};  // of running jobs, when asked to end; then they are handed back
+  std::chrono::milliseconds shutdown_grace{30000};  // for running jobs at shutdown; then they are handed back
   int upload_bytes_max = 64 << 20;
-  int retention_days = 30;                         // of finished jobs, with their logs; 0: for ever
-  std::int64_t data_max = std::int64_t{20} << 30;  // bytes of uploads, results and logs in `data`; 0: any
-  int upload_days = 7;                             // of uploads that no job waits for; 0: for ever
+  int retention_days = 30;                         // for finished jobs and their logs; 0: no limit
+  std::int64_t data_max = std::int64_t{20} << 30;  // bytes of uploads, results and logs in `data`; 0: no limit
+  int upload_days = 7;                             // for uploads that no job waits for; 0: no limit
   int connections_max = 4096;
-  std::int64_t request_memory_max = 256 << 20;  // bytes of requests and answers on their way
+  std::int64_t request_memory_max = 256 << 20;  // bytes of all requests and answers in progress
   SlurmSettings slurm;
 };
 
-/// Throws Error(kInput) naming file, line, what was found and what was expected.
+/// Throws Error(kInput) that names the file, the line, the value found and the value expected.
 void read_service_settings(const std::string& path, ServiceSettings& settings);
 
-/// Throws Error(kUsage): an address that is none, or one that others reach without a token; no root, or one with
-/// anything of the daemon's own in it - its data, token, settings or socket, which jobs could write - or that lies in
-/// its data; anything of the daemon's own in a part of the machine that every worker sees, `system`. `settings_file`:
-/// empty for none.
+/// Throws Error(kUsage) for an invalid address, an address that others can reach without a token, or missing roots. A
+/// root must not contain the daemon's data, token, settings or socket, which jobs could then write, nor be inside the
+/// data. None of these may be in a part of the machine that every worker sees, `system`. `settings_file`: may be empty.
 void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
                             const Confinement& system);
 
-/// Address to listen on.
+/// An address to listen on.
 struct ListenAddress {
   std::string unix_path;  // or
   std::string host;

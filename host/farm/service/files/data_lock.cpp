@@ -18,32 +18,31 @@ namespace {
 bool is_of_us_or_root(const struct stat& found) { return found.st_uid == ::geteuid() || found.st_uid == 0; }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kEnvironment,
-              fmt::format("{}: {}; expected a folder for the daemon alone: choose another one, "
-                          "or change its owner and its mode",
-                          path, what));
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; expected a folder of only the daemon: choose another one, "
+                                                   "or change its owner and mode",
+                                                   path, what));
 }
 
-// Where a link leads that this user or root made; else the path itself.
+// Follows a link that this user or root made; returns other paths unchanged.
 std::string resolved(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 || !S_ISLNK(found.st_mode)) return path;
   if (!is_of_us_or_root(found)) refuse(path, fmt::format("is a link that user {} made", found.st_uid));
   std::error_code error;
   const std::string target = std::filesystem::canonical(path, error).string();
-  if (error) refuse(path, "is a link that leads nowhere");
+  if (error) refuse(path, "is a link to a missing file");
   return target;
 }
 
-// A group may write to a folder of root's: so volumes are given to containers.
+// A group may write to a folder of root: containers get their volumes in this way.
 void check_owner(const OpenFile& folder, const std::string& path) {
   struct stat found {};
-  if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be looked at");
+  if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");
   if (!is_of_us_or_root(found))
-    refuse(path, fmt::format("belongs to user {}, and this is user {}", found.st_uid, ::geteuid()));
+    refuse(path, fmt::format("belongs to user {}, but multum runs as user {}", found.st_uid, ::geteuid()));
   const bool is_volume = found.st_uid == 0 && ::geteuid() != 0;
   if ((found.st_mode & (is_volume ? S_IWOTH : S_IWGRP | S_IWOTH)) != 0)
-    refuse(path, fmt::format("has the mode {:04o}, by which others may write to it", found.st_mode & 07777U));
+    refuse(path, fmt::format("has the mode {:04o}, which lets other users write to it", found.st_mode & 07777U));
 }
 
 }  // namespace
@@ -53,7 +52,7 @@ std::unique_ptr<DataLock> DataLock::take(const std::string& path) {
     const std::string folder = resolved(path);
     if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) fail_by_errno(path, "cannot be made");
     OpenFile opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-    if (!opened.is_open() && (errno == ENOENT || errno == ELOOP)) continue;  // taken away, or a link by now
+    if (!opened.is_open() && (errno == ENOENT || errno == ELOOP)) continue;  // removed, or replaced by a link
     if (!opened.is_open()) fail_by_errno(path, "cannot be opened");
     check_owner(opened, path);
     if (::flock(opened.descriptor(), LOCK_EX | LOCK_NB) != 0) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Locks DATA, the daemon's folder, for one living process, and makes sure that nobody else can plant files in it: the
-// ledger, uploads, results and logs are opened by name.
+// Locks DATA, the daemon's folder, for one living process. Also ensures that no other user can put files in it, because
+// the daemon opens the ledger, uploads, results and logs by name.
 #pragma once
 
 #include <memory>
@@ -12,9 +12,9 @@ namespace multum {
 
 class DataLock {
  public:
-  /// Makes the folder with mode 0700 if it is missing. A link to it is followed when this user or root made the link.
-  /// Null when a living process has it. Throws Error(kEnvironment) when it cannot be made, belongs to somebody else but
-  /// root, or when others may write to it.
+  /// Creates the folder with mode 0700 if it is missing. Follows a link to it if this user or root made the link.
+  /// Returns null when a living process has it. Throws Error(kEnvironment) when it cannot be created, belongs to a user
+  /// other than this one and root, or when others may write to it.
   static std::unique_ptr<DataLock> take(const std::string& path);
 
  private:

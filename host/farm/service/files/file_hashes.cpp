@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kKnownMax = 100000;  // files: some 30 MB
+constexpr std::size_t kKnownMax = 100000;  // files: about 30 MB
 
 }  // namespace
 
@@ -20,7 +20,7 @@ std::string FileHashes::hash(const std::string& path, const OpenFile& file) {
     if (found != known_.end() && !identity.empty() && found->second.identity == identity) return found->second.hash;
   }
   const std::string hash = hash_file(opened);
-  // Written to while it was read: what it is then is not known.
+  // Remembered only if the file was not written to meanwhile.
   if (file_identity(opened) == identity) {
     const std::lock_guard lock(mutex_);
     if (known_.size() >= kKnownMax) known_.clear();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256 of files, on threads of its own; what has been hashed is remembered for as long as the file has the same
-// inode, size and time.
+// Computes SHA-256 of files on its own threads. Remembers a hash as long as the file has the same inode, size and time.
 #pragma once
 
 #include <boost/asio/thread_pool.hpp>
@@ -19,7 +18,7 @@ class FileHashes {
   explicit FileHashes(int threads) : pool_(static_cast<std::size_t>(threads)) {}
   ~FileHashes() { pool_.join(); }
 
-  /// Blocks. `path` is the name by which it is remembered. Throws Error(kInput) when the file cannot be read.
+  /// Blocks. Remembers the hash under the name `path`. Throws Error(kInput) when the file cannot be read.
   std::string hash(const std::string& path, const OpenFile& file);
   boost::asio::thread_pool& pool() { return pool_; }
 

@@ -10,9 +10,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The number between `before` and `after`, which anything may follow; 0: it has none, or one that no ledger gives.
+// Returns the number between `before` and `after`, which any text may follow; 0 if there is none, or if it is too
+// large.
 std::int64_t number_in(const std::string& name, const std::string& before, const std::string& after) {
-  constexpr std::int64_t kHighest = std::int64_t{1} << 52;  // whole numbers of JSON's readers
+  constexpr std::int64_t kHighest = std::int64_t{1} << 52;  // JSON readers keep such integers exact
   if (!name.starts_with(before)) return 0;
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(name.data() + before.size(), name.data() + name.size(), number);

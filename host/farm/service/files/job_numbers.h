@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds which numbers of jobs a folder DATA knows.
+// Finds the highest job number in the file names of a folder DATA.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// The highest number of a job that anything there is named by: a log, pictures, a staging folder; 0: of none.
+/// Returns the highest job number in the name of a log, pictures or a staging folder; 0 if there is none.
 std::int64_t highest_job_number(const std::string& data);
 
 }  // namespace multum

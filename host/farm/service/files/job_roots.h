@@ -7,12 +7,11 @@
 
 namespace multum {
 
-/// Folders that jobs may touch.
 struct JobRoots {
   PathRoots inputs;   // the configured roots, uploads and results
   PathRoots outputs;  // the configured roots and results
   PathRoots results;  // the daemon's own place for results
-  ResultSeal seal;    // of folders that the daemon publishes
+  ResultSeal seal;    // seal of folders that the daemon publishes
 };
 
 }  // namespace multum

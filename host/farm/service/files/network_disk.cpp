@@ -14,14 +14,14 @@
 namespace multum {
 namespace {
 
-// As linux/magic.h and the file systems' own sources have them.
+// Numbers from linux/magic.h and from the sources of the file systems.
 constexpr std::array<std::pair<std::uint32_t, const char*>, 22> kNetworkDisks = {{
     {0x6969, "NFS"},
     {0x517b, "SMB"},
     {0xff534d42, "CIFS"},
     {0xfe534d42, "SMB 2"},
     {0x0bd00bd0, "Lustre"},
-    {0x65735546, "FUSE, as sshfs, GlusterFS and virtiofs are"},
+    {0x65735546, "FUSE, such as sshfs, GlusterFS and virtiofs"},
     {0x00c36400, "Ceph"},
     {0x5346414f, "AFS"},
     {0x6b414653, "AFS"},
@@ -43,7 +43,7 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 22> kNetworkDisks = 
 }  // namespace
 
 std::string network_disk_name(std::int64_t type) {
-  // Sign and width of f_type differ between machines; the numbers have 32 bits.
+  // Sign and width of f_type depend on the machine; the numbers have 32 bits.
   const auto number = static_cast<std::uint32_t>(type);
   const auto found =
       std::find_if(kNetworkDisks.begin(), kNetworkDisks.end(), [&](const auto& one) { return one.first == number; });
@@ -55,14 +55,15 @@ void check_is_local(const std::string& folder) {
   int result = -1;
   do result = ::statfs(folder.c_str(), &found);
   while (result != 0 && errno == EINTR);
-  if (result != 0) fail_by_errno(folder, "its file system cannot be looked at");
+  if (result != 0) fail_by_errno(folder, "cannot examine its file system");
   const std::string name = network_disk_name(static_cast<std::int64_t>(found.f_type));
   if (!name.empty())
     throw Error(
         ErrorCode::kEnvironment,
-        fmt::format("{}: lies on a network file system ({}), where a ledger is not safe; expected a disk of this "
-                    "machine. Name another folder by --data; roots may lie on a network",
-                    folder, name));
+        fmt::format(
+            "{}: is on a network file system ({}), where a ledger is not safe; expected a disk of this machine. "
+            "Name another folder with --data; roots may be on a network",
+            folder, name));
 }
 
 }  // namespace multum

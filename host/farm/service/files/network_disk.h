@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells file systems on a network, and those of programs, from disks of this machine. A ledger in SQLite lies on none
-// of them: locks and the order of writes are not kept there as it needs them, and two daemons could each believe to be
-// alone.
+// Distinguishes file systems on a network, and those of programs, from disks of this machine. An SQLite ledger must not
+// be on such file systems: their locks and their order of writes are not reliable enough for SQLite. Two daemons could
+// both believe that they own the ledger.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace multum {
 
-/// "NFS", by the number that statfs() has for it (its f_type); "": a disk of this machine, or not known.
+/// Returns "NFS", for example, for an f_type of statfs(); "": a disk of this machine, or unknown.
 std::string network_disk_name(std::int64_t type);
 
-/// Throws Error(kEnvironment) when the folder lies on such a file system, naming it.
+/// Throws Error(kEnvironment), which names the file system, when the folder is on such a file system.
 void check_is_local(const std::string& folder);
 
 }  // namespace multum

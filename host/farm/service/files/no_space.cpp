@@ -13,7 +13,7 @@ void fail_to_write(const std::string& subject, const std::string& what) {
   if (is_no_space(error))
     throw NoSpaceError(ErrorCode::kEnvironment,
                        subject + ": " + what + ": " + std::strerror(error) +
-                           (error == EFBIG ? "; expected a higher limit of file sizes (ulimit -f, LimitFSIZE)" : ""));
+                           (error == EFBIG ? "; raise the limit of file sizes (ulimit -f, LimitFSIZE)" : ""));
   errno = error;
   fail_by_errno(subject, what);
 }

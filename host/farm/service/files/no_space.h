@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A disk that takes no more: it is full, or a quota or the limit of file sizes (ulimit -f) is reached.
+// Errors of a disk without space: it is full, or a quota or the limit of file sizes (ulimit -f) is reached.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace multum {
 
-/// Answered with 507: there may be room later, and nothing of what was asked for is done.
+/// Answered with 507: there may be room later. Nothing of the request has been done.
 class NoSpaceError : public Error {
  public:
   using Error::Error;
 };
 
-/// Does this errno say so?
+/// Returns whether this errno reports a lack of space.
 bool is_no_space(int error);
 
-/// As fail_by_errno(); throws NoSpaceError where errno says that there is no space.
+/// Like fail_by_errno(), but throws NoSpaceError if errno reports a lack of space.
 [[noreturn]] void fail_to_write(const std::string& subject, const std::string& what);
 
 }  // namespace multum

@@ -20,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kCopyPiece = 1 << 20;  // bytes
-constexpr int kCopyDepthMax = 32;            // folders in folders, each of which is two open files
+constexpr int kCopyDepthMax = 32;            // nested folders, each of which takes two open files
 
-// An entry of an open folder; `path` is for messages.
+// An entry of an open folder; messages show `path`.
 struct Place {
   int folder;
   std::string name, path;
@@ -64,14 +64,14 @@ void copy_entry(const Place& source, const Place& target, int depth) {
   if (S_ISREG(found.st_mode)) return copy_file(from, found.st_mode, source, target);
   if (!S_ISDIR(found.st_mode) || depth == kCopyDepthMax)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: cannot be copied: expected a file, or folders that are at most {} deep", source.path,
+                fmt::format("{}: cannot be copied: expected a file, or folders nested at most {} deep", source.path,
                             kCopyDepthMax));
   if (::mkdirat(target.folder, target.name.c_str(), found.st_mode & 0777) != 0)
     fail_by_errno(target.path, "cannot be made");
   const OpenFile to(::openat(target.folder, target.name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (!to.is_open()) fail_by_errno(target.path, "cannot be opened");
   for (const std::string& name : names_in(from, source.path))
-    if (depth > 0 || name != kResultListingName)  // the copy gets its own
+    if (depth > 0 || name != kResultListingName)  // the copy gets a listing of its own
       copy_entry({from.descriptor(), name, source.path + "/" + name}, {to.descriptor(), name, target.path + "/" + name},
                  depth + 1);
   sync(to, target.path);
@@ -82,7 +82,7 @@ void copy_entry(const Place& source, const Place& target, int depth) {
 void copy_result(const PathRoots& roots, const std::string& from, const std::string& to) {
   const OpenFile source = roots.open_folder_of(from), target = roots.open_folder_of(to);
   const std::string name = fs::path(to).filename().string();
-  remove_entry(target, name);  // what an attempt before has left
+  remove_entry(target, name);  // remains of an earlier attempt
   copy_entry({source.descriptor(), fs::path(from).filename().string(), from}, {target.descriptor(), name, to}, 0);
   sync(target, to);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies the result of an earlier job for one that would make the same.
+// Copies the result of an earlier job for a job that would make the same.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// A finished result, file or folder, once more under another name, on disk when this returns. Follows no link on
-/// either side. Throws Error(kEnvironment) for a link or a device in it too, and as PathRoots::open_folder_of() does.
+/// Copies a finished result, a file or folder, to another name, and syncs it. Follows no links on either side. Throws
+/// Error(kEnvironment), also for a link or a device in the result, and like PathRoots::open_folder_of().
 void copy_result(const PathRoots& roots, const std::string& from, const std::string& to);
 
 }  // namespace multum

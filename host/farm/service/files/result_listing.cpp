@@ -30,12 +30,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr off_t kListingMax = 16 << 20;  // bytes, of some hundred thousand files
-constexpr int kDepthMax = 32;            // folders in folders, each of which is an open file
+constexpr off_t kListingMax = 16 << 20;  // bytes, enough for some hundred thousand files
+constexpr int kDepthMax = 32;            // nested folders, each of which is an open file
 constexpr char kSealWord[] = "seal ";
 constexpr std::size_t kKeyDigits = 64;
 
-using Listing = PublishedFiles;  // a name with a line's end is none
+using Listing = PublishedFiles;  // names with line breaks are not listed
 
 std::string state_of(const struct stat& found) {
   return fmt::format("{} {}", found.st_size, found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
@@ -64,7 +64,7 @@ bool is_same(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-// The lines of files; none where the seal is not the service's.
+// Returns the lines of files; nothing if the seal is not from the service.
 std::string sealed_lines(const OpenFile& folder, const std::string& text, const ResultSeal& seal) {
   if (seal.key.empty()) return text;
   const std::size_t before = text.rfind(std::string("\n") + kSealWord);
@@ -73,7 +73,7 @@ std::string sealed_lines(const OpenFile& folder, const std::string& text, const 
   return is_same(text.substr(begin), seal_line(folder, lines, seal)) ? lines : "";
 }
 
-// A file, or anything else that is no folder, in an open folder. `path`: from the folder that the walk began at.
+// An entry of an open folder other than a folder. `path`: relative to the start of the walk.
 struct Found {
   int folder;
   const std::string& name;
@@ -82,12 +82,12 @@ struct Found {
 };
 
 struct Walk {
-  std::function<bool(const Found&)> at_file;  // false: the walk is over
+  std::function<bool(const Found&)> at_file;  // false: ends the walk
   std::function<void(int above, const std::string& name)> after_folder = nullptr;
 
   bool run(const OpenFile& folder, const std::string& prefix = "", int depth = 0) const {
     if (depth > kDepthMax)
-      throw Error(ErrorCode::kEnvironment, fmt::format("{}: is deeper than {} folders", prefix, kDepthMax));
+      throw Error(ErrorCode::kEnvironment, fmt::format("{}: folders are nested more than {} deep", prefix, kDepthMax));
     for (const std::string& name : names_in(folder, prefix)) {
       struct stat found {};
       if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // gone
@@ -112,10 +112,10 @@ OpenFile opened(const std::string& folder) {
 }
 
 Listing read_listing(const OpenFile& folder, const std::string& path, const ResultSeal& seal) {
-  // A pipe, a link or a file without end is no listing.
+  // A pipe, a link or an endless file is not accepted as a listing.
   const OpenFile file(
       ::openat(folder.descriptor(), kResultListingName, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  // Nor is one that cannot be read for now the same as none.
+  // A listing that cannot be read at present does not count as missing.
   const auto cannot_read = [&] { fail_by_errno(path + "/" + kResultListingName, "cannot be read"); };
   if (!file.is_open() && errno != ENOENT && errno != ENOTDIR && errno != ELOOP) cannot_read();
   Listing listing;
@@ -140,7 +140,7 @@ bool is_listed(const Listing& listing, const Found& found) {
   return line != listing.end() && line->second == found.state;
 }
 
-// The first file that is not as it is listed; `count` of the others.
+// Returns the first file that differs from the listing; `count` counts the unchanged files before it.
 std::string first_unlisted(const OpenFile& folder, const Listing& listing, std::size_t& count) {
   std::string unlisted;
   Walk{[&](const Found& found) {
@@ -159,10 +159,10 @@ ResultSeal take_up_seal(const std::string& path) {
   if (std::ifstream file(path); std::getline(file, key) && key.size() == kKeyDigits) return {key};
   unsigned char random[kKeyDigits / 2];
   if (RAND_bytes(random, sizeof(random)) != 1)
-    throw Error(ErrorCode::kEnvironment, path + ": no key can be made: the system has no random numbers");
+    throw Error(ErrorCode::kEnvironment, path + ": cannot make a key: the system provides no random numbers");
   key.clear();
   for (const unsigned char byte : random) key += fmt::format("{:02x}", byte);
-  ::unlink(path.c_str());  // of a start that was cut off
+  ::unlink(path.c_str());  // remains of an interrupted start
   const OpenFile file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
   const std::string line = key + "\n";
   if (!file.is_open() || ::write(file.descriptor(), line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
@@ -175,13 +175,13 @@ void write_result_listing(const std::string& folder, const ResultSeal& seal) {
   const OpenFile file = opened(folder);
   std::string text;
   Walk{[&](const Found& found) {
-    // Of an attempt that neither could finish it nor find it again, while folders were swapped.
+    // Removes a file of an attempt that could neither finish nor find it again, because folders were swapped.
     if (is_temporary_name(found.name) && ::unlinkat(found.folder, found.name.c_str(), 0) == 0) return true;
     if (found.path.find('\n') == std::string::npos) text += fmt::format("{} {}\n", found.state, found.path);
     return true;
   }}.run(file);
   if (!seal.key.empty()) text += seal_line(file, text, seal);
-  // By /proc: whatever becomes of the name meanwhile.
+  // Through /proc, so that a renamed folder does not matter.
   write_text_file(fmt::format("/proc/self/fd/{}/{}", file.descriptor(), kResultListingName), text);
 }
 
@@ -229,11 +229,11 @@ PublishedFiles published_files(const OpenFile& folder, const std::string& path, 
 }
 
 OpenFile open_published(const OpenFile& folder, const std::string& name, const std::string& state) {
-  // The listing may have been written by anybody who writes to the folder.
+  // Any user who may write to the folder may have written the listing.
   const bool is_plain = fs::path(name).lexically_normal() == name && !name.starts_with("..") && !name.starts_with('/');
   OpenFile file = is_plain ? open_beneath_folder(folder, name, O_RDONLY | O_NONBLOCK) : OpenFile();
   if (!file.is_open() || !is_in_state(file, state))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is not there any more, or not as it was published", name));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is missing, or has changed since it was published", name));
   return file;
 }
 

@@ -28,7 +28,7 @@ std::string identity_of(const struct stat& found) {
                      found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
 }
 
-// What lies there by this name, no link followed.
+// Returns the state of the entry with this name, without following a link.
 std::optional<struct stat> state_of(int folder, const std::string& name) {
   struct stat found {};
   if (::fstatat(folder, name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) return std::nullopt;
@@ -40,10 +40,10 @@ std::string identity_at(int folder, const std::string& name) {
   return found && (S_ISDIR(found->st_mode) || S_ISREG(found->st_mode)) ? identity_of(*found) : "";
 }
 
-// A name for what libraries do by names: it leads to this very folder.
+// Returns a path to this very folder, for functions that take names.
 std::string name_of(const OpenFile& folder) { return fmt::format("/proc/self/fd/{}", folder.descriptor()); }
 
-// What somebody else put there under such a name is theirs.
+// Leaves entries of other users that have such a name.
 bool remove_staging(const OpenFile& folder, const std::string& name, const std::string& path) {
   try {
     const OpenFile staging = find_own_folder(folder, name, path);
@@ -80,7 +80,7 @@ std::string file_identity(const std::string& path) {
 
 namespace {
 
-// The folder that a result lies in; none: it is not there, or behind a link.
+// Opens the folder of a result; nullopt if it is missing, or behind a link.
 std::optional<OpenFile> open_place(const PathRoots& roots, const std::string& path) {
   try {
     return roots.open_folder_of(path);
@@ -128,15 +128,15 @@ void StagedResult::check_place(bool is_folder) const {
   const std::optional<struct stat> found = state_of(folder_.descriptor(), name_);
   if (!found) return;
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::kUsage, output_ + ": " + why); };
-  if (S_ISDIR(found->st_mode) && !is_folder) refuse("is a folder, expected a file or nothing there");
-  if (!S_ISDIR(found->st_mode) && is_folder) refuse("is a file, expected a folder or nothing there");
+  if (S_ISDIR(found->st_mode) && !is_folder) refuse("is a folder, expected a file or a new path");
+  if (!S_ISDIR(found->st_mode) && is_folder) refuse("is a file, expected a folder or a new path");
   if (!is_folder) return;
   const std::string other = unlisted_in(name_of(folder_) + "/" + name_, seal_);
   if (!other.empty())
-    refuse(
-        fmt::format("holds {}, which is not a result as this service published it; expected an empty folder, a result "
-                    "of this service, or nothing there",
-                    other));
+    refuse(fmt::format(
+        "holds {}, which is not an unchanged result of this service; expected an empty folder, an unchanged "
+        "result, or a new path",
+        other));
 }
 
 std::string StagedResult::publish(const std::string& identity) const {
@@ -146,15 +146,15 @@ std::string StagedResult::publish(const std::string& identity) const {
     const bool is_folder = S_ISDIR(state_of(staging.descriptor(), name_)->st_mode);
     check_place(is_folder);
     if (is_folder) write_result_listing(name_of(staging) + "/" + name_, seal_);
-    // Two folders change places: an exchange is the only rename of a folder onto one that is not empty.
+    // Exchanges two folders: only an exchange can rename a folder onto one that is not empty.
     const bool is_exchange = is_folder && state_of(folder, name_).has_value();
     if (::renameat2(staging.descriptor(), name_.c_str(), folder, name_.c_str(), is_exchange ? RENAME_EXCHANGE : 0) != 0)
-      fail_by_errno(output_, "the result cannot be given its name");
+      fail_by_errno(output_, "cannot rename the result");
   } else if (identity_at(folder, name_) != identity) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: the finished result is neither there nor in {}", output_, staging_));
+                fmt::format("{}: the finished result is neither at this path nor in {}", output_, staging_));
   }
-  // What is in the staging folder now is dealt with whatever else fails: another attempt would go on from it.
+  // Empties the staging folder even if another step fails: otherwise the next attempt would resume from its contents.
   const int sync_error = ::fsync(folder) == 0 ? 0 : errno;
   const std::string kept = staging.is_open() ? put_aside(staging) : "";
   remove();
@@ -165,14 +165,14 @@ std::string StagedResult::publish(const std::string& identity) const {
   return kept;
 }
 
-// After an exchange the folder before lies in the staging folder: what was published of it goes, anything else that
-// came in the meantime is given a name again.
+// After an exchange, the staging folder holds the previous folder: removes its published files, and renames everything
+// that was added since.
 std::string StagedResult::put_aside(const OpenFile& staging) const {
   const std::optional<struct stat> old = state_of(staging.descriptor(), name_);
   if (!old || !S_ISDIR(old->st_mode)) return "";
   try {
     if (remove_listed(name_of(staging) + "/" + name_, seal_)) return "";
-  } catch (const Error&) {  // what is not known to be ours is kept
+  } catch (const Error&) {  // keeps files of unknown origin
   }
   constexpr int kNamesMax = 100;
   for (int i = 1; i <= kNamesMax; ++i) {
@@ -184,7 +184,8 @@ std::string StagedResult::put_aside(const OpenFile& staging) const {
   const int error = errno;
   ::renameat2(staging.descriptor(), name_.c_str(), folder_.descriptor(), name_.c_str(), RENAME_EXCHANGE);
   errno = error;
-  fail_by_errno(output_, "what was added to the folder before cannot be put aside; it has its place again");
+  fail_by_errno(output_,
+                "cannot move the files that were added to the previous result; the previous result is back in place");
 }
 
 void StagedResult::remove() const {
@@ -207,7 +208,7 @@ std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector
         if (failed != std::errc() || stop != end || !is_finished_with(id)) continue;
         if (remove_staging(folder, name, path + "/" + name)) removed.push_back(path + "/" + name);
       }
-    } catch (const Error&) {  // not there any more, or not below a root
+    } catch (const Error&) {  // no longer exists, or not below a root
     }
   }
   return removed;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages a job's result before it has its name: a hidden folder of its own beside the output, on the same file system,
-// so that a rename publishes it and nothing half made is ever seen. Names are used beneath the descriptor of the
-// output's folder, as PathRoots opened it: whatever becomes of a link or a folder above, it is that folder's.
+// Stages a job's result in a hidden folder next to the output, on the same file system. A rename publishes the result,
+// so an incomplete result is never visible. Names are used beneath the descriptor of the output's folder, opened by
+// PathRoots: links or folders that change above it have no effect.
 #pragma once
 
 #include <cstdint>
@@ -14,47 +14,47 @@
 
 namespace multum {
 
-/// DIR/.multum-INSTANCE-ID of DIR/NAME. `instance` tells daemons apart that write into one folder.
+/// Returns DIR/.multum-INSTANCE-ID for DIR/NAME. `instance` distinguishes daemons that write into one folder.
 std::string staging_folder(const std::string& output, const std::string& instance, std::int64_t id);
-/// Path of the result within the folder, under its own name; and as a worker says it, which works within the folder.
+/// Returns the path of the result in the staging folder, under its own name; a worker, which runs in that folder, uses
+/// only the name.
 std::string staged_path(const std::string& output, const std::string& instance, std::int64_t id);
 std::string staged_name(const std::string& output);
 
-/// Opens a staging folder, and makes it if it is missing (host/foundation/base/files/own_folder.h). Throws as
-/// PathRoots::open_folder_of() does, and Error(kEnvironment) for what somebody else put in its place.
+/// Opens a staging folder, and creates it if it is missing (host/foundation/base/files/own_folder.h). Throws like
+/// PathRoots::open_folder_of(), and Error(kEnvironment) if another user's file is in its place.
 OpenFile open_staging_folder(const PathRoots& roots, const std::string& path);
 
-/// "INODE:BYTES:NANOSECONDS" of a file, or of a folder's inode alone; empty when it is not there. A rename keeps it. An
-/// input's: a link is followed.
+/// Returns "INODE:BYTES:NANOSECONDS" of a file, or the inode of a folder; empty if it is missing. A rename does not
+/// change it. For inputs: follows links.
 std::string file_identity(const std::string& path);
-/// The same of a result, by no link anywhere; empty also when it is a link, or lies behind one. Throws
-/// Error(kEnvironment) when it cannot be known.
+/// Like file_identity(), for a result: follows no links; empty also for a link, or a path behind one. Throws
+/// Error(kEnvironment) when it cannot be determined.
 std::string result_identity(const PathRoots& roots, const std::string& path);
 
-/// Does a result lie there as it was published, by its identity then? a folder with all that it held, and no more; by
-/// no link. Throws Error(kEnvironment) when that cannot be known.
+/// Returns whether the result is unchanged since it was published with this identity; a folder must have exactly its
+/// published files. Follows no links. Throws Error(kEnvironment) when that cannot be determined.
 bool is_as_made(const PathRoots& roots, const std::string& path, const std::string& identity, const ResultSeal& seal);
 
-/// One job's result on its way to its name.
+/// One job's result before it has its name.
 class StagedResult {
  public:
-  /// Throws as PathRoots::open_folder_of() does.
+  /// Throws like PathRoots::open_folder_of().
   StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id,
                ResultSeal seal);
 
-  /// Identity of the staged result; empty: there is none, or a link. Throws Error(kEnvironment) where somebody else has
-  /// put something in the staging folder's place.
+  /// Identity of the staged result; empty: none, or a link. Throws Error(kEnvironment) if another user's file is in the
+  /// place of the staging folder.
   std::string identity() const;
-  /// Throws Error(kUsage) when something lies where the result is to be that it must not take the place of: a folder
-  /// that holds anything but a result of multum, as it was published; a file where a folder is to be, or a folder where
-  /// a file is.
+  /// Throws Error(kUsage) when the result must not replace what is in its place: a folder with anything except for an
+  /// unchanged result of multum; a file in the place of a folder; a folder in the place of a file.
   void check_place(bool is_folder) const;
-  /// Gives it its final name, syncs the folder, and removes the staging folder. A file takes the place of a file, a
-  /// folder that of a result, whole at any moment. When the result has its name already - a daemon died between the
-  /// rename and its note - only the rest is done. Returns where something of the folder before was put that was not
-  /// published; "": nowhere. Throws as check_place() does, and Error(kEnvironment) when neither is `identity`.
+  /// Gives the result its final name, syncs the folder, and removes the staging folder. A file replaces a file, a
+  /// folder replaces a result, whole at any moment. If the result has its name already (a daemon died between the
+  /// rename and its record), only the remaining steps are done. Returns the path of added files of the previous folder;
+  /// "": none. Throws like check_place(), and Error(kEnvironment) when neither result has `identity`.
   std::string publish(const std::string& identity) const;
-  /// Removes the staging folder and all in it, if it is there.
+  /// Removes the staging folder and its contents, if it exists.
   void remove() const;
 
  private:
@@ -68,8 +68,8 @@ class StagedResult {
   OpenFile folder_;
 };
 
-/// Staging folders of `instance` in these folders whose jobs the ledger is finished with: removes them, returns their
-/// paths. Folders that are not below the roots any more are left alone.
+/// Removes the staging folders of `instance` in these folders whose jobs the ledger has finished; returns their paths.
+/// Leaves folders that are no longer below the roots.
 std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector<std::string>& folders,
                                        const std::string& instance,
                                        const std::function<bool(std::int64_t)>& is_finished_with);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An upload on its way: written to a file without a name as it comes, and hashed. It gets its name when it is whole; a
-// daemon that dies leaves nothing of it.
+// Receives an upload: writes it to an unnamed file as it arrives, and hashes it. The file gets its name when it is
+// complete; if the daemon dies before, nothing remains.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@ namespace multum {
 
 class UploadFile {
  public:
-  /// In this folder. Throws Error(kEnvironment).
+  /// Creates the file in this folder. Throws Error(kEnvironment).
   explicit UploadFile(const std::string& folder);
 
-  /// Blocks. Throws NoSpaceError when the disk is full, Error(kEnvironment) where it fails otherwise.
+  /// Blocks. Throws NoSpaceError when the disk is full, Error(kEnvironment) for other failures.
   void write(std::string_view bytes);
   std::int64_t bytes() const { return bytes_; }
-  /// Blocks: syncs it, and names it so; a file that has the name already stays as it is. Readable, not writable.
+  /// Blocks. Syncs the file and gives it this name, readable and not writable; an existing file of that name stays.
   /// Throws Error(kEnvironment).
   void name(const std::string& path);
-  /// Hash of what was written; called once.
+  /// Hash of the written bytes; may be called once.
   std::string sha256() { return hash_.finish(); }
 
  private:

@@ -66,7 +66,7 @@ struct HttpApi::State {
         pictures(context, data, roots),
         driver(context, std::move(driver_command)) {}
 
-  // Runs `work` on the ledger; rethrows what it throws.
+  // Runs `work` in the ledger; rethrows its exception.
   asio::awaitable<void> in_ledger(QueueThread::Work work) {
     std::exception_ptr error;
     const auto initiate = [&](auto handler) {
@@ -133,7 +133,7 @@ struct HttpApi::State {
     co_return response;
   }
 
-  // Blocks: what a job reads, and where it writes.
+  // Blocks. Examines the files that a job reads, and the place of its result.
   void look_at_files(const JobType& type, SubmitRequest& asked) {
     JobSubmission& submission = asked.job;
     if (!submission.output.empty())
@@ -146,7 +146,8 @@ struct HttpApi::State {
       const std::string file = roots.inputs.input(named);
       std::error_code not_there;
       if (!submission.output.empty() && fs::equivalent(file, submission.output, not_there))
-        throw Refusal{400, "usage", fmt::format("output is {}, which is an input too", submission.output)};
+        throw Refusal{400, "usage",
+                      fmt::format("output is {}, which is also an input; expected another path", submission.output)};
       file_hashes.push_back(hashes.hash(file, roots.inputs.open_input(file)));
     }
     submission.inputs = inputs.identity;
@@ -155,11 +156,11 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {
     const JobFilter filter = parse_filter(request);
-    constexpr std::int64_t kCopies = 4;  // of a text while an answer is made: row, job, JSON and that as a text
+    constexpr std::int64_t kCopies = 4;  // a text exists so often while an answer is made: row, job, JSON, JSON text
     std::int64_t bytes = 0;
     co_await in_ledger([&](JobQueue& queue) { bytes = kCopies * queue.list_bytes(filter); });
     if (!request.memory->resize(request.memory->bytes() + static_cast<std::size_t>(bytes)))
-      throw Refusal{503, "busy", "there is no memory for so many jobs; ask for fewer", {{"Retry-After", "1"}}};
+      throw Refusal{503, "busy", "there is not enough memory for so many jobs; ask for fewer", {{"Retry-After", "1"}}};
     Json jobs = Json::array();
     co_await in_ledger([&](JobQueue& queue) {
       jobs = Json::array();
@@ -178,7 +179,8 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> show(std::string text) {
-    // All of it at one moment: in two transactions a job could have run with no attempt, or be dead with one that runs.
+    // Reads all in one transaction: with two, a job could seem to run without an attempt, or be dead with a running
+    // one.
     const std::optional<std::int64_t> id = parse_integer(text);
     Json json;
     if (id) co_await in_ledger([&](JobQueue& queue) { json = shown(queue, *id); });
@@ -189,7 +191,7 @@ struct HttpApi::State {
     co_return json_response(json);
   }
 
-  // Null: there is no such job.
+  // Returns null for an unknown job.
   static Json shown(JobQueue& queue, std::int64_t id) {
     const std::optional<Job> job = queue.find(id);
     if (!job) return nullptr;
@@ -209,7 +211,7 @@ struct HttpApi::State {
         {"stage", view->progress.stage}, {"done", view->progress.done}, {"total", view->progress.total}};
   }
 
-  // Ends a share's task at Slurm alone; the share is asked for again.
+  // Ends only a share's task at Slurm; the share is requested again.
   asio::awaitable<HttpResponse> cancel_part(Job job, std::string share) {
     std::vector<SlurmPart> parts;
     co_await in_ledger([&](JobQueue& queue) { parts = queue.slurm().of_job(job.id); });
@@ -217,7 +219,7 @@ struct HttpApi::State {
       if (part.share == share && part.state == SlurmPartState::kSent && dispatcher.slurm() != nullptr &&
           dispatcher.slurm()->cancel_part(job.id, part.batch, part.item))
         co_return json_response(job_json(job), 202);
-    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' that is with Slurm", job.id, share)};
+    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' at Slurm", job.id, share)};
   }
 
   asio::awaitable<HttpResponse> cancel(std::string text, HttpRequest request) {
@@ -320,9 +322,9 @@ struct HttpApi::State {
       folder = roots.inputs.open_folder_of(output + "/any");
       bytes = listing_bytes(folder);
     });
-    constexpr std::size_t kCopies = 6;  // of a listing while it is read: text, stream, two texts and a node a line
+    constexpr std::size_t kCopies = 6;  // of a listing while it is read: text, stream, two texts and a node per line
     if (!memory.resize(memory.bytes() + kCopies * bytes))
-      throw Refusal{503, "busy", "there is no memory for so long a list of files", {{"Retry-After", "1"}}};
+      throw Refusal{503, "busy", "there is not enough memory for such a long list of files", {{"Retry-After", "1"}}};
     std::shared_ptr<HttpBody> made;
     co_await beside([&] { made = std::make_shared<ResultArchive>(std::move(folder), name, roots.seal); });
     co_return made;
@@ -342,13 +344,13 @@ struct HttpApi::State {
     const JobType& type = job_types().front();
     const Json job = {
         {"type", type.name}, {"parameters", {{type.input, path}}}, {"output", "NAME" + type.output_extension}};
-    const std::string use = fmt::format("name this path as the input of a job, as in {}", job.dump());
+    const std::string use = fmt::format("use this path as the input of a job, for example {}", job.dump());
     co_return json_response(
         {{"path", path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}, {"use", use}}, 201);
   }
 
-  // Jobs by queue and state. All are counted, a million in near a second of the ledger's one thread, which every page
-  // asks for each second: what took long is good for ten times as long, so that counting has a tenth of the thread.
+  // Counts jobs by queue and state. A million jobs take the ledger's thread about a second, and every page asks once
+  // per second. So a slow count is answered again for nine times its duration: counting takes a tenth of the thread.
   asio::awaitable<Counts> count_jobs() {
     constexpr double kQuick = 0.01;
     if (Clock::now() < counted_until) co_return counted;
@@ -433,7 +435,7 @@ struct HttpApi::State {
     co_await in_ledger([](JobQueue& queue) { queue.check_kept(); });
     const DriverProbe::Finding found = co_await driver.look();
     const int workers = dispatcher.workers().live_count();
-    // Where all jobs are sent to Slurm, drivers are the nodes'.
+    // If all jobs go to Slurm, only the nodes need drivers.
     const bool is_ready = !dispatcher.is_draining() && workers > 0 && (found.has_device || !dispatcher.bakes_here());
     Json json = {{"ready", is_ready}, {"workers", workers}, {"driver", found.has_device}};
     if (!found.has_device) json["message"] = text_of_message(found.message);
@@ -460,16 +462,16 @@ struct HttpApi::State {
   DriverProbe driver;
   const HttpServer* server = nullptr;
   Counts counted;
-  Clock::time_point counted_until;  // `counted` is answered again until then
+  Clock::time_point counted_until;  // until then, `counted` is the answer
 };
 
 namespace {
 
-// Every request there is. "{}" stands for one part of the path.
+// All requests. "{}" stands for one part of the path.
 struct Route {
   const char* method;
   std::vector<std::string> parts;
-  bool is_public;  // asked for by monitors and browsers before they have a token
+  bool is_public;  // monitors and browsers request it without a token
   asio::awaitable<HttpResponse> (*answer)(HttpApi::State& state, std::string part, HttpRequest request);
 };
 
@@ -563,7 +565,7 @@ const std::vector<Route>& route_table() {
   return list;
 }
 
-// Its "{}" is put into `part`.
+// Stores the part for "{}" in `part`.
 bool matches(const Route& route, const std::vector<std::string>& parts, std::string& part) {
   if (route.parts.size() != parts.size()) return false;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -573,7 +575,7 @@ bool matches(const Route& route, const std::vector<std::string>& parts, std::str
   return true;
 }
 
-// Null: there is none of this method; `others` are the methods that the path has.
+// Returns null if the path lacks this method; `others` gets the methods that the path has.
 const Route* find_route(const std::string& method, const std::string& path, std::string& part,
                         std::vector<std::string>& others) {
   const std::vector<std::string> parts = split_path(path);
@@ -589,7 +591,7 @@ bool is_same_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-// "Bearer TOKEN"; the scheme is in any case (RFC 9110, section 11.1). "": it is another.
+// Parses "Bearer TOKEN", with the scheme in any case (RFC 9110, section 11.1). Returns "" for other schemes.
 std::string bearer_token(const std::string& field) {
   constexpr std::string_view kScheme = "bearer";
   const std::size_t space = field.find(' ');
@@ -601,16 +603,16 @@ std::string bearer_token(const std::string& field) {
   return begin == std::string::npos ? "" : field.substr(begin);
 }
 
-// A page elsewhere must not make a browser on this machine command the service: neither by a form or script of another
-// origin, nor by a name that its owner lets point here (DNS rebinding).
+// A foreign page must not make a browser on this machine command the service. The page could use a form or script of
+// another origin, or a host name whose owner points it here (DNS rebinding).
 bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto host = request.headers.find("host");
   const std::string name = host == request.headers.end() ? "" : host->second;
   const auto origin = request.headers.find("origin");
   if (origin != request.headers.end() && origin->second != "http://" + name && origin->second != "https://" + name)
     return false;
-  // Browsers say of requests without an origin, of pictures as a rule, that another page makes them. Links to the page
-  // are followed.
+  // For requests without an origin, usually for pictures, browsers report that another page makes them. Links to the
+  // page are allowed.
   const auto site = request.headers.find("sec-fetch-site"), mode = request.headers.find("sec-fetch-mode");
   const bool is_foreign =
       site != request.headers.end() && (site->second == "cross-site" || site->second == "same-site");
@@ -642,7 +644,7 @@ bool HttpApi::is_upload(const std::string& method, const std::string& path) {
 std::vector<std::string> HttpApi::routes() {
   std::vector<std::string> names;
   for (const Route& route : route_table())
-    if (route.answer != web_file)  // for people, not for programs
+    if (route.answer != web_file)  // the page is for people, not for programs
       names.push_back(fmt::format("{} /{}", route.method, fmt::join(route.parts, "/")));
   return names;
 }
@@ -657,12 +659,12 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
                    "method",
                    fmt::format("expected {}", fmt::join(others, " or ")),
                    {{"Allow", fmt::format("{}", fmt::join(others, ", "))}}});
-  if (route == nullptr) return refuse({404, "not_found", "there is nothing of this name"});
+  if (route == nullptr) return refuse({404, "not_found", "there is no such path"});
   if (!is_own_origin(request, has_token(), route->answer == web_file))
-    return refuse({403, "origin", "asked for by a page of another origin"});
+    return refuse({403, "origin", "the request comes from a page of another origin"});
   if (has_token() && !route->is_public) {
     const auto given = request.headers.find("authorization");
-    const auto query = request.query.find("access_token");  // event streams of browsers have no headers
+    const auto query = request.query.find("access_token");  // browsers cannot send headers for event streams
     const bool is_known =
         (given != request.headers.end() && is_same_secret(bearer_token(given->second), state_->token)) ||
         (query != request.query.end() && request.method == "GET" && is_same_secret(query->second, state_->token));
@@ -678,7 +680,7 @@ asio::awaitable<HttpResponse> HttpApi::answer(HttpRequest request) {
     std::string part;
     std::vector<std::string> others;
     const Route* route = find_route(request.method, request.path, part, others);
-    MULTUM_CHECK(route != nullptr);  // check() was asked before
+    MULTUM_CHECK(route != nullptr);  // check() has accepted it
     co_return co_await route->answer(*state_, part, std::move(request));
   } catch (const Refusal& refusal) {
     co_return refusal_response(refusal);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers the requests of the web interface: docs/reference/openapi.json describes every request and answer, and the
-// tests hold both together.
+// Answers the requests of the web interface. docs/reference/openapi.json describes every request and answer; tests keep
+// the two in agreement.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -21,29 +21,28 @@ namespace multum {
 
 class HttpApi {
  public:
-  /// `driver_command`: as DriverProbe takes it.
+  /// `driver_command`: see DriverProbe.
   HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
           const JobRoots& roots, std::string token, std::vector<std::string> driver_command);
   ~HttpApi();
   HttpApi(const HttpApi&) = delete;
   HttpApi& operator=(const HttpApi&) = delete;
 
-  /// Checks a request before its body is read: returns a refusal to clients that may not ask, and for what is not
-  /// there.
+  /// Checks a request before its body is read: returns a refusal for clients without permission, and for unknown paths.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
-  /// "GET /v1/jobs/{}", of all that programs ask; the page is for people.
+  /// Returns routes such as "GET /v1/jobs/{}" for programs; the page is for people.
   static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
-  /// Runs `work` on a thread that may wait for disks; rethrows what it throws.
+  /// Runs `work` on a thread that may wait for disks; rethrows its exception.
   boost::asio::awaitable<void> beside(std::function<void()> work);
-  /// For /metrics.
+  /// Gives /metrics the server whose counters it shows.
   void set_server(const HttpServer* server);
   bool has_token() const;
   void set_token(std::string token);
   JobPictures& pictures();
 
-  struct State;  // of its handlers
+  struct State;  // data of the request handlers
 
  private:
   std::unique_ptr<State> state_;

@@ -26,8 +26,7 @@ using Json = nlohmann::json;
 
 using std::chrono::milliseconds;
 
-// A socket that waits for so long and no longer: asio's own blocking calls have no limit of time. Beast reads from it
-// and writes to it as to any stream.
+// A socket with timeouts: asio's own blocking calls have no time limit. Beast reads and writes it like any stream.
 template <typename Protocol>
 class PatientSocket {
  public:
@@ -38,7 +37,7 @@ class PatientSocket {
 
   void connect(const typename Protocol::endpoint& endpoint, milliseconds patience, boost::system::error_code& error) {
     boost::system::error_code ignored;
-    socket_.close(ignored);  // of the address before
+    socket_.close(ignored);  // for the previous address
     socket_.open(endpoint.protocol(), error);
     if (!error) socket_.non_blocking(true, error);
     if (error) return;
@@ -216,7 +215,7 @@ http::request<http::string_body> request_of(const std::string& method, const std
 
 }  // namespace
 
-// As requests name it.
+// The name of the host in requests.
 std::string HttpClient::host_name() const {
   if (!unix_path_.empty()) return "localhost";
   return host_.find(':') != std::string::npos ? "[" + host_ + "]" : host_;
@@ -233,7 +232,7 @@ std::string HttpClient::text(const std::string& target) { return exchange_text("
 std::string HttpClient::exchange_text(const std::string& method, const std::string& target, const Json& body) {
   http::response<http::string_body> response;
   const auto request = request_of(method, target, host_name(), token_, body);
-  // A submission is answered when its files are read.
+  // The service answers a submission after it has read the files.
   const milliseconds silence = method == "GET" ? patience_.answer : patience_.work;
   with_socket(host_, port_, unix_path_, patience_, silence,
               [&](auto& socket) { response = exchange(socket, request); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The client's side of the web interface, for the command line: one question after the other.
+// The client side of the web interface, for the command line: one request at a time.
 #pragma once
 
 #include <chrono>
@@ -9,25 +9,27 @@
 
 namespace multum {
 
-/// How long a silent service is waited for.
+/// Times to wait for a silent service.
 struct HttpPatience {
   std::chrono::milliseconds connecting = std::chrono::seconds(10);
-  std::chrono::milliseconds answer = std::chrono::seconds(60);  // to a question; streams of events pulse every 10 s
-  std::chrono::milliseconds work = std::chrono::minutes(15);    // to what changes something: inputs are read first
+  std::chrono::milliseconds answer = std::chrono::seconds(60);  // for answers; event streams pulse every 10 s
+  std::chrono::milliseconds work =
+      std::chrono::minutes(15);  // for requests that change something: inputs are read first
 };
 
 class HttpClient {
  public:
-  /// `server`: http://HOST:PORT or unix:PATH. Throws Error(kUsage) for what is neither.
+  /// `server`: http://HOST:PORT or unix:PATH. Throws Error(kUsage) for other texts.
   HttpClient(std::string server, std::string token, HttpPatience patience = {});
 
-  /// The answer's JSON, or its text as a JSON string. Throws Error(kEnvironment) when the server is not there or silent
-  /// for too long, and for what it refuses what it says: kUsage for a status below 500, kEnvironment from there on.
+  /// Returns the answer's JSON, or its text as a JSON string. Throws Error(kEnvironment) when the server cannot be
+  /// reached or is silent for too long. For a refusal, throws its message: kUsage for a status below 500, else
+  /// kEnvironment.
   nlohmann::json ask(const std::string& method, const std::string& target, const nlohmann::json& body = nullptr);
-  /// The answer's body as it is; throws as ask() does.
+  /// Returns the answer's body unchanged; throws like ask().
   std::string text(const std::string& target);
-  /// Each event's kind and data until `take` returns false or the line ends. `opened` is called before the first: what
-  /// is asked of then is of no earlier moment than the events tell of. False: it was enough.
+  /// Passes each event's kind and data to `take` until it returns false or the connection ends. Calls `opened` before
+  /// the first event: answers to requests made there are not older than the events. Returning false ends the call.
   void listen(const std::string& target, const std::function<bool()>& opened,
               const std::function<bool(const std::string& kind, const nlohmann::json& data)>& take);
 

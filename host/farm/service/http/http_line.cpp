@@ -18,18 +18,18 @@ namespace http = beast::http;
 using asio::use_awaitable;
 
 constexpr long kFieldsMax = 100;
-constexpr std::size_t kOverheadBytes = 65536;  // of chunked bodies, beside as much again as their content
+constexpr std::size_t kOverheadBytes = 65536;  // allowance for chunk headers, in addition to the size of the content
 
 UnreadableRequest no_http(const std::string& what) { return {400, "usage", "the request is not HTTP: " + what}; }
 UnreadableRequest gone() { return {0, "", ""}; }
-UnreadableRequest too_slow() { return {408, "timeout", "the request did not come in time"}; }
+UnreadableRequest too_slow() { return {408, "timeout", "the request did not arrive in time"}; }
 
-// "a: b\r\n c": one field over two lines, which those who stand between may take for two.
+// "a: b\r\n c": one field over two lines, which a proxy may take for two fields.
 bool is_folded(std::string_view header) {
   return header.find("\r\n ") != std::string_view::npos || header.find("\r\n\t") != std::string_view::npos;
 }
 
-// What is no header at all is told at once: a line that ends without a return, or the first bytes of TLS.
+// Detects early that bytes are not a header: a line that ends without a return, or the first bytes of TLS.
 bool is_text(std::string_view header) {
   char before = ' ';
   for (const char c : header) {
@@ -40,7 +40,7 @@ bool is_text(std::string_view header) {
   return true;
 }
 
-// Fields that two readers must not understand in two ways.
+// Refuses fields that two parsers may understand in different ways.
 void check_fields(const HttpLine::Parser& parser) {
   const auto& head = parser.get();
   if (std::distance(head.begin(), head.end()) > kFieldsMax)
@@ -54,18 +54,18 @@ void check_fields(const HttpLine::Parser& parser) {
   if (head.version() >= 11 && head.count(http::field::host) == 0) throw no_http("Host is missing");
   if (head.count(http::field::transfer_encoding) == 0) return;
   if (head.version() < 11) throw no_http("HTTP/1.0 has no Transfer-Encoding");
-  if (head.count(http::field::content_length) > 0) throw no_http("both Transfer-Encoding and Content-Length");
+  if (head.count(http::field::content_length) > 0) throw no_http("it has both Transfer-Encoding and Content-Length");
   if (!beast::iequals(head[http::field::transfer_encoding], "chunked"))
     throw UnreadableRequest{501, "usage", "Transfer-Encoding: expected chunked or none"};
 }
 
 }  // namespace
 
-// Ends what the socket waits for when the time is over. It outlives the line: its timer may fire when that is gone.
+// Cancels the socket's operations after a timeout. Outlives the line, since its timer may fire afterwards.
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 
-  // One wait at a time: a line that is asked often does not set its timer for each request.
+  // Waits once at a time: a busy line does not set its timer for each request.
   void wait(Clock::time_point until) {
     waits_until = until;
     timer.expires_at(until);
@@ -133,16 +133,16 @@ asio::awaitable<void> HttpLine::read_header(Parser& parser, Clock::time_point un
     try {
       count = co_await read_some(until);
     } catch (const UnreadableRequest& slow) {
-      throw is_silent ? gone() : slow;  // nobody asked anything
+      throw is_silent ? gone() : slow;  // there was no request
     }
-    if (count == 0) throw is_silent ? gone() : no_http("it ends in its header");
+    if (count == 0) throw is_silent ? gone() : no_http("it ends within its header");
     end = text().find("\r\n\r\n", before < 3 ? 0 : before - 3);
     if (!is_text(text().substr(0, end))) throw no_http("expected lines of text that end in CR LF");
   }
-  if (is_folded(text().substr(0, end))) throw no_http("a field over several lines");
+  if (is_folded(text().substr(0, end))) throw no_http("a field spans several lines");
   boost::system::error_code error;
   parser.header_limit(kBufferBytes);
-  parser.body_limit(boost::none);  // who is asked says how much it may be
+  parser.body_limit(boost::none);  // read_body() checks the size
   const std::size_t used = parser.put(asio::buffer(buffer_.cdata().data(), end + 4), error);
   if (error) throw no_http(error.message());
   if (!parser.is_header_done()) throw no_http("it has no header");
@@ -176,7 +176,7 @@ asio::awaitable<void> HttpLine::read_body(Parser& parser, std::size_t bytes_max,
     const std::size_t count = co_await read_some(std::min(Clock::now() + silence, until));
     if (count == 0) throw gone();
     heard += count;
-    // One byte in a chunk with a long extension is a long way to send nothing.
+    // Limits chunk overhead: a client could send one byte per chunk with a long extension.
     if (heard > 2 * bytes_max + kOverheadBytes) throw too_large;
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One connection: reads requests and writes answers, within limits of bytes and of time. Whatever a client sends, it
-// costs its own connection at most: what is read lies in a buffer that does not grow, and a parser that throws throws
-// here.
+// One connection: reads requests and writes answers, within limits of bytes and of time. Faulty input from a client can
+// only end its own connection: the read buffer does not grow, and exceptions of the parser are thrown here.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -25,7 +24,7 @@
 
 namespace multum {
 
-/// Why a request cannot be read on; `status` 0: there is nobody to tell.
+/// The reason why a request cannot be read further; `status` 0: there is no client to tell.
 struct UnreadableRequest {
   int status;
   const char* code;
@@ -38,9 +37,9 @@ class HttpLine {
   using Clock = std::chrono::steady_clock;
   using Parser = boost::beast::http::request_parser<boost::beast::http::buffer_body>;
 
-  /// Bytes that are read and not yet used: a whole header, the extension of a chunk or a trailer must fit in.
+  /// Bytes that are read but not yet used: a whole header, a chunk's extension or a trailer must fit.
   static constexpr std::size_t kBufferBytes = 16384;
-  /// Bytes that a line takes, about, but for bodies and answers: the buffer, a piece of a body, and a header's fields
+  /// Approximate memory of a line without bodies and answers: the buffer, a piece of a body, and a header's fields
   /// twice.
   static constexpr std::size_t kBytes = 4 * kBufferBytes;
 
@@ -49,34 +48,34 @@ class HttpLine {
   HttpLine(const HttpLine&) = delete;
   HttpLine& operator=(const HttpLine&) = delete;
 
-  /// Reads a header. Throws UnreadableRequest: it is none, it is too large, it is not here `until` then, or whether it
-  /// is one request or two is not for sure (RFC 9112, sections 5.2, 6.1 and 11.2).
+  /// Reads a header. Throws UnreadableRequest if it is not a header, is too large, or is incomplete at `until`. Refuses
+  /// a header that could mean one request or two (RFC 9112, sections 5.2, 6.1 and 11.2).
   boost::asio::awaitable<void> read_header(Parser& parser, Clock::time_point until);
-  /// Reads the body behind it, piece by piece, up to `bytes_max`. `silence`: how long a client may say nothing;
-  /// `until`: when all of it must be here. Throws UnreadableRequest, and whatever `take` throws.
+  /// Reads the body after the header, piece by piece, up to `bytes_max`. `silence`: longest pause of the client;
+  /// `until`: latest end of the body. Throws UnreadableRequest, and passes on exceptions of `take`.
   boost::asio::awaitable<void> read_body(Parser& parser, std::size_t bytes_max, Clock::duration silence,
                                          Clock::time_point until,
                                          std::function<boost::asio::awaitable<void>(std::string_view)> take);
 
-  /// A piece of an answer, as far as it goes at once. Throws boost::system::system_error, also when `silence` is over.
+  /// Writes as much of an answer as fits at once. Throws boost::system::system_error, also after `silence`.
   template <typename Serializer>
   boost::asio::awaitable<void> write_some(Serializer& serializer, Clock::duration silence);
 
-  /// Writes some of the bytes; returns how many.
+  /// Writes some of the bytes; returns their number.
   boost::asio::awaitable<std::size_t> write_some(boost::asio::const_buffer bytes, Clock::duration silence);
 
-  /// Hears the client for a while, and listens to nothing: somebody who still talks when the line is closed may never
-  /// see the answer, since the system throws it away.
+  /// Reads and discards the client's bytes for a while: if a client still sends when the connection is closed, the
+  /// system may discard the answer.
   boost::asio::awaitable<void> linger(Clock::duration time, std::size_t bytes_max);
 
-  /// Ends whatever waits here.
+  /// Cancels all pending operations.
   void close();
-  /// For a listener's stream. The line is of no use any more.
+  /// Gives up the socket, for a stream of events. The line cannot be used afterwards.
   Socket release() { return std::move(socket_); }
 
  private:
   struct Watch;
-  /// 0 bytes: the client has closed its side. Throws UnreadableRequest when the time is over or the line broken.
+  /// 0 bytes: the client has closed its side. Throws UnreadableRequest after a timeout or on a broken connection.
   boost::asio::awaitable<std::size_t> read_some(Clock::time_point until);
   void arm(Clock::time_point until);
   bool disarm();

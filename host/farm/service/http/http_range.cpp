@@ -22,7 +22,7 @@ std::optional<std::uint64_t> number_of(std::string_view digits) {
   return error == std::errc::result_out_of_range ? UINT64_MAX : number;
 }
 
-// A part of a file.
+// A body that is a part of a file.
 class FilePart : public HttpBody {
  public:
   FilePart(std::shared_ptr<OpenFile> file, ByteRange part)
@@ -46,13 +46,13 @@ class FilePart : public HttpBody {
   std::uint64_t at_, left_;
 };
 
-// Not one byte of a file is written without another of these, as far as clocks are that fine: a strong validator.
+// A strong validator: no byte of a file changes without changing one of these values, up to the resolution of clocks.
 std::string etag_of(const struct stat& found) {
   return fmt::format("\"{:x}-{:x}-{:x}\"", found.st_ino, found.st_size,
                      found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
 }
 
-// Is the tag in a list of them? Weak ones count here.
+// Returns whether the list contains the tag, also in its weak form.
 bool knows(std::string_view list, std::string_view etag) {
   while (!list.empty()) {
     std::string_view one = list.substr(0, list.find(','));
@@ -79,7 +79,7 @@ std::optional<ByteRange> parse_byte_range(std::string_view field, std::uint64_t 
   const std::size_t dash = range.find('-');
   if (dash == std::string_view::npos) return std::nullopt;
   const std::optional<std::uint64_t> first = number_of(range.substr(0, dash)), last = number_of(range.substr(dash + 1));
-  if (dash == 0) {  // the last so many
+  if (dash == 0) {  // the last bytes
     if (!last) return std::nullopt;
     const std::uint64_t count = std::min(*last, bytes);
     return ByteRange{bytes - count, count};
@@ -120,14 +120,14 @@ void serve_range(HttpResponse& response, const RangeRequest& request, bool is_he
     response.made = nullptr;
     return;
   }
-  // A time is no strong validator here, and a weak tag is none: all of it is sent.
+  // A time or a weak tag is not a strong validator here, so the whole body is sent.
   if (is_head || request.range.empty() || (!request.if_range.empty() && request.if_range != etag)) return;
   const std::optional<ByteRange> part = parse_byte_range(request.range, bytes);
   if (!part) return;
   if (part->count == 0) {
     response = refusal_response({416,
                                  "range",
-                                 fmt::format("there are {} bytes, and none of the range that was asked for", bytes),
+                                 fmt::format("there are {} bytes, and the requested range is outside", bytes),
                                  {{"Content-Range", fmt::format("bytes */{}", bytes)}, {"Accept-Ranges", "bytes"}}});
     return;
   }

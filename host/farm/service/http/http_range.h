@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Byte ranges (RFC 9110, section 14): a download that broke off goes on where it was. One range is served; of several,
-// and of what is none, all of the body is, as the RFC allows.
+// Serves byte ranges (RFC 9110, section 14), so that a broken download can continue. One range is served; for several
+// ranges, or an invalid one, the whole body is sent, as the RFC allows.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace multum {
 
-using ByteRange = HttpBodyPart;  // count 0: none of it is there
+using ByteRange = HttpBodyPart;  // count 0: outside the body
 
-/// What "bytes=0-99", "bytes=100-" or "bytes=-100" asks of a body of `bytes`; nullopt: nothing that is served.
+/// Parses "bytes=0-99", "bytes=100-" or "bytes=-100" for a body of `bytes`; nullopt: not a range that is served.
 std::optional<ByteRange> parse_byte_range(std::string_view field, std::uint64_t bytes);
 
-/// What a request says of the state of a body that it knows, and of ranges; empty: nothing.
+/// A request's fields about a known state of the body and about ranges; empty: not given.
 struct RangeRequest {
   std::string range, if_range, if_none_match = {};
 };
 RangeRequest range_request(const HttpRequest& request);
 
-/// Makes an answer of status 200 with a file, or with a body that can be read from anywhere, the one to this request:
-/// 304 for who has it already, 206 with a part, 416 where there is no such part. It says by ETag which state of the
-/// file it is, and that ranges are served. `is_head`: ranges are for GET alone.
+/// Adapts an answer of status 200, with a file or a seekable body, to this request. The status becomes 304 if the
+/// client has the body already, 206 for a part, 416 for a missing part. Adds the ETag of the file's state, and
+/// announces ranges. `is_head`: ranges are only for GET.
 void serve_range(HttpResponse& response, const RangeRequest& request, bool is_head);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers in JSON, and refusals: thrown by whoever finds a reason, answered with their status.
+// Makes JSON answers and refusals. Code that finds a reason throws a Refusal, which is answered with its status.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,12 +14,12 @@
 namespace multum {
 
 HttpResponse json_response(const nlohmann::json& json, int status = 200);
-/// {"error": {"code", "message"}}.
+/// Returns {"error": {"code", "message"}}.
 HttpResponse refusal_response(const Refusal& refusal);
-/// Content-Disposition of a download of this name (RFC 6266): with what ASCII has of it, and all of it as UTF-8 where
-/// that is not the same.
+/// Returns the Content-Disposition of a download of this name (RFC 6266): its ASCII characters, and the whole name as
+/// UTF-8 if it has others.
 std::string attachment(const std::string& name);
-/// 400 for usage and input errors, 507 where the disk takes no more, 503 for others of the environment.
+/// Returns 400 for usage and input errors, 507 for a disk without space, 503 for other errors of the environment.
 Refusal refusal_of(const Error& error);
 
 }  // namespace multum

@@ -40,24 +40,24 @@ using asio::use_awaitable;
 using std::chrono::seconds;
 using Clock = HttpLine::Clock;
 
-constexpr auto kHeaderTime = seconds(10);  // from the first byte that is waited for: also how long a line may idle
-constexpr auto kSpareTime = seconds(2);    // the same of a line that there is no room for
-constexpr auto kSilence = seconds(30);     // of a client that sends a body, or takes in an answer
-constexpr auto kBodyTime = seconds(60);    // for a body; uploads may take as long as they move
+constexpr auto kHeaderTime = seconds(10);  // from the start of the wait; also the longest idle time
+constexpr auto kSpareTime = seconds(2);    // the same for a spare connection
+constexpr auto kSilence = seconds(30);     // longest pause of a client that sends a body or receives an answer
+constexpr auto kBodyTime = seconds(60);    // for a body; uploads have no limit while they progress
 constexpr auto kUploadTime = std::chrono::hours(24);
 constexpr auto kLingerTime = seconds(5);
 constexpr std::size_t kLingerMax = 64 << 20;  // bytes
 constexpr auto kStreamPulse = seconds(10);
-constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two words to one listener
-constexpr std::size_t kStreamBacklog = 8192;     // events that a slow listener may be behind, before its line is cut
-constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; when they are more, who is behind is cut
-constexpr std::size_t kStreamText = 16384;       // bytes of a write, about
+constexpr auto kStreamPause = std::chrono::milliseconds(50);  // between two writes to one listener
+constexpr std::size_t kStreamBacklog = 8192;     // events waiting for a slow listener, before it is disconnected
+constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; above, slow listeners are disconnected
+constexpr std::size_t kStreamText = 16384;       // approximate bytes per write
 constexpr std::size_t kQueryMax = 32;            // parameters
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
-constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell others that it is full
+constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and to tell other clients to wait
 
-// A plus is a space in queries alone (URL Standard, application/x-www-form-urlencoded). nullopt also for a NUL, which
-// no name or text here has.
+// A plus means a space only in queries (URL Standard, application/x-www-form-urlencoded). Returns nullopt also for a
+// NUL, which no valid name or text contains.
 std::optional<std::string> decoded(std::string_view text, bool is_query) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -82,7 +82,7 @@ std::optional<std::string> decoded(std::string_view text, bool is_query) {
   return result;
 }
 
-// False: the target is none.
+// Returns false if the target is invalid.
 bool split_target(std::string_view target, HttpRequest& request) {
   const std::size_t question = target.find('?');
   const std::optional<std::string> path = decoded(target.substr(0, question), false);
@@ -107,7 +107,7 @@ HttpResponse busy(const std::string& message) {
   return refusal_response({503, "busy", message, {{"Retry-After", "1"}}});
 }
 
-// Counts for as long as it lives, however that ends.
+// Increments a counter during its life.
 class Counted {
  public:
   explicit Counted(int& count) : count_(count) { ++count_; }
@@ -137,7 +137,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         budget(settings.memory_max),
         streams_max(std::max(1, settings.connections_max / 4 * 3)) {}
 
-  // One of those who listen, for as long as it lives.
+  // Counts one listener during its life.
   class Listener {
    public:
     static std::optional<Listener> one_more(std::shared_ptr<State> state) {
@@ -159,7 +159,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   template <typename Protocol>
   asio::awaitable<void> accept(std::shared_ptr<asio::basic_socket_acceptor<Protocol>> acceptor) {
     for (;;) {
-      bool is_short = false;  // of files or memory, as a rule: those that are open must end first
+      bool is_short = false;  // usually too few files or too little memory: other connections must end first
       try {
         boost::system::error_code error;
         typename Protocol::socket socket(io);
@@ -177,7 +177,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       try {
         asio::steady_timer pause(io, std::chrono::milliseconds(100));
         if (is_short) co_await pause.async_wait(use_awaitable);
-      } catch (const std::exception&) {  // not even for a pause
+      } catch (const std::exception&) {  // no memory even for a pause
       }
     }
   }
@@ -190,7 +190,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       asio::co_spawn(io, serve(this->shared_from_this(), line, std::move(share)), asio::detached);
       return;
     }
-    // The last that came have these: who says nothing must not keep monitors out.
+    // The latest connections get the spare lines: silent clients must not keep monitors out.
     ++counters.refused_connections;
     spare_lines.push_back(line);
     if (spare_lines.size() > kSpareLines) {
@@ -200,7 +200,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     asio::co_spawn(io, serve_spare(line, this->shared_from_this()), asio::detached);
   }
 
-  // Arguments go in reverse: what is given back goes to a budget that is still there.
+  // Arguments are destroyed in reverse order: the share is returned to a budget that still exists.
   static asio::awaitable<void> serve(std::shared_ptr<State> self, std::shared_ptr<HttpLine> line,
                                      [[maybe_unused]] MemoryShare its_own) {
     const Counted counted(self->open);
@@ -209,22 +209,22 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       }
     } catch (const boost::system::system_error& error) {
       if (error.code() == asio::error::timed_out) ++self->counters.timeouts;
-    } catch (const std::exception& error) {  // no memory for a request: it costs its connection
+    } catch (const std::exception& error) {  // no memory for a request: ends the connection
       ++self->counters.failures;
-      service_log(LogSeverity::kWarning, 0, std::string("a connection was given up: ") + error.what());
+      service_log(LogSeverity::kWarning, 0, std::string("dropped a connection: ") + error.what());
     }
   }
 
-  // One request, of which a header is read: monitors are answered, others are told to come again.
+  // Reads the header of one request: answers monitors, and tells other clients to try again.
   static asio::awaitable<void> serve_spare(std::shared_ptr<HttpLine> line, std::shared_ptr<State> self) {
     const Counted counted(self->spare);
     try {
       co_await self->serve_one(*line, true);
-    } catch (const std::exception&) {  // it is closed anyway
+    } catch (const std::exception&) {  // the connection is closed anyway
     }
   }
 
-  // False: the line is to be closed.
+  // Returns false if the connection must be closed.
   asio::awaitable<bool> serve_one(HttpLine& line, bool is_spare) {
     HttpLine::Parser parser;
     HttpRequest request;
@@ -239,7 +239,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       is_head = parser.get().method() == http::verb::head;
       early = take_header(parser, request);
       is_urgent = settings.is_urgent(request.path);
-      if (!early && is_spare && !(is_urgent && parser.is_done())) early = busy("all connections are taken");
+      if (!early && is_spare && !(is_urgent && parser.is_done())) early = busy("all connections are in use");
       if (!early) co_await read_body(line, parser, request, share);
     } catch (const UnreadableRequest& unreadable) {
       if (unreadable.status == 408) ++counters.timeouts;
@@ -270,15 +270,15 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_return false;
       }
       keep = false;
-      response = busy("too many listen to events already");
+      response = busy("too many clients listen to events");
     } else if (!is_urgent && !share.resize(response.made ? response.made->memory() + kPiece : response.body.size())) {
       keep = false;
-      response = busy("there is no memory for the answer");
+      response = busy("there is not enough memory for the answer");
     }
     co_return co_await send(line, version, keep && !is_closed, is_head, std::move(response));
   }
 
-  // What is answered at once, if anything.
+  // Returns the answer if one can be given at once.
   std::optional<HttpResponse> take_header(const HttpLine::Parser& parser, HttpRequest& request) {
     const auto& head = parser.get();
     request.method = head.method() == http::verb::head ? "GET" : std::string(head.method_string());
@@ -288,9 +288,9 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     if (const std::unique_ptr<HttpResponse> refused = settings.check(request)) return *refused;
     const std::size_t limit = body_limit(request);
     if (limit == 0 && !parser.is_done())
-      return refusal_response({413, "too_large", fmt::format("a {} has no body here", request.method)});
+      return refusal_response({413, "too_large", fmt::format("a {} request must not have a body", request.method)});
     if (parser.content_length() && *parser.content_length() > limit)
-      return refusal_response({413, "too_large", fmt::format("a body of up to {} bytes is taken", limit)});
+      return refusal_response({413, "too_large", fmt::format("the body may have at most {} bytes", limit)});
     return std::nullopt;
   }
 
@@ -317,9 +317,9 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_await settings.beside([&] { request.upload->write(piece); });
         co_return;
       }
-      // Twice: a text that grows is there twice while it moves.
+      // Twice: while a growing string is moved, both copies exist.
       if (!share.resize(2 * (request.body.size() + piece.size())))
-        throw Refusal{503, "busy", "there is no memory for the request", {{"Retry-After", "1"}}};
+        throw Refusal{503, "busy", "there is not enough memory for the request", {{"Retry-After", "1"}}};
       request.body += piece;
     };
     co_await line.read_body(parser, body_limit(request), kSilence, until, keep);
@@ -356,7 +356,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return co_await finish(line, message, keep, is_head);
   }
 
-  // However much it is, as long as it moves.
+  // Sends any amount, as long as the client keeps receiving.
   template <typename Message>
   static asio::awaitable<bool> finish(HttpLine& line, Message& message, bool keep, bool is_head) {
     http::response_serializer<typename Message::body_type> serializer(message);
@@ -380,7 +380,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       std::size_t count = 0;
       const std::size_t wanted = std::min<std::uint64_t>(piece.size(), left);
       co_await settings.beside([&] { count = response.made->read(piece.data(), wanted); });
-      if (count == 0 || count > left) throw Error(ErrorCode::kEnvironment, "an answer is not as long as was said");
+      if (count == 0 || count > left)
+        throw Error(ErrorCode::kEnvironment, "an answer has another length than announced");
       for (asio::const_buffer rest(piece.data(), count); rest.size() > 0;)
         rest += co_await line.write_some(rest, kSilence);
       left -= count;
@@ -396,7 +397,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, use_awaitable);
   }
 
-  // The line changes hands: from here on it is the hub's thread's.
+  // Hands the connection to the hub's thread, which owns it from now on.
   asio::awaitable<void> hand_to_hub(HttpLine& line, unsigned version, HttpResponse response, Listener listener) {
     http::response<http::empty_body> message(http::status::ok, version);
     response.content_type = "text/event-stream";
@@ -416,7 +417,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         asio::detached);
   }
 
-  // On the hub's thread. Texts of events are one for all who listen.
+  // Runs on the hub's thread. All listeners share the texts of events.
   static asio::awaitable<void> send_events(Listener listener,
                                            beast::basic_stream<asio::generic::stream_protocol> stream,
                                            std::uint64_t after, std::int64_t job) {
@@ -428,7 +429,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     };
     State& self = listener.state();
     const auto line = std::make_shared<Line>(Line{{}, false, false, false, asio::steady_timer(self.events.io())});
-    // A listener has nothing more to say: what comes from there is its leave.
+    // A listener sends nothing more: any data means that it leaves.
     stream.socket().async_wait(asio::socket_base::wait_read, [line](const boost::system::error_code& error) {
       if (error) return;
       line->is_gone = true;
@@ -453,7 +454,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
           co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
           text.clear();
           if (!line->waiting.empty()) continue;
-          // What comes soon after goes together: many listeners to many events cost little more than few.
+          // Sends events that follow within the pause together, so that many listeners cost little more than few.
           line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
@@ -463,9 +464,9 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         line->wake.expires_after(kStreamPulse);
         co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         line->is_asleep = false;
-        if (!error) text = ": pulse\n\n";  // tells both sides that the line is up
+        if (!error) text = ": pulse\n\n";  // shows both sides that the connection works
       }
-    } catch (const std::exception&) {  // gone, or no memory: it comes again
+    } catch (const std::exception&) {  // disconnected, or no memory: the client reconnects
     }
     events.remove(key);
   }
@@ -503,7 +504,7 @@ int HttpServer::listen_tcp(const std::string& host, int port) {
     acceptor->listen(4096);
   } catch (const boost::system::system_error& failed) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}:{} cannot be listened on: {}", host, port, failed.code().message()));
+                fmt::format("cannot listen on {}:{}: {}", host, port, failed.code().message()));
   }
   state_->closers.push_back([acceptor] {
     boost::system::error_code ignored;
@@ -520,7 +521,7 @@ void HttpServer::listen_unix(const std::string& path) {
   asio::local::stream_protocol::socket probe(state_->io);
   boost::system::error_code error;
   probe.connect(path, error);
-  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program listens there");
+  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program listens on this socket");
   ::unlink(path.c_str());
   const auto acceptor = std::make_shared<asio::basic_socket_acceptor<asio::local::stream_protocol>>(state_->io);
   const mode_t mask = ::umask(0177);
@@ -530,7 +531,7 @@ void HttpServer::listen_unix(const std::string& path) {
     acceptor->listen(4096);
   } catch (const boost::system::system_error& failed) {
     ::umask(mask);
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be listened on: {}", path, failed.code().message()));
+    throw Error(ErrorCode::kEnvironment, fmt::format("cannot listen on {}: {}", path, failed.code().message()));
   }
   ::umask(mask);
   state_->unix_path = path;

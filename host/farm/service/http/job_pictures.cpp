@@ -35,20 +35,20 @@ namespace fs = std::filesystem;
 using asio::use_awaitable;
 
 constexpr auto kTimeMax = std::chrono::seconds(60);
-constexpr int kNiceness = 10;  // jobs go before
+constexpr int kNiceness = 10;  // below jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
-// Such a page has all in itself. It may run its own script and save paths, and is of no origin: what a stranger may
-// have done to it reaches neither the service nor a token.
+// The page contains all its data. It may run its own script and save paths, and has no origin: malicious data in it can
+// reach neither the service nor a token.
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
 constexpr std::size_t kReasonMax = 400;  // bytes
-constexpr std::size_t kWaitingMax = 64;  // jobs: a minute or so, as a rule
+constexpr std::size_t kWaitingMax = 64;  // jobs: usually about a minute
 
 [[noreturn]] void refuse(const std::string& why) { throw Refusal{404, "no_picture", why}; }
 
-// Beside this program, else in PATH.
+// Looks next to this program, then in PATH.
 std::string find_program(const std::string& name) {
   std::vector<fs::path> folders = {own_folder()};
   const char* path = std::getenv("PATH");
@@ -59,7 +59,7 @@ std::string find_program(const std::string& name) {
   }
   for (const fs::path& folder : folders)
     if (::access((folder / name).c_str(), X_OK) == 0) return (folder / name).string();
-  refuse(name + " is not installed: found neither beside multum nor in PATH");
+  refuse(name + " is not installed: it is neither in the folder of multum nor in PATH");
 }
 
 std::string last_line(const std::string& path) {
@@ -70,7 +70,7 @@ std::string last_line(const std::string& path) {
   return last.substr(0, kReasonMax);
 }
 
-// The number that a folder's name begins with; 0: none.
+// Returns the number at the beginning of a folder's name; 0: none.
 std::int64_t id_of(const std::string& name) {
   std::int64_t id = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
@@ -79,7 +79,7 @@ std::int64_t id_of(const std::string& name) {
 
 bool is_page(const std::string& name) { return name.ends_with(".html"); }
 
-// Whether an earlier daemon had a view of some type made there.
+// Returns whether an earlier daemon made a view of any type there.
 bool has_view(const fs::path& folder) {
   for (const JobType& type : job_types())
     for (const JobView& view : type.views)
@@ -90,20 +90,20 @@ bool has_view(const fs::path& folder) {
 std::string end_of(const ChildResult& result, const std::string& program) {
   if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
   if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
-  return "";  // it has said what was wrong
+  return "";  // it has printed the error
 }
 
 const JobView& find_view(const Job& job, const std::string& name) {
   const JobType& type = find_job_type(job.type);
-  if (type.views.empty()) refuse("a " + job.type + " makes nothing to look at");
+  if (type.views.empty()) refuse("there are no pictures of a " + job.type + " job");
   if (job.state != JobState::kSucceeded)
-    refuse(fmt::format("job {} is {}: there are pictures when it has succeeded", job.id, job_state_name(job.state)));
+    refuse(fmt::format("job {} is {}: pictures exist once a job has succeeded", job.id, job_state_name(job.state)));
   const JobView* const view = type.find_view(name);
   if (view == nullptr) refuse(type.no_other_view);
   return *view;
 }
 
-// A child that sees what jobs may read and what is beside its program, and writes to `folder`.
+// Returns the command of a child that sees the inputs of jobs and the folder of its program, and writes to `folder`.
 std::vector<std::string> confined(const JobRoots& roots, const std::string& folder, const std::string& program) {
   std::vector<std::string> words = {own_program(), "confined"};
   for (const std::string& root : roots.inputs.roots()) words.push_back("--read=" + root);
@@ -116,7 +116,7 @@ std::vector<std::string> confined(const JobRoots& roots, const std::string& fold
 JobPictures::JobPictures(asio::io_context& io, DataFolder& data, const JobRoots& roots)
     : io_(io), data_(data), folder_(data.path() + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
   make_folder(folder_);
-  // What an earlier daemon could not make is tried once more: by now there may be what it lacked.
+  // Views that an earlier daemon could not make are tried once more: their cause may be gone.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     if (id_of(entry.path().filename()) == 0 || !has_view(entry.path())) fs::remove_all(entry.path(), ignored);
@@ -133,7 +133,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
   std::string file_name = job.result_identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
   const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, view.folder_ending);
-  // Named: GCC 12 destroys what is made in braces within a co_await twice.
+  // A named variable: GCC 12 destroys a temporary made in braces within a co_await twice.
   Request request{std::move(job), folder, view};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
@@ -154,7 +154,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
 
 asio::awaitable<void> JobPictures::made(Request request) {
   if (waiters_.size() >= kWaitingMax)
-    throw Refusal{503, "busy", "pictures of many jobs are being made", {{"Retry-After", "10"}}};
+    throw Refusal{503, "busy", "too many jobs wait for pictures", {{"Retry-After", "10"}}};
   std::exception_ptr error;
   const auto initiate = [&](auto handler) {
     const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
@@ -172,10 +172,10 @@ asio::awaitable<void> JobPictures::made(Request request) {
       });
     };
     asio::post(pool_, [this, done, request] {
-      // Pictures that are there are not kept waiting by those that are being made.
+      // Existing pictures do not wait for pictures that are being made.
       try {
         if (has_result(request) && is_made(request)) return done(nullptr);
-      } catch (const std::exception&) {  // whoever makes them finds it too
+      } catch (const std::exception&) {  // make() will find the same error
       }
       asio::post(one_at_a_time_, [this, done, request] {
         try {
@@ -191,7 +191,7 @@ asio::awaitable<void> JobPictures::made(Request request) {
   if (error) std::rethrow_exception(error);
 }
 
-// The options of the maps that the job was given, as far as they are there.
+// Returns the options for the job's maps that still exist.
 std::vector<std::string> JobPictures::map_options(const Request& request) const {
   const nlohmann::json parameters = nlohmann::json::parse(request.job.parameters);
   const JobView& view = request.view;
@@ -203,7 +203,7 @@ std::vector<std::string> JobPictures::map_options(const Request& request) const 
     } catch (const Error& error) {
       if (parameter != view.maps.front().first) continue;
       if (!view.first_map_is_for.empty()) refuse(view.first_map_is_for + ": " + error.what());
-      break;  // gone: the render is left
+      break;  // missing: only the render remains
     }
   }
   return options;
@@ -227,7 +227,7 @@ bool JobPictures::has_result(const Request& request) const {
   return is_as_made(roots_.outputs, request.job.output, request.job.result_identity, roots_.seal);
 }
 
-// By what the maps that the job was given are told from others; of one that is not there any more a word.
+// Lists the identities of the job's maps, with the word "gone" for a map that no longer exists.
 std::string JobPictures::sources_of(const Request& request) const {
   std::string text;
   const nlohmann::json parameters = nlohmann::json::parse(request.job.parameters);
@@ -257,13 +257,13 @@ void JobPictures::remove_folder(const std::string& folder) {
 
 void JobPictures::make(const Request& request) {
   const auto check_result = [&] {
-    if (!has_result(request)) refuse("its result was changed or taken away since");
+    if (!has_result(request)) refuse("its result was changed or removed since");
   };
   check_result();
   if (is_made(request)) return;
-  remove_folder(request.folder);  // of other maps
+  remove_folder(request.folder);  // made from other maps
   data_.check_room(1);
-  make_folder(folder_);  // somebody may have removed it
+  make_folder(folder_);  // it may have been removed
   const std::string unfinished = folder_ + "/unfinished";
   std::error_code error;
   fs::remove_all(unfinished, error);
@@ -292,7 +292,7 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
 
 void JobPictures::run(const Request& request, const std::string& folder) {
   const JobView& view = request.view;
-  // Before they are read: what changes then is made again.
+  // Written before the maps are read: if a map changes afterwards, the view is made again.
   write_text_file(folder + "/" + kSources, sources_of(request));
   const std::vector<std::string> words = command(request, folder);
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};
@@ -302,7 +302,7 @@ void JobPictures::run(const Request& request, const std::string& folder) {
   std::string said = result.output + end_of(result, view.program.empty() ? "multum " + view.words[0] : view.program);
   const auto is_first_map = [&](const std::string& word) { return word.starts_with(view.maps.front().second + "="); };
   const bool has_input = view.maps.empty() || std::any_of(words.begin(), words.end(), is_first_map);
-  if (!has_input && result.exit_code == 0) said += "\nits input is not there any more";
+  if (!has_input && result.exit_code == 0) said += "\nits input no longer exists";
   write_text_file(folder + "/" + kSaid, said + "\n");
   if (result.exit_code != 0)
     service_log(LogSeverity::kWarning, request.job.id, "pictures: " + last_line(folder + "/" + kSaid));
@@ -332,7 +332,7 @@ void JobPictures::sweep(QueueThread& ledger) {
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
       if (const std::int64_t id = id_of(entry.path().filename()); id != 0) ids->push_back(id);
-    // By way of io_, whose thread the ledger outlives.
+    // Posted to io_, whose thread ends before the ledger.
     asio::post(io_, [this, &ledger, ids] {
       ledger.run(
           [ids](JobQueue& queue) { std::erase_if(*ids, [&](std::int64_t id) { return !queue.was_purged(id); }); },

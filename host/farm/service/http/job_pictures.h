@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small pictures of finished jobs, and pages that show their results in a browser: the views of the job's type
-// (workers/job_types.h). A child process makes them, one at a time, when they are first asked for. What a map or a
-// driver does to it ends that child, and pictures are missing.
+// (workers/job_types.h). A child process makes them, one at a time, at the first request. If a map or a driver crashes
+// the child, only the pictures are missing.
 //
-//   DATA/pictures/ID-IDENTITYENDING/   render.png, player.html ...   those files of the view that could be made
-//                                      said.txt                      what the child said; how it ended, if not well
+//   DATA/pictures/ID-IDENTITYENDING/   render.png, player.html ...   files of the view that could be made
+//                                      said.txt                      the child's output, and how it ended if it failed
 //                                      sources.txt                   identities of the maps that it was given
 //
-// IDENTITY is that of the result as it was published (staging.h): the pictures of another result are never shown, and
-// those that show a map are made again when it has changed. All of it counts against data_max. Of views that
-// are large, as pages with maps in them are, those made last are kept, the others are made again when they are asked
-// for.
+// IDENTITY is the identity of the published result (staging.h): pictures of another result are never shown, and
+// pictures that show a map are made again when the map has changed. All files count against data_max. Of large views,
+// such as pages that contain maps, only the newest are kept; others are made again on request.
 #pragma once
 
 #include <atomic>
@@ -35,21 +34,21 @@ namespace multum {
 
 class JobPictures {
  public:
-  /// `data`: the daemon's. Answers on the thread of `io`; files and children are for threads of its own.
+  /// `data`: the daemon's folder. Answers on the thread of `io`; files and children are handled on threads of its own.
   JobPictures(boost::asio::io_context& io, DataFolder& data, const JobRoots& roots);
-  /// Ends the child that is at work.
+  /// Ends the running child.
   ~JobPictures();
   JobPictures(const JobPictures&) = delete;
   JobPictures& operator=(const JobPictures&) = delete;
 
-  /// `name`: of a file of one of the type's views, as "render.png". Many may ask at once: the first has them
-  /// made, all wait. Throws Refusal 404 "no_picture" with the reason, 507 "quota" where data_max has no room for them.
+  /// `name`: a file of one of the type's views, such as "render.png". The first of several requests starts the child,
+  /// and all wait for it. Throws Refusal 404 "no_picture" with the reason, 507 "quota" if data_max leaves no room.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string name);
 
-  /// Blocks.
+  /// Removes the pictures of these jobs. Blocks.
   void remove(const std::vector<std::int64_t>& ids);
-  /// Removes those of jobs that are in no ledger any more: a daemon may have died between purging and removing, or
-  /// pictures may have been in the making.
+  /// Removes pictures of jobs that are no longer in the ledger: a daemon may have died between purging and removing, or
+  /// pictures may have been made meanwhile.
   void sweep(QueueThread& ledger);
 
  private:
@@ -75,10 +74,10 @@ class JobPictures {
   const std::string folder_;
   const JobRoots& roots_;
   std::atomic<bool> is_ending_ = false;
-  /// By folder: who waits for it. On the thread of io_.
+  /// Waiting requests by folder. Used on the thread of io_.
   using Waiter = std::function<void(std::exception_ptr)>;
   std::map<std::string, std::vector<Waiter>> waiters_;
-  boost::asio::thread_pool pool_{2};  // one may be at work with a child, the other looks what is there
+  boost::asio::thread_pool pool_{2};  // one may wait for a child, the other looks for existing files
   boost::asio::strand<boost::asio::thread_pool::executor_type> one_at_a_time_;
 };
 

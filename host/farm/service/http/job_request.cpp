@@ -65,20 +65,20 @@ void read_field(const Json& json, const JobField& field, TimeMs now, Value& valu
     value = now + 1000 * value_of<std::int64_t>(json, field.asked_as, 0, integer_between(field.low, field.high),
                                                 field.expected);
   else if constexpr (std::is_arithmetic_v<Value>) value = taken(integer_between(field.low, field.high));
-  else MULTUM_CHECK(false);  // clients set no field of this type
+  else MULTUM_CHECK(false);  // clients cannot set fields of this type
 }
 
-// A name without a slash at its start lies among the results that can be downloaded, and nowhere else.
+// A relative name is placed in the folder of downloadable results, and must stay there.
 std::string output_of(const std::string& named, const JobRoots& roots) {
   if (named.starts_with('/')) return roots.outputs.output(named);
   return roots.results.output(roots.results.roots().front() + "/" + named);
 }
 
-// No name or text here has one, and who reads it as C does would see its beginning alone.
+// No valid name or text has a NUL, and functions of C would stop there.
 void refuse_nul(const Json& json) {
   const auto check = [](const std::string& text) {
     if (text.find('\0') != std::string::npos)
-      throw Refusal{400, "usage", fmt::format("{} holds a NUL, expected a text without", shortened(text))};
+      throw Refusal{400, "usage", fmt::format("{} holds a NUL, expected a text without NUL", shortened(text))};
   };
   if (json.is_string()) check(json.get_ref<const std::string&>());
   if (json.is_object())
@@ -87,7 +87,7 @@ void refuse_nul(const Json& json) {
     for (const Json& child : json) refuse_nul(child);
 }
 
-// 4.0 is a whole number in JSON Schema.
+// JSON Schema counts 4.0 as an integer.
 void make_integers(Json& json) {
   if (json.is_number_float()) {
     const double value = json.get<double>();
@@ -119,7 +119,7 @@ std::vector<std::string> split_path(const std::string& path) {
 
 Json parse_body(const HttpRequest& request) {
   if (request.body.empty()) return Json::object();
-  // Deeper than any request of ours: a parser's stack is not for strangers to use up.
+  // Deeper than any valid request: clients must not exhaust the parser's stack.
   int depth = 0, deepest = 0;
   for (const char c : request.body) {
     depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
@@ -161,7 +161,7 @@ SubmitRequest parse_submit(const Json& json, const JobRoots& roots, const ClaimL
   for (const std::string& extension : type.refused_extensions)
     if (s.output.ends_with(extension))
       throw Refusal{400, "usage", fmt::format("output is {}, expected the name of a folder", s.output)};
-  s.queue = value_of<std::string>(json, "queue", "default", is_text, "a queue's name");
+  s.queue = value_of<std::string>(json, "queue", "default", is_text, "the name of a queue");
   if (!limits.queues.contains(s.queue)) {
     std::vector<std::string> names;
     for (const auto& [name, of_queue] : limits.queues) names.push_back(name);
@@ -208,10 +208,11 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
   const JobSubmission& job = request.job;
   const auto check = [&](const std::string& what, const std::string& path) {
     if (roots.outputs.is_inside(path) && !roots.results.is_inside(path)) return;
-    throw Refusal{400, "usage",
-                  fmt::format("{} is {}, which is the service's own: queue {} is for Slurm, whose nodes see the roots "
-                              "alone; expected a path below a root",
-                              what, path, job.queue)};
+    throw Refusal{
+        400, "usage",
+        fmt::format("{} is {}, a path of the service itself: queue {} goes to Slurm, whose nodes see only the "
+                    "roots; expected a path below a root",
+                    what, path, job.queue)};
   };
   if (!job.output.empty()) check("output", job.output);
   const Json& parameters = request.parameters;
@@ -222,7 +223,7 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots) {
 
 std::string parse_retry(const Json& json) {
   only_keys(json, {"queue"}, "the request");
-  return value_of<std::string>(json, "queue", "", is_plain, "a queue's name");
+  return value_of<std::string>(json, "queue", "", is_plain, "the name of a queue");
 }
 
 PurgeRequest parse_purge(const Json& json) {
@@ -230,8 +231,7 @@ PurgeRequest parse_purge(const Json& json) {
   if (json.contains("jobs") == json.contains("finished_before_s"))
     throw Refusal{400, "usage", "expected either jobs or finished_before_s"};
   PurgeRequest request;
-  request.jobs =
-      value_of<std::vector<std::int64_t>>(json, "jobs", {}, is_id_list, "a list of up to 1000 jobs' numbers");
+  request.jobs = value_of<std::vector<std::int64_t>>(json, "jobs", {}, is_id_list, "a list of up to 1000 job numbers");
   const auto age = value_of<std::int64_t>(json, "finished_before_s", -1, integer_between(0, 10000000000), "seconds");
   if (age >= 0) request.finished_before_s = age;
   return request;
@@ -244,7 +244,7 @@ void check_upload_name(const std::string& name) {
                c == '-';
       });
   if (!is_name)
-    throw Refusal{400, "usage", "expected a file's name of up to 100 letters, digits, dots, dashes and underscores"};
+    throw Refusal{400, "usage", "expected a file name of up to 100 letters, digits, dots, dashes and underscores"};
 }
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and checks clients' requests: turns bodies and queries into what the ledger is asked. Whatever is not as
-// docs/reference/openapi.json says is a Refusal that names the key, what was found and what was expected.
+// Reads and checks clients' requests: turns bodies and queries into requests to the ledger. If a value differs from
+// docs/reference/openapi.json, throws a Refusal that names the key, the value found and the value expected.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,41 +14,41 @@
 
 namespace multum {
 
-/// A number and nothing else.
+/// Parses a text that is only a number.
 std::optional<std::int64_t> parse_integer(const std::string& text);
-/// "/v1/jobs/7" -> v1, jobs, 7.
+/// Splits "/v1/jobs/7" into v1, jobs, 7.
 std::vector<std::string> split_path(const std::string& path);
 
-/// The body; {} when there is none.
+/// Returns the body; {} if it is empty.
 nlohmann::json parse_body(const HttpRequest& request);
 
-/// Request of POST /v1/jobs. Files are held to `roots`, and given by their canonical names, in the parameters as texts
-/// (path_text.h); those that a scene names in it are for check_input_files().
+/// The request of POST /v1/jobs. Files must be below `roots`, and are replaced by their canonical names, in the
+/// parameters as texts (path_text.h); check_input_files() checks the files that a scene names.
 struct SubmitRequest {
-  JobSubmission job;  // without its key
+  JobSubmission job;  // submission without its key
   nlohmann::json parameters;
-  bool again = false;  // though it has been made
+  bool again = false;  // even if a result exists
 };
 SubmitRequest parse_submit(const nlohmann::json& body, const JobRoots& roots, const ClaimLimits& limits, TimeMs now);
 
-/// The query of GET /v1/jobs.
+/// Parses the query of GET /v1/jobs.
 JobFilter parse_filter(const HttpRequest& request);
 
-/// The part that is to be cancelled, "3/8"; "": all of the job.
+/// Returns the part to cancel, "3/8"; "": the whole job.
 std::string parse_cancel(const nlohmann::json& json);
-/// Throws Refusal for a job that nodes of Slurm's are to do, with files in the daemon's data.
+/// Throws Refusal for a job that Slurm's nodes should do, but that has files in the daemon's data.
 void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots);
-/// The queue of POST /v1/retry; "": all.
+/// Returns the queue of POST /v1/retry; "": all.
 std::string parse_retry(const nlohmann::json& body);
 
-/// POST /v1/purge: jobs, or all that finished so many seconds ago.
+/// The request of POST /v1/purge: jobs, or all jobs that finished at least so many seconds ago.
 struct PurgeRequest {
   std::vector<std::int64_t> jobs;
   std::optional<std::int64_t> finished_before_s;
 };
 PurgeRequest parse_purge(const nlohmann::json& body);
 
-/// The name of an upload.
+/// Checks the name of an upload.
 void check_upload_name(const std::string& name);
 
 }  // namespace multum

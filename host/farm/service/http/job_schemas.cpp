@@ -27,7 +27,7 @@ void add_limits(OrderedJson& schema, const JobField& field) {
   if (field.high != JobField::kMost) schema["maximum"] = field.high;
 }
 
-// Of a field as `field`'s values are in answers.
+// Returns the schema of a field's values in answers.
 template <typename Value>
 OrderedJson answered_schema(const JobField& field, const Value&) {
   constexpr bool kMayLack =
@@ -97,7 +97,8 @@ OrderedJson submission_schema() {
     if (*field.asked_described != '\0') schema["description"] = field.asked_described;
   }
   properties["type"] = {{"enum", types}};
-  properties["again"] = {{"type", "boolean"}, {"default", false}, {"description", "Though the same has been made."}};
+  properties["again"] = {
+      {"type", "boolean"}, {"default", false}, {"description", "Runs the job even if its result exists."}};
   OrderedJson schema = object_schema(properties, {"type"});
   schema["allOf"] = rules;
   return schema;
@@ -124,7 +125,7 @@ OrderedJson list_of(const char* name) { return {{"type", "array"}, {"items", ref
 OrderedJson job_schemas() {
   const OrderedJson progress = {{"oneOf", {reference_to("Progress"), {{"type", "null"}}}}};
   OrderedJson parts = list_of("Part");
-  parts["description"] = "That were sent to Slurm, of all attempts.";
+  parts["description"] = "Parts of all attempts that were sent to Slurm.";
   OrderedJson schemas = {{"Submission", submission_schema()}};
   for (const JobType& type : job_types()) schemas[parameters_name(type)] = OrderedJson(parameters_schema(type));
   schemas["Job"] = job_schema(OrderedJson::object());

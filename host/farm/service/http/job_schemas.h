@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The schemas of docs/reference/openapi.json that follow from the fields of jobs and from their types.
+// Makes the schemas of docs/reference/openapi.json that follow from the fields and types of jobs.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 
 namespace multum {
 
-/// By name: Submission, the parameters of each type, Job and what is more of it in lists and by itself.
+/// Returns schemas by name: Submission, the parameters of each type, Job, and its extra fields in lists and in single
+/// answers.
 nlohmann::ordered_json job_schemas();
 
 }  // namespace multum

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Budget of bytes that many use together. Who asks for more than is left is told so, and gives back what it took when
-// it is gone.
+// A budget of bytes shared by many users. A request for more than is left fails; destructors return what was taken.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +7,7 @@
 
 namespace multum {
 
-/// For one thread.
+/// Used by one thread.
 class MemoryBudget {
  public:
   explicit MemoryBudget(std::size_t bytes_max) : bytes_max_(bytes_max) {}
@@ -23,7 +22,7 @@ class MemoryBudget {
   std::size_t used_ = 0;
 };
 
-/// A part of a budget, given back by its end.
+/// A part of a budget, returned by its destructor.
 class MemoryShare {
  public:
   explicit MemoryShare(MemoryBudget& budget) : budget_(&budget) {}
@@ -32,7 +31,7 @@ class MemoryShare {
   ~MemoryShare() { budget_->used_ -= bytes_; }
 
   std::size_t bytes() const { return bytes_; }
-  /// Now so many bytes, more or fewer than before. False: that is more than is left, and nothing has changed.
+  /// Changes the part to `bytes`. Returns false, and changes nothing, if the budget has too little left.
   bool resize(std::size_t bytes) {
     if (bytes > bytes_ && bytes - bytes_ > budget_->bytes_max_ - budget_->used_) return false;
     budget_->used_ += bytes - bytes_;

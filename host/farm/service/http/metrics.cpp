@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-// Label values: backslash, quote and line feed are escaped.
+// Escapes backslash, quote and line feed in label values.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -50,21 +50,20 @@ class Text {
 
 void add_slurm(Text& text, const SlurmPool& slurm) {
   const SlurmPool::Counters& c = slurm.counters();
-  text.one("multum_slurm_up", "gauge", "Whether Slurm answered when it was asked last.", slurm.is_up() ? 1 : 0);
-  text.begin("multum_slurm_parts", "gauge", "Parts of jobs that are with Slurm, by the state that it has them in.");
+  text.one("multum_slurm_up", "gauge", "1 if Slurm answered the last request, else 0.", slurm.is_up() ? 1 : 0);
+  text.begin("multum_slurm_parts", "gauge", "Parts of jobs at Slurm, by Slurm's state.");
   for (const auto& [state, count] : slurm.states()) text.add(fmt::format("state=\"{}\"", escaped(state)), count);
   text.one("multum_slurm_submitted_total", "counter", "Jobs that sbatch accepted.", c.submitted);
-  text.one("multum_slurm_submit_failures_total", "counter", "Calls of sbatch that failed, or orders not written.",
-           c.submit_failures);
+  text.one("multum_slurm_submit_failures_total", "counter",
+           "Failed calls of sbatch, and orders that could not be written.", c.submit_failures);
   text.one("multum_slurm_submit_seconds_total", "counter", "Time to write orders and to run sbatch.", c.submit_seconds);
   text.one("multum_slurm_sent_again_total", "counter", "Jobs that Slurm forgot or did not begin, sent again.",
            c.forgotten);
-  text.one("multum_slurm_unknown_cancelled_total", "counter", "Jobs of Slurm's that the ledger did not know.",
+  text.one("multum_slurm_unknown_cancelled_total", "counter", "Slurm jobs that the ledger did not know.",
            c.cancelled_unknown);
-  text.one("multum_slurm_parts_ended_total", "counter", "Parts that have ended, however.", c.parts_ended);
+  text.one("multum_slurm_parts_ended_total", "counter", "Parts that have ended in any way.", c.parts_ended);
   text.one("multum_slurm_parts_lost_total", "counter", "Parts whose task was lost.", c.parts_lost);
-  text.one("multum_slurm_rounds_total", "counter", "Times that missing shares of a map were asked for again.",
-           c.rounds);
+  text.one("multum_slurm_rounds_total", "counter", "Repeated requests for missing shares of a map.", c.rounds);
 }
 
 }  // namespace
@@ -82,9 +81,10 @@ std::string metrics_text(const std::map<std::string, std::map<JobState, std::int
   text.add("outcome=\"failed\"", c.failed);
   text.add("outcome=\"lost\"", c.lost);
   text.add("outcome=\"cancelled\"", c.cancelled);
-  text.one("multum_results_published_total", "counter", "Results given their name since the start.", c.published);
-  text.one("multum_results_reused_total", "counter", "Results taken from an earlier job of the same key.", c.reused);
-  text.one("multum_busy_seconds_total", "counter", "Time that workers had a job, all together.", c.busy_seconds);
+  text.one("multum_results_published_total", "counter", "Results published since the start.", c.published);
+  text.one("multum_results_reused_total", "counter", "Results copied from an earlier job with the same key.", c.reused);
+  text.one("multum_busy_seconds_total", "counter", "Time that workers spent on jobs, summed over all workers.",
+           c.busy_seconds);
   text.one("multum_workers", "gauge", "Worker processes.", dispatcher.workers().live_count());
   text.one("multum_workers_started_total", "counter", "Worker processes started.",
            dispatcher.workers().started_count());
@@ -97,8 +97,8 @@ std::string metrics_text(const std::map<std::string, std::map<JobState, std::int
            http.refused_connections);
   text.one("multum_http_timeouts_total", "counter", "Connections closed because they were too slow.", http.timeouts);
   text.one("multum_http_connections", "gauge", "Open connections.", http.open);
-  text.one("multum_http_failures_total", "counter", "Connections given up for want of memory.", http.failures);
-  text.one("multum_http_memory_bytes", "gauge", "Memory of requests and answers on their way.", http.memory);
+  text.one("multum_http_failures_total", "counter", "Connections dropped for lack of memory.", http.failures);
+  text.one("multum_http_memory_bytes", "gauge", "Memory of requests and answers in progress.", http.memory);
   text.one("multum_http_event_streams", "gauge", "Open streams of events.", http.streams);
   text.begin("multum_http_responses_total", "counter", "Answers by status.");
   for (const auto& [status, count] : http.by_status) text.add(fmt::format("status=\"{}\"", status), count);

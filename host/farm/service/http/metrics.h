@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// /metrics, in the text format of Prometheus.
+// Makes /metrics, in the text format of Prometheus.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text of docs/reference/openapi.json, as it was when this was built.
+// The text of docs/reference/openapi.json at build time.
 #pragma once
 
 namespace multum {

@@ -18,12 +18,12 @@ namespace multum {
 namespace {
 
 constexpr std::size_t kBlock = 512;
-constexpr std::uint64_t kOctalSizeMax = (std::uint64_t{1} << 33) - 1;  // eleven octal digits
+constexpr std::uint64_t kOctalSizeMax = (std::uint64_t{1} << 33) - 1;  // largest number in eleven octal digits
 constexpr std::size_t kTarNameMax = 100;
 
 std::size_t padding_of(std::uint64_t bytes) { return static_cast<std::size_t>((kBlock - bytes % kBlock) % kBlock); }
 
-// The two numbers of a file's state.
+// Returns the two numbers of a file's state.
 std::pair<std::uint64_t, std::int64_t> size_and_time(const std::string& state) {
   std::uint64_t size = 0;
   std::int64_t nanoseconds = 0;
@@ -55,7 +55,7 @@ std::string ustar_block(const std::string& name, char type, std::uint64_t size, 
   return block;
 }
 
-// "LENGTH KEY=VALUE\n", where LENGTH counts its own digits too.
+// Makes "LENGTH KEY=VALUE\n", where LENGTH includes its own digits.
 std::string pax_record(const std::string& key, const std::string& value) {
   const std::size_t rest = key.size() + value.size() + 3;
   std::size_t length = rest + 1;
@@ -78,9 +78,9 @@ ResultArchive::ResultArchive(OpenFile folder, std::string name, const ResultSeal
     bytes_ += header(files_.back()).size() + size + padding_of(size);
   }
   if (files_.empty())
-    throw Error(ErrorCode::kUsage, fmt::format("{}: holds nothing that this service has published", name_));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds no result that this service has published", name_));
   bytes_ += 2 * kBlock;
-  // The bytes follow from these.
+  // The archive's bytes depend only on these states.
   std::string states = name_ + '\n';
   for (const File& file : files_) states += file.state + ' ' + file.path + '\n';
   etag_ = '"' + hash_text(states).substr(0, 32) + '"';
@@ -92,7 +92,8 @@ std::size_t ResultArchive::memory() const {
   return bytes;
 }
 
-// What a ustar header has no room for, or no word on how it is spelled, goes before it.
+// A pax header precedes the ustar header for values that do not fit into it, and for names, whose encoding it does not
+// state.
 std::string ResultArchive::header(const File& file) const {
   const std::string name = name_ + "/" + file.path;
   const auto [size, nanoseconds] = size_and_time(file.state);
@@ -133,8 +134,8 @@ void ResultArchive::end_file() {
   pending_.assign(padding_of(size_and_time(file.state).first), '\0');
 }
 
-// Its next bytes, as many as come from one place: headers, padding or a file; 0: it is at its end. Null: they are
-// passed over.
+// Writes the next bytes from one source: headers, padding or a file. Returns 0 at the end of the archive. `to` null:
+// skips the bytes.
 std::size_t ResultArchive::advance(char* to, std::uint64_t bytes_max) {
   for (;;) {
     if (sent_ < pending_.size()) {
@@ -172,7 +173,7 @@ std::size_t ResultArchive::read(char* to, std::size_t bytes_max) {
 void ResultArchive::skip(std::uint64_t bytes) {
   while (bytes > 0) {
     const std::size_t count = advance(nullptr, bytes);
-    if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("{}: is shorter than was said", name_));
+    if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("{}: is shorter than announced", name_));
     bytes -= count;
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs tasks that come together, by the thousand, one at a time, each behind whatever else is ready by then: they do
-// not stand between a monitor and its answer.
+// Runs thousands of simultaneous tasks one at a time, each after the other work that is ready by then: they do not
+// delay answers to monitors.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// On the thread of its io_context.
+/// Used on the thread of its io_context.
 class TaskQueue {
  public:
   explicit TaskQueue(boost::asio::io_context& io) : io_(io) {}
@@ -24,15 +24,15 @@ class TaskQueue {
   }
 
  private:
-  // The io_context looks for what has come over lines between two handlers: hence one handler a task. When there is no
-  // memory for the next, whoever comes after takes it along.
+  // The io_context polls connections between two handlers: hence one handler per task. If there is no memory for the
+  // next handler, a later task starts it.
   void post_next() {
     boost::asio::post(io_, [this] {
       is_posted_ = false;
       const std::function<void()> task = std::move(tasks_.front());
       tasks_.pop_front();
       try {
-        if (!tasks_.empty()) post_next();  // first: a task may throw
+        if (!tasks_.empty()) post_next();  // first, because a task may throw
       } catch (const std::bad_alloc&) {
       }
       task();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Notes in the ledger of files that the daemon made or may remove: outputs, uploads, what purged jobs left.
+// Records in the ledger the files that the daemon made or may remove: outputs, uploads, and files of purged jobs.
 #pragma once
 
 #include <cstdint>
@@ -11,33 +11,33 @@
 
 namespace multum {
 
-/// Lists what lies in the daemon's own folders because of a ledger: nothing else there may be removed. Paths are
-/// texts in the ledger (path_text.h).
+/// Lists the files in the daemon's own folders that the ledger knows: no other file there may be removed. The ledger
+/// stores paths as texts (path_text.h).
 class FileNotes {
  public:
   explicit FileNotes(SqliteDatabase& database) : database_(database) {}
 
   struct LeftOver {
-    std::int64_t job = 0;  // that was purged
-    std::string output;    // below LedgerSettings::results; "": it had none there
-    std::string identity;  // of what it put there; "": nothing, as far as is known
+    std::int64_t job = 0;  // the purged job
+    std::string output;    // below LedgerSettings::results; "": no output there
+    std::string identity;  // identity of the published result; "": none is known
   };
-  /// At most `limit` of them, of jobs above `after`, in order.
+  /// Returns at most `limit` files of purged jobs above `after`, in order.
   std::vector<LeftOver> left_overs(std::int64_t after, int limit);
   void forget_left_over(std::int64_t job);
 
   void note_upload(const std::string& path);
-  /// At most `limit` of them, behind the path `after`, in order.
+  /// Returns at most `limit` uploads after the path `after`, in order.
   std::vector<std::string> uploads(const std::string& after, int limit);
   void forget_upload(const std::string& path);
 
-  /// Folders that hold results of jobs or will, each once.
+  /// Returns the folders that hold or will hold results of jobs, each once.
   std::vector<std::string> output_folders();
-  /// Paths that jobs have a use for.
+  /// Paths that jobs use.
   struct Uses {
-    std::set<std::string> outputs;  // of all jobs
-    std::set<std::string> inputs;   // texts in the parameters of unfinished jobs that begin with "/"
-    /// Whether a job names the path, anything below it, or a folder that it lies in.
+    std::set<std::string> outputs;  // outputs of all jobs
+    std::set<std::string> inputs;   // texts that begin with "/" in the parameters of unfinished jobs
+    /// Returns whether a job names the path, a path below it, or a folder that contains it.
     bool have(const std::string& path) const;
   };
   Uses uses();

@@ -9,7 +9,7 @@ namespace multum {
 namespace {
 
 constexpr std::array kStateNames = {"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"};
-constexpr const char* kSlurmSuffix = ":slurm";  // a worker's name ends in a number
+constexpr const char* kSlurmSuffix = ":slurm";  // worker names end in a number
 constexpr std::array kOutcomeNames = {"running", "succeeded", "failed", "refused", "lost", "cancelled", "returned"};
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job of the bake service, as the queue has it. docs/reference/service.md draws its states.
+// A job of the bake service, as stored in the queue. docs/reference/service.md draws its states.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@
 namespace multum {
 
 enum class JobState {
-  kWaiting,     // for jobs that it needs
-  kQueued,      // may be started, at once or after its back-off
-  kRunning,     // a worker has a lease on it
-  kPublishing,  // done; its result is being given its name
+  kWaiting,     // for the jobs that it needs
+  kQueued,      // may start, at once or after its back-off
+  kRunning,     // a worker holds a lease on it
+  kPublishing,  // done; its result is about to get its name
   kSucceeded,   // its result is in place
   kDead,        // failed for good; `retry` queues it again
   kCancelled,
@@ -23,56 +23,56 @@ enum class JobState {
 
 constexpr bool is_final(JobState state) { return state >= JobState::kSucceeded; }
 
-/// "waiting" ... "cancelled".
+/// Returns "waiting" ... "cancelled".
 const char* job_state_name(JobState state);
 std::optional<JobState> parse_job_state(const std::string& name);
 
-/// What clients say of a job. Each member of it and of Job has a row in job_fields.cpp.
+/// The part of a job that clients set. Each member of it and of Job has a row in job_fields.cpp.
 struct JobSubmission {
-  std::string type;               // of job_types.h
+  std::string type;               // a type of job_types.h
   std::string parameters = "{}";  // JSON object, checked against the type
   std::string queue = "default";
   std::string label;                // free text
   int priority = 0;                 // -1000..1000, higher first
-  std::vector<std::int64_t> needs;  // jobs that must succeed before
+  std::vector<std::int64_t> needs;  // jobs that must succeed first
   int attempt_max = 5;              // 1..100
-  std::optional<TimeMs> deadline;   // not to be finished after it
-  std::int64_t memory_bytes = 0;    // what it may take
-  std::string device;               // "" or the device's name in the settings
+  std::optional<TimeMs> deadline;   // latest time of its end
+  std::int64_t memory_bytes = 0;    // memory that the service counts for it
+  std::string device;               // "" or a device name of the settings
   std::string output;               // absolute path of the result; "": none
   std::string key;                  // idempotency key; "": none
-  std::string inputs;               // input_identity() of what the key was made of
+  std::string inputs;               // input_identity() of the files that the key covers
 };
 
 struct Job : JobSubmission {
   std::int64_t id = 0;
   JobState state = JobState::kQueued;
-  int attempt = 0;     // that runs or ran last, from 1
-  std::string owner;   // of the lease
-  int needs_left = 0;  // of `needs`, not yet succeeded
+  int attempt = 0;     // current or last attempt, from 1
+  std::string owner;   // holder of the lease
+  int needs_left = 0;  // number of `needs` that have not yet succeeded
   TimeMs created = 0;
   std::optional<TimeMs> not_before, started, finished;
-  std::optional<int> exit_code;             // of the last attempt
-  std::string message;                      // why it is where it is, for people
-  std::optional<std::int64_t> reused_from;  // the job whose result was taken instead of making it again
-  int attempts_counted = 0;                 // against attempt_max
-  std::string result_identity;              // of what was published last; "": nothing was
-  std::string stop_asked;  // why it is to be cancelled as soon as its attempt ends without a result; "": it is not
+  std::optional<int> exit_code;             // exit code of the last attempt
+  std::string message;                      // the reason for its state, for people
+  std::optional<std::int64_t> reused_from;  // the job whose result was copied instead of making it again
+  int attempts_counted = 0;                 // attempts that count against attempt_max
+  std::string result_identity;              // identity of the last published result; "": none
+  std::string stop_asked;  // why it will be cancelled when its attempt ends without a result; "": it will not
 };
 
 enum class AttemptOutcome {
   kRunning,
   kSucceeded,
-  kFailed,     // exit code that trying again may mend
-  kRefused,    // usage or input error: trying again is of no use
-  kLost,       // the worker died, or hung, or the daemon did
-  kCancelled,  // by a person or a deadline
-  kReturned,   // handed back by a daemon that was asked to end; does not count
+  kFailed,     // the exit code allows another attempt
+  kRefused,    // usage or input error: another attempt would fail too
+  kLost,       // the worker died or hung, or the daemon died
+  kCancelled,  // a person or a deadline cancelled it
+  kReturned,   // handed back by a daemon that shut down; does not count as an attempt
 };
 
 const char* attempt_outcome_name(AttemptOutcome outcome);
 
-/// Name under which a daemon holds the leases of jobs that it has sent to Slurm: they outlive it.
+/// The owner of leases for jobs that a daemon has sent to Slurm; such leases outlive the daemon.
 std::string slurm_owner(const std::string& instance);
 bool is_slurm_owner(const std::string& owner);
 

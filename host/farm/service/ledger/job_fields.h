@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of a job, a row each. Their columns in the ledger, their JSON, what a submission may set, the options of
-// `multum submit`, the page's rows and the schemas of docs/reference/openapi.json follow from it. To add a field: a
-// member of Job, its row, the lines that set it, and the schemas by tools/parameter_documents.
+// The table of a job's fields, one row each. The table determines the ledger's columns, the JSON of jobs, the fields of
+// a submission, the options of `multum jobs submit`, the rows of the page and schemas of docs/reference/openapi.json. A
+// new field needs a member of Job, its row, the lines that set it, and schemas updated by tools/parameter_documents.
 #pragma once
 
 #include <limits>
@@ -25,18 +25,18 @@ struct JobField {
   static constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
   static constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
 
-  const char* name;  // of its column, and its key in answers
+  const char* name;  // the name of its column, and its key in answers
   Member member;
   Form form = Form::kPlain;
-  std::int64_t low = kLeast, high = kMost;  // of a number; of a time: seconds from now in a submission
-  const char* described = "";               // in answers; null: no answer has it
-  const char* label = nullptr;              // of its row on the page; null: it has none
+  std::int64_t low = kLeast, high = kMost;  // range of a number; of a time in a submission: seconds from now
+  const char* described = "";               // in answers; null: not in answers
+  const char* label = nullptr;              // of its row on the page; null: no row
 
-  const char* asked_as = nullptr;    // its key in a submission; null: clients do not set it
+  const char* asked_as = nullptr;    // its key in a submission; null: clients cannot set it
   const char* asked_described = "";  // there
-  const char* expected = nullptr;    // as refusals say; null: parse_submit() looks at it by itself
-  bool has_default = false;          // that of a Job, as its schema says
-  const char* option = nullptr;      // of `multum submit`
+  const char* expected = nullptr;    // in error messages; null: parse_submit() checks the field separately
+  bool has_default = false;          // the default of Job, also in the schema
+  const char* option = nullptr;      // of `multum jobs submit`
   const char* option_help = "";
 
   bool has_column() const { return !std::holds_alternative<std::vector<std::int64_t> Job::*>(member); }
@@ -45,7 +45,7 @@ struct JobField {
 
 const std::vector<JobField>& job_fields();
 
-/// visit(field, job, [](auto& value) { ... })
+/// Calls `use` with the member of `job` that the field describes.
 template <typename AJob, typename Use>
 decltype(auto) with_field(const JobField& field, AJob& job, const Use& use) {
   return std::visit([&](const auto member) -> decltype(auto) { return use(job.*member); }, field.member);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs as the web interface shows them (docs/reference/openapi.json has their schema).
+// Writes jobs in the form of the web interface (docs/reference/openapi.json has their schema).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,11 +9,11 @@
 
 namespace multum {
 
-/// Paths are texts (path_text.h), in `parameters` too, as they were submitted.
+/// Writes paths as texts (path_text.h); in `parameters` they stay as submitted.
 nlohmann::json job_json(const Job& job);
-/// A job as events have it, in one line.
+/// Writes a job on one line, for events.
 std::string job_text(const Job& job);
-/// A part as the ledger has it.
+/// Writes a part as stored in the ledger.
 nlohmann::json part_json(const SlurmPart& part);
 nlohmann::json attempt_json(const JobAttempt& attempt);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads jobs of the ledger: one, lists, counts and numbers. Nothing here changes any.
+// Reads jobs of the ledger: single jobs, lists, counts and numbers. Changes nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ std::vector<std::int64_t> JobQueue::needs_of(std::int64_t id) {
 
 namespace {
 
-// ?1 state, ?2 queue, ?3 before, ?4 limit. Each reads in the order of an index and stops at the limit, but for a
-// queue's state: the numbers of all of its jobs are read, of an index too.
+// ?1 state, ?2 queue, ?3 before, ?4 limit. Each query reads in the order of an index and stops at the limit. Only the
+// query by queue and state reads the numbers of all matching jobs, also from an index.
 constexpr char kOfAll[] =
     "WHERE (?2 = '' OR queue = ?2) AND id < IFNULL(?3, 9223372036854775807) ORDER BY id DESC LIMIT ?4";
 constexpr char kOfState[] =
@@ -40,7 +40,7 @@ constexpr char kOfQueueAndState[] =
     "WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_next WHERE queue = ?2 AND state = ?1 AND id < IFNULL(?3, "
     "9223372036854775807) ORDER BY id DESC LIMIT ?4) ORDER BY id DESC";
 
-// A query for each kind of filter, which `text` makes of its conditions.
+// One query for each kind of filter; `text` makes it from its conditions.
 struct FilteredQueries {
   template <typename Text>
   explicit FilteredQueries(const Text& text)
@@ -70,8 +70,8 @@ std::vector<Job> JobQueue::list(const JobFilter& filter) {
 }
 
 std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
-  // As blobs: the length of a text is one of characters, for which all of it is read. Ten bytes a need, and 500 of a
-  // job's names and times.
+  // Casts texts to blobs: the length of a text is in characters, and counting them reads the whole text. Adds 10 bytes
+  // per need, and 500 for a job's names and times.
   static const FilteredQueries sql([](const char* conditions) {
     std::string bytes = "500 + 10 * (SELECT COUNT(*) FROM needs WHERE needs.job = jobs.id)";
     for (const JobField& field : job_fields())

@@ -26,7 +26,7 @@ JobQueue::JobQueue(const LedgerSettings& settings)
     : database_(settings.path), policy_(settings.retry), results_(settings.results), numbers_(settings.numbers) {
   prepare_ledger(database_, settings.may_begin);
   if (const std::string damage = database_.damage(); !damage.empty())
-    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}; docs/reference/service.md says what can be done",
+    throw Error(ErrorCode::kInput, fmt::format("{}: is damaged: {}; docs/reference/service.md tells how to repair it",
                                                settings.path, damage));
   take_instance(settings);
   take_numbers();
@@ -42,7 +42,7 @@ void JobQueue::take_instance(const LedgerSettings& settings) {
     instance_ = settings.instance;
   } else if (!settings.may_begin && instance_ != settings.instance) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: is the ledger of instance {}, expected that of {}: {}", settings.path, instance_,
+                fmt::format("{}: is the ledger of instance {}, expected the ledger of {}: {}", settings.path, instance_,
                             settings.instance, lost_ledger_advice()));
   }
 }
@@ -65,7 +65,7 @@ void JobQueue::take_numbers() {
 
 void JobQueue::reserve(std::int64_t id) {
   if (numbers_.empty() || id <= reserved_) return;
-  // Not synced: it is of use where the ledger is lost, and who has lost power as well has other worries.
+  // Not synced: the file matters only if the ledger is lost, and is not meant for a power cut at the same time.
   const std::int64_t last = id + kReservedAtOnce - 1;
   const std::string fresh = numbers_ + ".new";
   std::ofstream file(fresh);
@@ -104,12 +104,12 @@ void JobQueue::resync() {
   while (query.step()) count_use(job_from_row(query), 1);
 }
 
-// ---- In
+// ---- Submission
 
 SubmitResult JobQueue::submit(const JobSubmission& s, const IsIntact& is_intact, TimeMs now) {
   check_kept();
   if (!s.key.empty()) {
-    // One that is about to be cancelled is nobody's work any more.
+    // Skips jobs that are about to be cancelled.
     static const std::string sql = select_jobs(
         "WHERE key = ? AND output = ? AND state < 5 AND key <> '' AND (stop_asked = '' OR state = 4) ORDER BY id DESC "
         "LIMIT 1");
@@ -157,8 +157,8 @@ std::optional<JobQueue::Candidate> JobQueue::first_candidate(const std::string& 
   std::optional<Candidate> found;
   while (!found && query.step()) {
     Job job = job_from_row(query);
-    // A device that is busy is passed by; memory is waited for, or the large jobs would starve. What exceeds a limit by
-    // itself runs when nothing else does.
+    // Skips jobs of busy devices, but waits for memory: otherwise large jobs would starve. A job that exceeds a limit
+    // by itself runs when no other job does.
     const auto device = all.device_jobs_max.find(job.device);
     if (device != all.device_jobs_max.end() && device_use_[job.device].jobs >= device->second) continue;
     const auto fits = [&](const Use& use, std::int64_t memory_max) {
@@ -183,7 +183,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
     first = std::move(candidate);
     first_priority = of_queue.priority;
   }
-  // Nor do small jobs of other queues overtake a large one: it would wait for as long as they come.
+  // Small jobs of other queues must not overtake a large one either: it would wait as long as they keep coming.
   if (!first || first->is_held_up) return std::nullopt;
   std::optional<Job> best = std::move(first->job);
   best->state = JobState::kRunning;
@@ -211,7 +211,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
 }
 
 std::optional<TimeMs> JobQueue::next_due() {
-  // The indices are named: SQLite would take that of states, and read all jobs that are queued.
+  // Names the indices: SQLite would use the index of states, and read all queued jobs.
   SqliteStatement& query = statement(
       "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs INDEXED BY jobs_back_off WHERE not_before IS NOT NULL "
       "AND state = 1 UNION ALL SELECT MIN(deadline) FROM jobs INDEXED BY jobs_deadline WHERE deadline IS NOT NULL AND "
@@ -311,7 +311,7 @@ void JobQueue::requeue_or_die(const Job& job, const AttemptResult& result, TimeM
   changed_.insert(job.id);
 }
 
-// ---- Out
+// ---- Ends, retries and purges
 
 void JobQueue::set_state(std::int64_t id, JobState state, const std::string& message) {
   statement("UPDATE jobs SET state = ?, owner = '', message = ? WHERE id = ?")
@@ -360,7 +360,7 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
   const std::optional<Job> job = find(id);
   if (!job) return CancelResult::kUnknown;
   if (job->state == JobState::kRunning) {
-    // Its attempt may have failed already, and the news be on its way here: it would be queued again.
+    // Its attempt may have failed already without the ledger knowing: it would be queued again.
     statement("UPDATE jobs SET stop_asked = ? WHERE id = ?").bind(1, why).bind(2, id).run();
     return CancelResult::kStopWorker;
   }
@@ -370,8 +370,8 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
   return CancelResult::kCancelled;
 }
 
-// Those of its needs that are dead or cancelled, theirs, and so on, itself too, into `roots`. Returns which of what
-// they need was purged; empty: none.
+// Collects in `roots` the job itself and, recursively, all of its needs that are dead or cancelled. Returns a
+// description of a need that was purged; empty if there is none.
 std::string JobQueue::gone_need(std::int64_t id, std::vector<std::int64_t>& roots) {
   std::set<std::int64_t> seen = {id};
   roots = {id};
@@ -399,15 +399,15 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
   RetryResult result;
   const std::optional<Job> job = find(id);
   if (!job || (job->state != JobState::kDead && job->state != JobState::kCancelled)) {
-    result.refusal = fmt::format("job {} is {}; dead and cancelled ones can be tried again", id,
-                                 job ? job_state_name(job->state) : "not known");
+    result.refusal = fmt::format("job {} is {}; only dead and cancelled jobs can be retried", id,
+                                 job ? job_state_name(job->state) : "unknown");
     return result;
   }
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
-    return {{}, fmt::format("job {} {}: it cannot be tried again, submit it anew", id, gone)};
+    return {{}, fmt::format("job {} {}: it cannot be retried, submit it again", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
-  // With those that never ran, for want of these: they wait for them again, unless they lack something else too, or
-  // their own time is over. Looked at once more with each job that they need.
+  // Jobs that died without ever running, because they need these, wait again, unless they lack another need or their
+  // deadline has passed. Each such job is examined once per job that it needs.
   for (std::size_t i = 0; i < result.queued.size(); ++i) {
     SqliteStatement& dependents = statement(
         "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
@@ -422,7 +422,7 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
   return result;
 }
 
-// All that it needs has succeeded, or may yet.
+// Returns whether all of its needs have succeeded, or still may.
 bool JobQueue::may_wait(std::int64_t id) {
   SqliteStatement& lacks = statement(
       "SELECT 1 FROM needs LEFT JOIN jobs ON jobs.id = needs.needs WHERE needs.job = ? AND (jobs.id IS NULL OR "
@@ -456,7 +456,7 @@ std::vector<std::int64_t> JobQueue::retry_dead(const std::string& queue, TimeMs 
   dead.bind(1, queue);
   std::vector<std::int64_t> retried;
   for (const std::int64_t id : ids(dead)) {
-    if (find(id)->state != JobState::kDead) continue;  // queued with one before
+    if (find(id)->state != JobState::kDead) continue;  // queued with an earlier one
     RetryResult result = retry(id, now);
     if (result.queued.empty()) set_state(id, JobState::kDead, result.refusal);
     retried.insert(retried.end(), result.queued.begin(), result.queued.end());
@@ -476,8 +476,8 @@ JobQueue::Overdue JobQueue::expire_deadlines(TimeMs now) {
       overdue.running.push_back(id);
       continue;
     }
-    if (is_final(job->state)) continue;  // with one that it needs
-    finish(id, JobState::kDead, "its deadline passed before it could be started", now);
+    if (is_final(job->state)) continue;  // ended with a job that it needs
+    finish(id, JobState::kDead, "its deadline passed before the job could start", now);
     fail_dependents(id, now);
     overdue.dead.push_back(id);
   }
@@ -506,7 +506,7 @@ std::vector<std::int64_t> JobQueue::purge(const std::vector<std::int64_t>& wante
 }
 
 std::vector<std::int64_t> JobQueue::purge_finished_before(TimeMs time, int limit) {
-  // Those that may not go yet do not count, or they would keep the others.
+  // Skips jobs that must stay, so that they do not use up the limit.
   SqliteStatement& query = statement(
       "SELECT id FROM jobs WHERE state >= 4 AND finished < ? AND NOT EXISTS (SELECT 1 FROM needs JOIN jobs AS other ON "
       "other.id = needs.job WHERE needs.needs = jobs.id AND other.state < 4) ORDER BY finished LIMIT ?");
@@ -525,8 +525,8 @@ void JobQueue::forgive_back_offs(TimeMs now) {
       .run();
 }
 
-// No job may wait for one that has failed or is gone: in a ledger of before version 4, or one that was rescued, some
-// do.
+// No job may wait for one that has failed or does not exist. Such jobs occur in rescued ledgers, and in ledgers older
+// than version 4.
 void JobQueue::settle_waiting(TimeMs now) {
   SqliteStatement& query = statement(
       "SELECT needs.job, needs.needs FROM needs JOIN jobs ON jobs.id = needs.job LEFT JOIN jobs AS other ON other.id = "
@@ -560,15 +560,16 @@ JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
       continue;
     }
     const bool is_slurm = keeps_slurm && is_slurm_owner(job.owner);
-    // Nobody is left who would stop what was asked to stop: it is cancelled here, and then at Slurm as unknown.
+    // A job that was asked to stop is cancelled here, since no process would stop it; Slurm cancels it as unknown
+    // later.
     if (is_slurm && slurm_.has_sent(id, job.attempt) && job.stop_asked.empty()) {
       recovered.with_slurm.push_back(job);
       continue;
     }
-    // What was on its way to Slurm was not begun.
+    // A job on its way to Slurm had not begun.
     const AttemptResult lost =
-        is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before it was sent to Slurm"}
-                 : AttemptResult{AttemptOutcome::kLost, -1, "the daemon ended while it ran"};
+        is_slurm ? AttemptResult{AttemptOutcome::kReturned, -1, "the daemon ended before the job was sent to Slurm"}
+                 : AttemptResult{AttemptOutcome::kLost, -1, "the daemon ended while the job ran"};
     close_attempt(job, lost, now);
     requeue_or_die(job, lost, now);
     recovered.lost.push_back(id);

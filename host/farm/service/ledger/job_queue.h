@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of jobs: what was accepted is there until it is purged, and each result is published once. Pure state: it
-// starts nothing, waits for nothing, and is told the time. One thread uses it (queue_thread.h).
+// The ledger of jobs: keeps every accepted job until it is purged, and lets each result be published once. Pure state:
+// it starts nothing, waits for nothing, and gets the time from its caller. Only one thread uses it (queue_thread.h).
 #pragma once
 
 #include <functional>
@@ -18,43 +18,43 @@
 
 namespace multum {
 
-/// Limits of what runs at a time in a queue.
+/// Limits of the jobs that run at the same time in a queue.
 struct QueueLimits {
-  int priority = 0;             // of the queue: before that of its jobs
-  int jobs_max = 1 << 30;       // running at once
-  std::int64_t memory_max = 0;  // of its running jobs together, bytes; 0: any
+  int priority = 0;             // queues with higher values go first, whatever their jobs' priorities
+  int jobs_max = 1 << 30;       // jobs that run at the same time
+  std::int64_t memory_max = 0;  // bytes of its running jobs together; 0: no limit
   bool is_paused = false;
-  // Of whoever claims: only jobs of the types of this JSON list, or of all others; "": of all.
+  // Restricts a claim to jobs of the types in this JSON list, or to all other types; "": all types.
   std::string types = {};
   bool are_types_left = false;
 };
 
 struct ClaimLimits {
-  std::map<std::string, QueueLimits> queues;  // jobs of others are not claimed
+  std::map<std::string, QueueLimits> queues;  // jobs of other queues are not claimed
   std::map<std::string, int> device_jobs_max;
-  std::int64_t memory_max = 0;  // of all jobs together that run on this machine; 0: any
+  std::int64_t memory_max = 0;  // bytes of all jobs that run on this machine; 0: no limit
 };
 
 struct RetryPolicy {
-  TimeMs back_off_first = 1000;  // before the second attempt; doubled before each one after
+  TimeMs back_off_first = 1000;  // before the second attempt; doubles with each further attempt
   TimeMs back_off_max = 300000;
 };
 
 struct LedgerSettings {
-  std::string path;       // of the database
-  std::string results;    // folder whose files go with the jobs that made them, without links; "": none do
-  std::string instance;   // name of the folder that it belongs to; "": any
-  std::string numbers;    // file that says up to where numbers may have been given; "": none is kept
-  bool may_begin = true;  // false: it must be there, and be this instance's
+  std::string path;       // file of the database
+  std::string results;    // folder whose files are purged with their jobs, without links; "": none
+  std::string instance;   // name of the folder that owns the ledger; "": any
+  std::string numbers;    // file with the highest number that may have been given; "": no such file
+  bool may_begin = true;  // false: the ledger must exist and belong to this instance
   RetryPolicy retry;
 };
 
 struct SubmitResult {
   std::int64_t id = 0;
-  bool is_new = true;  // false: a job of this key and output was there
+  bool is_new = true;  // false: a job with this key and output existed
 };
 
-/// Result of an attempt.
+/// The end of an attempt.
 struct AttemptResult {
   AttemptOutcome outcome = AttemptOutcome::kSucceeded;
   int exit_code = 0;
@@ -71,104 +71,105 @@ struct JobFilter {
 };
 
 struct RetryResult {
-  std::vector<std::int64_t> queued;  // it, what it needs and what died because of these; none: see `refusal`
+  std::vector<std::int64_t> queued;  // the job, its needs, and jobs that died because of them; empty: see `refusal`
   std::string refusal;
 };
 
 class JobQueue {
  public:
-  /// Opens or creates the database. Throws as SqliteDatabase and prepare_ledger() do, and Error(kEnvironment) for
-  /// another instance's ledger.
+  /// Opens or creates the database. Throws like SqliteDatabase and prepare_ledger(), and Error(kEnvironment) for the
+  /// ledger of another instance.
   explicit JobQueue(const LedgerSettings& settings);
-  /// Name of the folder that the ledger belongs to; "": of none yet.
+  /// Name of the folder that owns the ledger; "": none yet.
   const std::string& instance() const { return instance_; }
-  /// The next job's number is above `number`, whoever has used the ones up to it. A new ledger's, and an old copy's
-  /// that takes the place of a later one, are above LedgerSettings::numbers by itself.
+  /// Makes the next job's number larger than `number`, whether or not this ledger gave the numbers up to it. A new
+  /// ledger, and an old copy that replaces a later one, skip the numbers up to LedgerSettings::numbers by themselves.
   void number_above(std::int64_t number);
-  /// Throws Error(kEnvironment) when what is submitted now would be lost.
+  /// Throws Error(kEnvironment) if a job submitted now would be lost.
   void check_kept() const { database_.check_may_change(); }
 
-  /// A job of the same key and output that waits, runs, or whose result `is_intact`, is taken for the new one. Throws
-  /// Error(kUsage) for needs that do not exist, or have failed for good.
+  /// Returns an existing job of the same key and output instead of a new one if it waits, runs, or has a result that
+  /// `is_intact` accepts. Throws Error(kUsage) for needs that do not exist, or have failed for good.
   using IsIntact = std::function<bool(const Job& succeeded)>;
   SubmitResult submit(const JobSubmission& submission, const IsIntact& is_intact, TimeMs now);
 
-  /// The job that comes first of those that may run, now running under a lease of `owner`'s; none: nothing may.
+  /// Returns the first job that may run, now running under a lease of `owner`; nullopt if there is none.
   std::optional<Job> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
-  /// When the next back-off or deadline of a job that does not run is over.
+  /// Earliest end of a back-off or deadline among jobs that do not run.
   std::optional<TimeMs> next_due();
 
-  /// The lease's holder says that the result lies ready under its staging name. False: it is not the holder any more.
+  /// The holder of the lease reports that the result is ready under its staging name. Returns false if it no longer
+  /// holds the lease.
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
-  /// The result has its name. Queues those that needed it.
+  /// The result has its name. Queues the jobs that needed it.
   void published(std::int64_t id, TimeMs now);
-  /// Removes a job's key: its inputs have changed since it was submitted, so that its result is another.
+  /// Removes a job's key: its inputs have changed since it was submitted, so the key does not describe its result.
   void forget_key(std::int64_t id);
-  /// An attempt ended otherwise, or without a result to publish. False: the holder is not the holder any more.
+  /// An attempt failed, or ended without a result to publish. Returns false if `owner` no longer holds the lease.
   bool ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now);
 
   CancelResult cancel(std::int64_t id, const std::string& why, TimeMs now);
-  /// A dead or cancelled job again; with it those of its needs that are dead or cancelled, down to the roots, and those
-  /// that died because of any of these. Refused: it is neither, or one of its needs was purged.
+  /// Queues a dead or cancelled job again, together with its dead or cancelled needs, recursively, and the jobs that
+  /// died because of any of these. Refuses jobs in other states, and jobs with a purged need.
   RetryResult retry(std::int64_t id, TimeMs now);
-  /// Retries all dead jobs of one queue or of all, but for those that would be refused, whose message says why. Returns
-  /// all that are queued again.
+  /// Retries all dead jobs of one queue or of all, except for jobs that retry() would refuse; their messages give the
+  /// reason. Returns all jobs that are queued again.
   std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
-  /// Jobs that may not start any more die; returns their ids, and those of running ones that are to be stopped.
+  /// Jobs that may no longer start die. Returns their ids, and those of running jobs that must be stopped.
   struct Overdue {
     std::vector<std::int64_t> dead, running;
   };
   Overdue expire_deadlines(TimeMs now);
-  /// Forgets finished jobs that nothing unfinished needs, and notes what they leave. Returns their ids.
+  /// Removes finished jobs that no unfinished job needs, and records the files that they leave. Returns their ids.
   std::vector<std::int64_t> purge(const std::vector<std::int64_t>& ids);
   std::vector<std::int64_t> purge_finished_before(TimeMs time, int limit);
 
   std::optional<Job> find(std::int64_t id);
   std::vector<Job> list(const JobFilter& filter);
-  /// Bytes, about, of the texts of all that list() would find.
+  /// Approximate bytes of the texts of all jobs that list() would return.
   std::int64_t list_bytes(const JobFilter& filter);
   std::vector<JobAttempt> attempts(std::int64_t id);
-  /// "default" -> {queued -> 12, ...}.
+  /// Counts jobs by queue and state: "default" -> {queued -> 12, ...}.
   std::map<std::string, std::map<JobState, std::int64_t>> counts();
-  /// A job that succeeded with this key, newest first; its output may have been changed since.
+  /// Returns jobs that succeeded with this key, newest first; their outputs may have been changed since.
   std::vector<Job> succeeded_with_key(const std::string& key);
   void set_reused_from(std::int64_t id, std::int64_t from);
 
-  /// Reads what is kept beside the database again, after an error has undone a transaction.
+  /// Reads the values that are cached outside the database again, after an error has undone a transaction.
   void resync();
 
-  /// Recovers after a start: what ran is lost and counts as an attempt; what was being published is returned, to be
-  /// looked after.
+  /// Recovers after a start: running jobs are lost, and count as an attempt; jobs that were being published are
+  /// returned, and the caller completes them.
   struct Recovered {
     std::vector<std::int64_t> lost;
     std::vector<Job> with_slurm;
     std::vector<Job> publishing;
   };
-  /// `keeps_slurm`: what is with Slurm runs on.
+  /// `keeps_slurm`: jobs at Slurm stay running.
   Recovered recover(TimeMs now, bool keeps_slurm = false);
-  /// Notes that a job's result could not be published.
+  /// Records that a job's result could not be published.
   void publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now);
 
-  /// Whether the ledger gave a number to a job that has ended. Of numbers that it knows nothing of: no.
+  /// Tells whether the ledger gave a number to a job that has ended. Numbers that it does not know count as not ended.
   struct Given {
-    std::int64_t first = 0, last = 0;  // all of these numbers were given by it
+    std::int64_t first = 0, last = 0;  // the ledger gave all of these numbers
     bool has(std::int64_t id) const { return first <= id && id <= last; }
   };
   struct Numbers {
-    std::vector<std::int64_t> ended, unfinished;  // jobs that it has, in order
+    std::vector<std::int64_t> ended, unfinished;  // jobs in the ledger, in order
     Given given;
     bool is_finished_with(std::int64_t id) const;
   };
   Numbers numbers();
   bool was_purged(std::int64_t id);
 
-  /// Back-offs that are longer than any can be, since the clock was set back, end now.
+  /// Ends back-offs that are longer than the maximum, because the clock was set back.
   void forgive_back_offs(TimeMs now);
 
   SqliteDatabase& database() { return database_; }
   FileNotes& files() { return files_; }
   SlurmNotes& slurm() { return slurm_; }
-  /// Jobs whose state has changed since the last call.
+  /// Returns the jobs whose state has changed since the last call.
   std::set<std::int64_t> take_changed() { return std::exchange(changed_, {}); }
 
  private:
@@ -189,7 +190,7 @@ class JobQueue {
   bool has_lease(const std::optional<Job>& job, const std::string& owner, int attempt) const;
   struct Candidate {
     Job job;
-    bool is_held_up = false;  // by the memory of all running jobs
+    bool is_held_up = false;  // for lack of memory next to all running jobs
   };
   std::optional<Candidate> first_candidate(const std::string& queue, const QueueLimits& limits, const ClaimLimits& all,
                                            TimeMs now);
@@ -198,7 +199,7 @@ class JobQueue {
   std::vector<std::int64_t> needs_of(std::int64_t id);
   std::vector<std::int64_t> ids(SqliteStatement& query);
 
-  /// Of running and publishing jobs, kept beside the database, which has the same.
+  /// Use by running and publishing jobs, a copy of data in the database.
   struct Use {
     int jobs = 0;
     std::int64_t memory = 0;
@@ -210,7 +211,7 @@ class JobQueue {
   SlurmNotes slurm_{database_};
   RetryPolicy policy_;
   std::string results_, instance_, numbers_;
-  std::int64_t reserved_ = 0;  // numbers_ says so
+  std::int64_t reserved_ = 0;  // the number in the file numbers_
   std::map<std::string, Use> queue_use_, device_use_;
   Use use_;
   std::set<std::int64_t> changed_;

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Ids = std::set<std::int64_t>;
 
-// A table whose rows are found by a number. `is_whole`: what damage would not leave of a row's columns.
+// A table whose rows are found by a number. `is_whole`: a condition that a row with damaged columns would not meet.
 struct RescuedTable {
   const char* name;
   const char* number;
@@ -33,7 +33,7 @@ struct RescuedTable {
   std::string is_whole;
 };
 
-// Each of a job's columns is of its type and within its limits.
+// Requires each of a job's columns to have its type and to be within its limits.
 std::string is_whole_job() {
   std::string text = "(state < 4) = (finished IS NULL)";
   for (const JobField& field : job_fields()) {
@@ -60,8 +60,8 @@ const RescuedTable kAttempts = {
     "number BETWEEN 1 AND 1000000000 AND outcome BETWEEN 0 AND 6 AND typeof(owner) = 'text' AND typeof(started) = "
     "'integer' AND typeof(ended) IN ('integer', 'null') AND typeof(message) = 'text'"};
 const RescuedTable kNeeds = {"needs", "job", {"job", "needs"}, "typeof(needs) = 'integer' AND needs < job"};
-// With a list of tables that is lent, a table's place may be another's, where two small numbers are found as well: its
-// index must have them too.
+// With a list of tables copied from another ledger, the place of this table may belong to another table, which also
+// holds pairs of small numbers. So the index must contain each pair too.
 const RescuedTable kNeedsByIndex = {
     "needs",
     "job",
@@ -73,14 +73,14 @@ const RescuedTable kLeftOvers = {
 
 bool is_text(const std::string& text) {
   try {
-    (void)nlohmann::json(text).dump();  // what the web interface does with it
+    (void)nlohmann::json(text).dump();  // the web interface does the same
     return true;
   } catch (const nlohmann::json::exception&) {
     return false;
   }
 }
 
-// Runs `read`; false: what it reads is damaged.
+// Runs `read`; returns false if the data are damaged.
 template <typename Read>
 bool reads(Read read) {
   try {
@@ -114,14 +114,14 @@ class Rescue {
   }
 
   std::int64_t highest() const { return highest_; }
-  /// Was nothing seen that is damaged?
+  /// Returns whether no damage was found.
   bool is_whole() const { return is_whole_; }
 
  private:
   static constexpr std::int64_t kHighest = std::int64_t{1} << 52;
-  static constexpr std::int64_t kProbesMax = 2000000;  // numbers between two readable parts: seconds
+  static constexpr std::int64_t kProbesMax = 2000000;  // numbers to try between two readable parts; takes seconds
 
-  bool has_table(const char* name) {  // of version 4 on
+  bool has_table(const char* name) {  // tables exist from version 4 on
     bool is_there = false;
     reads([&] {
       SqliteStatement query(old_, "SELECT 1 FROM sqlite_master WHERE name = ?");
@@ -130,7 +130,7 @@ class Rescue {
     return is_there;
   }
 
-  // Of all rows that may be there: from the first and from the last up to what is damaged, and all between.
+  // Returns the numbers of all possible rows: from the first and from the last up to a damaged one, and all in between.
   Ids numbers_of(const RescuedTable& table) {
     Ids numbers;
     const auto scan = [&](const char* order) {
@@ -154,7 +154,7 @@ class Rescue {
     return numbers;
   }
 
-  // Rows of these numbers; returns those that were saved.
+  // Copies the rows with these numbers; returns the numbers of saved rows.
   Ids copy(const RescuedTable& table, const Ids& numbers) {
     RescueReport::Table& report = tables_.emplace_back();
     report.name = table.name;
@@ -183,14 +183,14 @@ class Rescue {
     return saved;
   }
 
-  // False: it is damaged, or holds what the ledger does not take.
+  // Returns false if the row is damaged, or the ledger does not accept it.
   static bool copy_row(const RescuedTable& table, const SqliteStatement& row, SqliteStatement& insert) {
     if (row.integer(static_cast<int>(table.columns.size())) != 1) return false;
     bool is_inserted = false;
     const bool is_taken = reads([&] {
       insert.reset();
       for (int c = 0; c < static_cast<int>(table.columns.size()); ++c) {
-        // A message may quote a name that is no UTF-8, as earlier versions noted it.
+        // A message may quote a name that is not UTF-8, stored by an earlier version.
         const bool is_message = table.columns[static_cast<std::size_t>(c)] == "message";
         if (row.is_text(c) && !is_message && !is_text(row.text(c))) return;
         if (row.is_text(c)) insert.bind(c + 1, row.text(c));
@@ -220,7 +220,7 @@ class Rescue {
     ++report.damaged;
   }
 
-  // What a ledger that was never damaged holds to.
+  // Restores the invariants of an undamaged ledger.
   void make_consistent() {
     ledger_.execute(
         "UPDATE jobs SET attempt = MAX(attempt, IFNULL((SELECT MAX(number) FROM attempts WHERE job = id), 0))");
@@ -234,13 +234,13 @@ class Rescue {
     last.step();
     highest_ = std::max(highest_, last.integer(0));
     last.reset();
-    // What it does not know of below was lost, not purged.
+    // Unknown jobs with smaller numbers were lost, not purged.
     ledger_.execute(fmt::format("INSERT OR REPLACE INTO meta (name, value) VALUES ('first_number', {})", highest_ + 1));
   }
 
   SqliteDatabase& old_;
   SqliteDatabase& ledger_;
-  std::int64_t highest_;  // that a job may have
+  std::int64_t highest_;  // highest possible number of a job
   std::vector<RescueReport::Table> tables_;
   bool is_whole_ = true;
 };
@@ -262,7 +262,7 @@ void copy_database(const std::string& from, const std::string& to) {
   }
 }
 
-// Removes what a rescue makes on its way, however it ends.
+// Removes a rescue's temporary files, however the rescue ends.
 struct Scaffold {
   std::string copy, fresh;
   ~Scaffold() {
@@ -292,7 +292,7 @@ void set_big_endian(Page& page, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) page[at + i] = static_cast<char>(value >> (24 - 8 * i));
 }
 
-// The list of tables of a new ledger: page 1, and those below it when it has them (sqlite.org/fileformat2.html):
+// Copies the list of tables from a new ledger: page 1, and the pages below it if any (sqlite.org/fileformat2.html):
 //   28 pages of the file | 32 first free page | 36 count of these | 100 kind: 5 has pages below it | 103 count of cells
 //   | 108 last page below | 112 where each cell begins: with the number of a page below
 void lend_table_list(const std::string& from, const std::string& to) {
@@ -334,7 +334,7 @@ struct Rescued {
   std::int64_t jobs() const { return tables.empty() ? 0 : tables.front().saved; }
 };
 
-// From `copy` into a new ledger, `settings.path`.
+// Rescues `copy` into a new ledger, `settings.path`.
 Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, const std::string& data,
                     bool is_list_lent) {
   remove_database(settings.path);
@@ -354,22 +354,22 @@ Rescued rescue_copy(const LedgerSettings& settings, const std::string& copy, con
   return rescued;
 }
 
-// The old one gets another name, the new one its.
+// Renames the old ledger, and gives its name to the new one.
 std::string take_place(const std::string& path, const std::string& fresh) {
   const std::string kept = free_name(path);
   std::error_code error;
-  if (fs::exists(fresh + "-wal", error))  // what is in it would be lost
-    throw Error(ErrorCode::kEnvironment, fresh + ": cannot be finished; is the disk full?");
+  if (fs::exists(fresh + "-wal", error))  // its contents would be lost
+    throw Error(ErrorCode::kEnvironment, fresh + ": cannot be completed; is the disk full?");
   fs::rename(path, kept, error);
   if (error)
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be kept as {}: {}", path, kept, error.message()));
+    throw Error(ErrorCode::kEnvironment, fmt::format("{}: cannot be renamed to {}: {}", path, kept, error.message()));
   if (fs::exists(path + "-wal", error)) fs::rename(path + "-wal", kept + "-wal", error);
   if (!error) fs::rename(fresh, path, error);
   if (!error) return kept;
   const std::string why = error.message();
   if (fs::exists(kept + "-wal", error)) fs::rename(kept + "-wal", path + "-wal", error);
   fs::rename(kept, path, error);
-  throw Error(ErrorCode::kEnvironment, fmt::format("{}: the rescued ledger cannot take its place: {}", path, why));
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: the rescued ledger cannot replace it: {}", path, why));
 }
 
 }  // namespace
@@ -380,12 +380,12 @@ RescueReport rescue_ledger(const std::string& data) {
   if (!fs::is_regular_file(path, error))
     throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
   const std::unique_ptr<DataLock> lock = DataLock::take(data);
-  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is at work there; end it first");
+  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there; end it first");
   if (fs::file_size(path, error) == 0 && !fs::exists(path + "-wal", error))
     throw Error(ErrorCode::kInput, path +
-                                       ": is empty, so that there is nothing to rescue; move it away, and start once "
+                                       ": is empty, so there is nothing to rescue; move it away, and start once "
                                        "with 'multum serve --new-ledger'");
-  // On a copy: to look at a database is to write to it.
+  // Works on a copy: opening a database writes to it.
   const Scaffold scaffold{path + ".copy", path + ".rescued"};
   LedgerSettings settings;
   settings.path = scaffold.fresh;
@@ -400,8 +400,8 @@ RescueReport rescue_ledger(const std::string& data) {
   if (rescued.jobs() == 0 && !rescued.is_whole)
     throw Error(ErrorCode::kInput,
                 path +
-                    ": no job can be read of it, and all is left as it was; put a backup in its place, or move it "
-                    "away and start once with 'multum serve --new-ledger'");
+                    ": no job can be read, and nothing was changed; replace it by a backup, or move it away and "
+                    "start once with 'multum serve --new-ledger'");
   RescueReport report;
   report.tables = std::move(rescued.tables);
   report.kept = take_place(path, scaffold.fresh);

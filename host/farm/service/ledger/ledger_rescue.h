@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rescues what can be read of a damaged ledger into a new one: row by row, from both ends of each table and between by
-// number, so that a damaged page costs the rows on it alone. Where the page that lists the tables is lost, a new
-// ledger's is taken: all are laid out alike.
+// Rescues the readable part of a damaged ledger into a new one. Reads each table row by row from both ends, and by
+// number in between, so that a damaged page costs only the rows on it. If the page with the list of tables is lost, the
+// page of a new ledger replaces it, because all ledgers have the same layout.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ struct RescueReport {
   struct Table {
     std::string name;
     std::int64_t saved = 0;
-    std::int64_t damaged = 0;  // rows, or for those of one job the job, that were seen and not saved
+    std::int64_t damaged = 0;  // rows (or whole jobs, if rows belong to one job) that were found but not saved
   };
   std::vector<Table> tables;
-  std::string kept;  // where the ledger before is
+  std::string kept;  // path of the old ledger
 };
 
-/// Puts a new ledger in the place of DATA/jobs.sqlite, which is kept beside it under another name. Throws
-/// Error(kEnvironment) while a daemon is at work there, Error(kInput) when nothing can be read: then all is as before.
+/// Replaces DATA/jobs.sqlite by a new ledger; the old one stays next to it under another name. Throws
+/// Error(kEnvironment) while a daemon runs there, and Error(kInput) when nothing can be read: then nothing has changed.
 RescueReport rescue_ledger(const std::string& data);
 
 }  // namespace multum

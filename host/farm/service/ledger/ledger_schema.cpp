@@ -14,12 +14,12 @@
 namespace multum {
 namespace {
 
-// A new field of jobs needs no new version: its column has a default, and an earlier multum passes it over.
+// A new field of jobs needs no new version: its column has a default, and earlier versions of multum ignore it.
 constexpr std::int64_t kSchemaVersion = 6;
-constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": what `file` and others know a ledger by
+constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": identifies ledgers for `file` and others
 
-// States and outcomes are stored as the numbers of their enumerations, which are therefore never renumbered. Columns of
-// jobs that are not here are added behind (job_fields.cpp): all ledgers have them in one order, which a rescue needs.
+// States and outcomes are stored as the numbers of their enumerations, which therefore must never be renumbered. Other
+// columns of jobs (job_fields.cpp) are added after these: all ledgers need one order of columns for a rescue.
 constexpr const char* kSchema = R"sql(
 CREATE TABLE jobs (
   id INTEGER PRIMARY KEY AUTOINCREMENT,  -- a number is never used again
@@ -85,7 +85,7 @@ CREATE TABLE left_overs (  -- of purged jobs: what the next sweep of DATA remove
 CREATE TABLE uploads (path TEXT PRIMARY KEY NOT NULL) WITHOUT ROWID;
 )sql";
 
-// Of version 5 on.
+// Since version 5.
 constexpr const char* kSlurmSchema = R"sql(
 CREATE TABLE slurm_parts (  -- what was sent to Slurm for running jobs, and what became of it (slurm_notes.h)
   batch INTEGER NOT NULL,
@@ -104,10 +104,10 @@ CREATE INDEX slurm_parts_job ON slurm_parts (job);
 CREATE INDEX slurm_parts_sent ON slurm_parts (batch) WHERE state = 0;
 )sql";
 
-// Of version 6 on: numbers of jobs in a state, in order, for lists of one.
+// Since version 6: the numbers of jobs by state, in order, for lists of one state.
 constexpr const char* kListSchema = "CREATE INDEX IF NOT EXISTS jobs_listed ON jobs (state);";
 
-// From version 3.
+// Since version 3.
 constexpr const char* kKeepNeeds = R"sql(
 DROP INDEX needs_of;
 ALTER TABLE needs RENAME TO needs_3;
@@ -122,7 +122,7 @@ std::int64_t first_integer(SqliteDatabase& database, const char* sql) {
   return query.step() ? query.integer(0) : 0;
 }
 
-// The others are those of needs, which have a table of their own.
+// Fields of other types are needs, which have their own table.
 void read_column(const SqliteStatement& row, int column, const JobField& field, std::string& value) {
   value = field.form == JobField::Form::kPath ? path_of_text(row.text(column)) : row.text(column);
 }
@@ -164,11 +164,11 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
   const std::int64_t application = first_integer(database, "PRAGMA application_id");
   const bool is_empty = first_integer(database, "SELECT COUNT(*) FROM sqlite_master") == 0;
   if (found == 0 ? !is_empty : application != (found < 4 ? 0 : kApplicationId))
-    throw Error(ErrorCode::kInput, database.path() + ": is a database, but no ledger of jobs");
+    throw Error(ErrorCode::kInput, database.path() + ": is a database, but not a ledger of jobs");
   if (found > kSchemaVersion)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: is of a newer multum: version {} of the database, this one knows {}", database.path(),
-                            found, kSchemaVersion));
+                fmt::format("{}: was written by a newer multum: database version {}, this one knows {}",
+                            database.path(), found, kSchemaVersion));
   if (is_empty && !may_begin)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: is empty, expected the ledger of a folder that was used before: {}", database.path(),
@@ -177,7 +177,8 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
     SqliteTransaction transaction(database);
     if (found == 0) database.execute(kSchema);
     add_job_columns(database);
-    // Inputs are known from version 2 on: whether those of earlier jobs are still what they were cannot be known.
+    // Version 1 did not store inputs: it is unknown whether the inputs of its jobs have changed, so their keys are
+    // removed.
     if (found == 1) database.execute("UPDATE jobs SET key = ''");
     if (found < 4) {
       if (found != 0) database.execute(kKeepNeeds);
@@ -239,7 +240,7 @@ std::int64_t insert_job(SqliteDatabase& database, const Job& job) {
   for (const JobField& field : job_fields())
     if (field.has_column())
       with_field(field, job, [&](const auto& value) { bind_column(insert, ++number, field, value); });
-  insert.bind(1, std::optional<std::int64_t>()).run();  // the ledger gives the number, which is the first column
+  insert.bind(1, std::optional<std::int64_t>()).run();  // the first column is the number, which the ledger chooses
   return database.last_insert_id();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of the ledger, and their rows as jobs.
+// Defines the tables of the ledger, and converts their rows to jobs.
 #pragma once
 
 #include <string>
@@ -10,21 +10,21 @@
 
 namespace multum {
 
-/// Makes the tables of an empty database, and brings those of an earlier version up to this one. Throws Error(kInput)
-/// for a newer version, and for a database of something else; Error(kEnvironment) for an empty one that may not begin.
+/// Creates the tables of an empty database, and upgrades an earlier version. Throws Error(kInput) for a newer version,
+/// and for a database that is not a ledger; Error(kEnvironment) for an empty one unless `may_begin`.
 void prepare_ledger(SqliteDatabase& database, bool may_begin);
-/// Adds the columns that the table of jobs lacks, since it was made before their fields were.
+/// Adds missing columns to the table of jobs, for fields that are newer than the table.
 void add_job_columns(SqliteDatabase& database);
-/// The end of a message: what can be done about a ledger that is lost.
+/// The end of messages about a lost ledger: advice to the user.
 const char* lost_ledger_advice();
 
-/// Of the table of jobs.
+/// Columns of the table of jobs.
 std::vector<std::string> job_columns();
-/// SELECT of all columns that job_from_row() wants; `rest`: from WHERE on.
+/// Returns a SELECT of all columns that job_from_row() needs; `rest`: from WHERE on.
 std::string select_jobs(const char* rest);
-/// But for what it needs, which is in a table of its own.
+/// Returns the job without its needs, which have their own table.
 Job job_from_row(const SqliteStatement& row);
-/// Writes a new job, but for what it needs. Returns the number that it is given.
+/// Writes a new job without its needs. Returns its new number.
 std::int64_t insert_job(SqliteDatabase& database, const Job& job);
 
 }  // namespace multum

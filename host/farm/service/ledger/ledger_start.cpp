@@ -44,15 +44,15 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
     for (const char* part : {"", "-wal", "-journal"})
       if (has_bytes(settings.path + part))
         throw Error(ErrorCode::kUsage,
-                    fmt::format("--new-ledger: {}{} is there, and its jobs would be forgotten; move it away first, or "
-                                "start without --new-ledger",
+                    fmt::format("--new-ledger: {}{} exists, and its jobs would be lost; move it away first, or start "
+                                "without --new-ledger",
                                 settings.path, part));
   } else if (was_used && !has_bytes(settings.path)) {
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: is {}, and {} was used before: {}", settings.path,
                             fs::exists(settings.path, error) ? "empty" : "missing", data, lost_ledger_advice()));
   }
-  settings.may_begin = begins_anew || settings.instance.empty();  // a name that cannot be read is asked of the ledger
+  settings.may_begin = begins_anew || settings.instance.empty();  // unreadable: the ledger has the name
   if (settings.instance.empty()) {
     std::random_device random;
     settings.instance = fmt::format("{:08x}", random());
@@ -67,7 +67,7 @@ std::string take_up_ledger(QueueThread& ledger, const std::string& data) {
     queue.number_above(highest);
     instance = queue.instance();
   });
-  // Only now: a start that is cut off before has used nothing.
+  // Written last: a start that is interrupted earlier has used no numbers.
   if (read_instance(data) != instance) write_text_file(data + "/instance", instance + "\n");
   return instance;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the ledger that a start of the daemon goes on with. DATA/instance and the ledger name each other: a folder that
-// was used before is not begun anew because its ledger is missing, empty or another's.
+// Finds the ledger that the daemon continues. DATA/instance and the ledger name each other. If the ledger of a used
+// folder is missing, empty or from another folder, the daemon does not start a new one by itself.
 #pragma once
 
 #include <string>
@@ -10,16 +10,16 @@
 
 namespace multum {
 
-/// DATA/instance; "": it is not there, or holds no name.
+/// Reads DATA/instance; "": missing, or without a name.
 std::string read_instance(const std::string& data);
 
-/// Finds the ledger before it is opened. `begins_anew`: by `--new-ledger`, for a folder whose ledger is lost. Throws
-/// Error(kEnvironment) for a ledger that is missing or empty where there was one, Error(kUsage) for one that is there
-/// and would be forgotten.
+/// Finds the ledger before it is opened. `begins_anew`: `--new-ledger` was given, for a folder whose ledger is lost.
+/// Throws Error(kEnvironment) if a used folder's ledger is missing or empty, and Error(kUsage) if a new one would
+/// replace an existing one.
 LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begins_anew);
 
-/// Takes up an opened ledger: its numbers go on above all that lies in the folder, which takes its name. Returns that
-/// name.
+/// Continues an opened ledger: its numbers go on above all numbers in the folder, and the folder gets its name. Returns
+/// the name.
 std::string take_up_ledger(QueueThread& ledger, const std::string& data);
 
 }  // namespace multum

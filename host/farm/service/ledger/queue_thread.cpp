@@ -12,10 +12,10 @@
 namespace multum {
 namespace {
 
-// Tasks that share a commit. More would make the first of them wait long for the last.
+// Largest number of tasks per commit. With more, the first task would wait long for the last.
 constexpr std::size_t kBatchMax = 256;
 
-// There is no memory for now: whoever waits for what was done is told when there is some again.
+// Repeats `work` until it gets memory, so that callers are told the result.
 template <typename Work>
 void until_it_can(const Work& work) {
   for (;;) {
@@ -63,7 +63,7 @@ void QueueThread::run(Work work, Done done) { add({std::move(work), std::move(do
 
 void QueueThread::run_now(const Work& work) {
   std::promise<std::exception_ptr> ended;
-  // Not by `post`: the caller's thread is this one, which waits. And not before the commit, which may fail.
+  // Not through `post`: the caller's thread waits. Not before the commit either, which may fail.
   add({work, [&](const std::exception_ptr& error) { ended.set_value(error); }, nullptr, true});
   if (const std::exception_ptr error = ended.get_future().get()) std::rethrow_exception(error);
 }
@@ -90,7 +90,7 @@ void QueueThread::loop() {
       }
     }
     if (!run_batch(batch) && batch.size() > 1) {
-      // On a full disk one that writes takes all down with it: each by itself, those that only look come through.
+      // On a full disk one writing task makes all fail. Run one by one, the reading tasks succeed.
       for (Task& task : batch) {
         task.error = nullptr;
         std::vector<Task> alone;
@@ -100,7 +100,7 @@ void QueueThread::loop() {
         task = std::move(alone.front());
       }
     }
-    // Each by itself: what else that thread has to do comes in between.
+    // Posts each result separately, so that the other thread can do other work in between.
     for (Task& task : batch) {
       if (!task.done) continue;
       if (task.is_waited_for) task.done(task.error);
@@ -109,13 +109,14 @@ void QueueThread::loop() {
   }
 }
 
-// At a batch's begin and before its commit: what is written to a file that nobody will find again must not be promised.
+// Called at the start of a batch and before its commit: data written to a removed file must not be promised to clients.
 void QueueThread::look_for_loss() {
   if (is_lost_) return;
   const std::string what = queue_.database().displaced();
   if (what.empty()) return;
-  const std::string why = "the ledger is lost: " + what +
-                          "; nothing is accepted or noted until it is put back and the service started again";
+  const std::string why =
+      "the ledger is lost: " + what +
+      "; the service accepts and records nothing until the ledger is put back and the service restarted";
   queue_.database().look_only(why);
   is_lost_ = true;
   service_log(LogSeverity::kError, 0, "ALARM: " + why);
@@ -135,21 +136,21 @@ bool QueueThread::run_batch(std::vector<Task>& batch) {
         queue_.resync();
       }
     }
-    if (is_lost_) return true;  // what only looked was done
+    if (is_lost_) return true;  // reading tasks have succeeded
     look_for_loss();
     queue_.check_kept();
     transaction.commit();
     return true;
-  } catch (...) {  // a full disk, as a rule: nothing of the batch is done
+  } catch (...) {  // usually a full disk: nothing of the batch is committed
     bool is_no_space = says_no_space(std::current_exception());
     for (Task& task : batch) {
       is_no_space = is_no_space || says_no_space(task.error);
       if (!task.error) task.error = std::current_exception();
     }
-    if (is_no_space) queue_.database().empty_log();  // the next batch may find room in it
+    if (is_no_space) queue_.database().empty_log();  // may make room for the next batch
     try {
       queue_.resync();
-    } catch (...) {  // the next batch says it again
+    } catch (...) {  // the next batch fails likewise
     }
     return false;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the one thread that uses the ledger. What many ask for at once is committed together: one sync of the disk
-// serves all of them, and nobody is answered before it. A ledger that is removed or replaced meanwhile is only read
-// from then on: what would be committed to it is in nobody's hands.
+// Runs the only thread that uses the ledger. Concurrent requests are committed together: one sync of the disk serves
+// all of them, and none is answered before it. If the ledger is removed or replaced meanwhile, it becomes read-only:
+// commits to it would be lost.
 #pragma once
 
 #include <atomic>
@@ -19,23 +19,23 @@ namespace multum {
 
 class QueueThread {
  public:
-  /// May throw: then nothing of it is done. May be run again, after what it did was undone with others' work.
+  /// May throw: its changes are then undone. May run again if its changes were undone together with other work.
   using Work = std::function<void(JobQueue&)>;
-  using Done = std::function<void(std::exception_ptr)>;     // after the commit, by `post`; null: all is well
+  using Done = std::function<void(std::exception_ptr)>;     // called after the commit, through `post`; null: success
   using Post = std::function<void(std::function<void()>)>;  // runs a function on the caller's thread
 
-  /// Opens the ledger; throws as JobQueue does.
+  /// Opens the ledger; throws like JobQueue.
   QueueThread(const LedgerSettings& settings, Post post);
-  /// Does what was asked for, then ends.
+  /// Finishes all requested work, then ends.
   ~QueueThread();
   QueueThread(const QueueThread&) = delete;
   QueueThread& operator=(const QueueThread&) = delete;
 
   void run(Work work, Done done);
-  /// Runs work and waits for it; rethrows. Not for the thread that `post` runs things on while others wait for it.
+  /// Runs work, waits for it and rethrows its exception. Must not be called on the thread of `post`.
   void run_now(const Work& work);
   std::size_t pending() const;
-  /// Is the ledger no longer in its place? All that would change it then throws Error(kEnvironment), until the next
+  /// Returns whether the ledger is no longer in its place. All changes then throw Error(kEnvironment) until the next
   /// start.
   bool is_lost() const { return is_lost_; }
 
@@ -44,11 +44,11 @@ class QueueThread {
     Work work;
     Done done;
     std::exception_ptr error;
-    bool is_waited_for = false;  // `done` is called here, not by `post`
+    bool is_waited_for = false;  // `done` is called on this thread, not through `post`
   };
   void add(Task task);
   void loop();
-  /// False: nothing of it is done.
+  /// Returns false if nothing was committed.
   bool run_batch(std::vector<Task>& batch);
   void look_for_loss();
 

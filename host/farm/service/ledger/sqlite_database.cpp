@@ -20,9 +20,9 @@ bool SqliteError::is_of_content() const {
     case SQLITE_NOTADB:
     case SQLITE_TOOBIG:
     case SQLITE_FORMAT:
-    case SQLITE_ERROR:       // a function does not take such a value, or a table is not there
-    case SQLITE_MISMATCH:    // of a type that a column cannot have
-    case SQLITE_CONSTRAINT:  // nor of that value
+    case SQLITE_ERROR:       // a function refuses a value, or a table is missing
+    case SQLITE_MISMATCH:    // a type that a column cannot have
+    case SQLITE_CONSTRAINT:  // a value that a column cannot have
     case SQLITE_SCHEMA: return true;
     default: return result_ == SQLITE_IOERR_SHORT_READ || result_ == SQLITE_IOERR_CORRUPTFS;
   }
@@ -44,7 +44,7 @@ SqliteStatement& SqliteStatement::bind(int number, std::int64_t value) {
   return *this;
 }
 
-// Messages may quote names of files that are no UTF-8; paths come as texts (path_text.h).
+// Messages may quote file names that are not UTF-8; paths come as texts (path_text.h).
 SqliteStatement& SqliteStatement::bind(int number, std::string_view bytes) {
   const std::string text = text_of_message(bytes);
   check(sqlite3_bind_text64(statement_, number, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
@@ -102,14 +102,14 @@ SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
   const int result = sqlite3_open_v2(path_.c_str(), &handle_, flags, nullptr);
   try {
     if (result != SQLITE_OK) fail(result);
-    // Exclusive before the log is opened: without shared memory, and refused where another process is at it.
+    // Exclusive mode before the log is opened: works without shared memory, and fails if another process uses the file.
     execute(
         "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
         "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF");
-    execute("BEGIN IMMEDIATE; COMMIT");  // takes the lock and makes the log now
+    execute("BEGIN IMMEDIATE; COMMIT");  // takes the lock and creates the log now
     file_ = file_number(path_);
     log_file_ = file_number(path_ + "-wal");
-    int has_moved = 0;  // before its number was taken?
+    int has_moved = 0;  // whether the file was replaced before its number was taken
     sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
     if (has_moved != 0) throw Error(ErrorCode::kEnvironment, path_ + ": was replaced while it was opened");
   } catch (...) {
@@ -148,7 +148,7 @@ std::string SqliteDatabase::damage() {
 SqliteDatabase::FileNumber SqliteDatabase::file_number(const std::string& path) {
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0) return {found.st_dev, found.st_ino};
-  if (errno != ENOENT && errno != ENOTDIR) fail_by_errno(path, "cannot be looked at");
+  if (errno != ENOENT && errno != ENOTDIR) fail_by_errno(path, "cannot be examined");
   return {};
 }
 
@@ -164,10 +164,10 @@ std::string SqliteDatabase::displaced() const {
 
 void SqliteDatabase::look_only(const std::string& why) {
   look_only_ = why;
-  if (file_number(path_) == file_) {  // its log alone is gone: what that had is saved
+  if (file_number(path_) == file_) {  // only its log is gone: saves the log's contents
     try {
       execute("PRAGMA wal_checkpoint(FULL)");
-    } catch (const Error& error) {  // amid a transaction: closing does it
+    } catch (const Error& error) {  // within a transaction: closing does it
       log_verbose(error.what());
     }
   } else {  // closing would remove another file's log
@@ -180,8 +180,8 @@ void SqliteDatabase::check_may_change() const {
   if (is_look_only()) throw Error(ErrorCode::kEnvironment, look_only_);
 }
 
-// That of the call that failed last: SQLite itself keeps it for some statements alone, and not for COMMIT. 0: it is of
-// another kind.
+// Returns the errno of the last failed call: SQLite itself keeps it only for some statements, and not for COMMIT.
+// Returns 0 for an errno of another kind.
 int SqliteDatabase::no_space_errno() const {
   if (const int error = sqlite3_system_errno(handle_); is_no_space(error)) return error;
   for (const int kind : {SQLITE_FCNTL_FILE_POINTER, SQLITE_FCNTL_JOURNAL_POINTER}) {
@@ -212,11 +212,11 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_BUSY:
     case SQLITE_LOCKED: throw Error(ErrorCode::kEnvironment, path_ + ": is in use by another process");
     case SQLITE_NOTADB:
-    case SQLITE_TOOBIG:  // a length that was damaged
+    case SQLITE_TOOBIG:  // a damaged length
     case SQLITE_CORRUPT:
       throw SqliteError(
           ErrorCode::kInput,
-          fmt::format("{}: is damaged or no database of jobs: {}; docs/reference/service.md says what can be done",
+          fmt::format("{}: is damaged or not a database of jobs: {}; docs/reference/service.md tells how to repair it",
                       path_, what),
           result);
     case SQLITE_READONLY: check_may_change(); break;
@@ -234,7 +234,7 @@ SqliteTransaction::~SqliteTransaction() {
   if (!is_open_) return;
   try {
     database_.execute("ROLLBACK");
-  } catch (const Error& error) {  // a failed commit may have rolled back by itself
+  } catch (const Error& error) {  // SQLite may have rolled back a failed commit already
     log_verbose(error.what());
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SQLite with errors as exceptions: the only code that includes its header. One thread uses a database at a time.
+// Wraps SQLite, with errors as exceptions; only this code includes its header. One thread uses a database at a time.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,19 @@ namespace multum {
 
 class SqliteDatabase;
 
-/// An error that SQLite has for a statement or for what it reads. No other is thrown for damage in a file.
+/// An error that SQLite reports for a statement or for the data that it reads. The only exception for damaged files.
 class SqliteError : public Error {
  public:
   SqliteError(ErrorCode code, const std::string& message, int result) : Error(code, message), result_(result) {}
-  /// Can what is in the file be the reason: it is damaged, or holds what no ledger does? Else it is the disk, or
-  /// memory.
+  /// Returns whether the file's contents may be the cause: damage, or values that no ledger has. Otherwise the cause is
+  /// the disk or memory.
   bool is_of_content() const;
 
  private:
-  int result_;  // of SQLite, an extended code
+  int result_;  // an extended result code of SQLite
 };
 
-/// A statement that is prepared once and run often: bind everything, then step() until it is false, or run().
+/// A statement that is prepared once and run often: bind all values, then call run(), or step() until it returns false.
 class SqliteStatement {
  public:
   SqliteStatement(SqliteDatabase& database, std::string_view sql);
@@ -39,23 +39,23 @@ class SqliteStatement {
   SqliteStatement(const SqliteStatement&) = delete;
   SqliteStatement& operator=(const SqliteStatement&) = delete;
 
-  /// Numbers of `?` from 1. A text is copied, and is UTF-8 in the database: as text_of_message() has it.
+  /// Binds the `?` with this number, from 1. Copies texts and stores them as UTF-8 (text_of_message()).
   SqliteStatement& bind(int number, std::int64_t value);
   SqliteStatement& bind(int number, int value) { return bind(number, static_cast<std::int64_t>(value)); }
   SqliteStatement& bind(int number, std::string_view text);
   SqliteStatement& bind(int number, const char* text) { return bind(number, std::string_view(text)); }
   SqliteStatement& bind(int number, std::optional<std::int64_t> value);
 
-  /// A column of another database's row.
+  /// Binds a column of another database's row.
   SqliteStatement& bind(int number, const SqliteStatement& row, int column);
 
-  /// The next row, false after the last: then it may be bound anew.
+  /// Moves to the next row; returns false after the last, and then values may be bound again.
   bool step();
-  /// Runs a statement without rows. Returns how many rows it changed.
+  /// Runs a statement without rows. Returns the number of changed rows.
   int run();
   void reset();
 
-  /// Columns from 0, of the row that step() has reached.
+  /// Columns of the current row of step(), from 0.
   std::int64_t integer(int column) const;
   std::optional<std::int64_t> optional_integer(int column) const;
   std::optional<int> optional_int(int column) const;
@@ -70,39 +70,40 @@ class SqliteStatement {
 
 class SqliteDatabase {
  public:
-  /// Opens or creates the file: write-ahead log, synchronous FULL (what is committed outlives a power cut), foreign
-  /// keys, locked for this process alone. Throws Error(kEnvironment): another process has it, the disk; Error(kInput):
-  /// not a database, or a damaged one.
+  /// Opens or creates the file: write-ahead log, synchronous FULL (commits survive a power cut), foreign keys, locked
+  /// for this process. Throws Error(kEnvironment) if another process has it, or for disk errors; Error(kInput) if it is
+  /// damaged or not a database.
   explicit SqliteDatabase(std::string path);
   ~SqliteDatabase();
   SqliteDatabase(const SqliteDatabase&) = delete;
   SqliteDatabase& operator=(const SqliteDatabase&) = delete;
 
-  /// One or more statements without results.
+  /// Runs one or more statements without results.
   void execute(const std::string& sql);
-  /// A statement that stays prepared, ready to be bound. `sql` is known by its address: a literal, or a static text.
+  /// Returns a statement that stays prepared, ready for binding. Statements are found by the address of `sql`: a
+  /// literal, or a static text.
   SqliteStatement& statement(const char* sql);
   std::int64_t last_insert_id() const;
-  /// Moves what is committed from the log to the file, so that the log needs no more space. Not within a transaction.
-  /// False: there is no room for that either.
+  /// Moves committed data from the log to the file, so that the log needs no more space. Not within a transaction.
+  /// Returns false if there is no room for that either.
   bool empty_log();
-  /// Findings of `PRAGMA quick_check`; empty when all is well.
+  /// Findings of `PRAGMA quick_check`; empty if there are none.
   std::string damage();
   const std::string& path() const { return path_; }
 
-  /// Why what is committed would be lost: another file or none is at its path, or at its log's; empty: all is in place.
-  /// Two calls of stat(). Throws Error(kEnvironment) when that cannot be known.
+  /// Returns why commits would be lost: the file or its log was removed or replaced; empty: both are in place. Makes
+  /// two calls of stat(). Throws Error(kEnvironment) when that cannot be determined.
   std::string displaced() const;
-  /// Makes the database read-only: what would change it throws Error(kEnvironment, why).
+  /// Makes the database read-only: changes throw Error(kEnvironment, why).
   void look_only(const std::string& why);
   bool is_look_only() const { return !look_only_.empty(); }
-  /// Throws as a change would.
+  /// Throws if a change would.
   void check_may_change() const;
 
  private:
   friend class SqliteStatement;
   struct FileNumber {
-    std::uint64_t device = 0, inode = 0;  // of no file: 0
+    std::uint64_t device = 0, inode = 0;  // 0: no file
     bool operator==(const FileNumber&) const = default;
   };
   static FileNumber file_number(const std::string& path);
@@ -110,12 +111,12 @@ class SqliteDatabase {
   int no_space_errno() const;
   std::string path_;
   sqlite3* handle_ = nullptr;
-  FileNumber file_, log_file_;  // as they were opened
-  std::string look_only_;       // why; empty: it may be changed
+  FileNumber file_, log_file_;  // when they were opened
+  std::string look_only_;       // the reason for read-only mode; empty: changes are allowed
   std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
 };
 
-/// Transaction: everything until commit() is done wholly or not at all, and undone when it goes out of scope before.
+/// A transaction: all changes up to commit() are made, or none; the destructor undoes them if commit() was not called.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteDatabase& database) : database_(database) {
@@ -131,7 +132,7 @@ class SqliteTransaction {
   bool is_open_ = true;
 };
 
-/// Transaction within a transaction: what fails is undone alone.
+/// A transaction within a transaction: if it fails, only its own changes are undone.
 class SqliteSavepoint {
  public:
   explicit SqliteSavepoint(SqliteDatabase& database) : database_(database) { database_.execute("SAVEPOINT part"); }

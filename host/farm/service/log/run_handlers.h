@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the loop of a thread that serves: a handler that throws, for want of memory as a rule, costs what it was at, and
-// the others go on.
+// Runs the event loop of a serving thread: a handler that throws, usually for lack of memory, loses only its own work,
+// and the other handlers continue.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Until `io` is stopped or has nothing to do. An exception is logged so, behind `what`.
+/// Runs until `io` is stopped or has no work. Logs an exception with this severity, after `what`.
 void run_handlers(boost::asio::io_context& io, LogSeverity severity, const std::string& what);
 
 }  // namespace multum

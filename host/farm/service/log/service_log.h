@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's log: JSON objects, one a line, on stderr, where systemd and container platforms collect them.
+// Writes the daemon's log: JSON objects on stderr, one per line, which systemd and container platforms collect.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace multum {
 
 enum class LogSeverity { kInfo, kWarning, kError };
 
-/// {"time": ..., "level": "info", "job": 12, "message": "..."}; job 0: of none. From any thread.
+/// Writes {"time": ..., "level": "info", "job": 12, "message": "..."}; job 0: no job. May be called from any thread.
 void service_log(LogSeverity severity, std::int64_t job, const std::string& message);
 
 }  // namespace multum

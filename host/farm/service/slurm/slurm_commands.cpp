@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // of a command: Slurm's own patience is shorter
+constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // per command; Slurm's own timeouts are shorter
 constexpr std::size_t kNamesAtOnce = 500;                   // of scancel
 
 template <typename Number>
@@ -27,15 +27,15 @@ std::optional<Number> whole_number(const std::string& text) {
   return error == std::errc() && stop == end && !text.empty() ? std::optional(value) : std::nullopt;
 }
 
-// What a command says, in one line.
+// Joins the lines of a command's output.
 std::string in_one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at)) text.replace(at, 1, "; ");
-  return text.empty() ? "it says nothing" : text;
+  return text.empty() ? "no message" : text;
 }
 
-// Texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. Where the controller answers later, or a partition is
-// up again, the same order is taken.
+// Texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. When the controller answers again, or a partition is
+// up again, Slurm accepts the same order.
 constexpr std::array kNotNowTexts = {"unable to contact slurm controller",
                                      "timed out",
                                      "did not end within",
@@ -59,7 +59,7 @@ constexpr std::array kNotNowTexts = {"unable to contact slurm controller",
                                      "submissions disabled",
                                      "requested nodes are busy",
                                      "credential"};
-// What the settings ask for is not there, or not theirs.
+// The settings name something that does not exist, or that this user may not use.
 constexpr std::array kNeverTexts = {"invalid",
                                     "unrecognized option",
                                     "option requires",
@@ -100,7 +100,7 @@ bool SlurmTask::is_over() const {
 }
 
 bool SlurmTask::is_stuck() const {
-  // A node that cannot start a task has it held; what it waits for may have become impossible. What people hold waits.
+  // Slurm holds a task that a node cannot start; a dependency may have become impossible. Tasks that people hold wait.
   return state == "PENDING" && (reason == "launch_failed_requeued_held" || reason == "launch failed requeued held" ||
                                 reason == "DependencyNeverSatisfied");
 }
@@ -152,20 +152,20 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   words.insert(words.end(), settings_.arguments.begin(), settings_.arguments.end());
   words.push_back(s.script);
   words.insert(words.end(), s.command.begin(), s.command.end());
-  // "12" or "12;cluster", behind what it may have to remark.
+  // "12" or "12;cluster", perhaps after remarks.
   std::istringstream lines(run(words));
   std::string line, last;
   while (std::getline(lines, line))
     if (!line.empty()) last = line;
   const std::optional<std::int64_t> job = whole_number<std::int64_t>(last.substr(0, last.find(';')));
-  if (!job) throw Error(ErrorCode::kEnvironment, fmt::format("sbatch says '{}', expected the number of a job", last));
+  if (!job) throw Error(ErrorCode::kEnvironment, fmt::format("sbatch printed '{}', expected a job number", last));
   return *job;
 }
 
 std::optional<int> SlurmCommands::array_size_max() const {
   try {
     return parse_array_size_max(run({"scontrol", "show", "config"}));
-  } catch (const Error&) {  // it is not here, or may not say: what sbatch refuses will
+  } catch (const Error&) {  // scontrol is missing, or may not tell: sbatch will refuse long arrays
     return std::nullopt;
   }
 }
@@ -214,7 +214,7 @@ void SlurmCommands::cancel(const std::vector<SlurmTarget>& targets) const {
       const auto first = tasks.begin() + static_cast<std::ptrdiff_t>(begin);
       words.insert(words.end(), first,
                    first + static_cast<std::ptrdiff_t>(std::min(kNamesAtOnce, tasks.size() - begin)));
-      // Of a number that is not there it says nothing, with exit code 1.
+      // For an unknown number, it prints nothing and exits with code 1.
       const ChildResult done = run_to_end(words);
       if (done.exit_code != 0 && !done.output.empty())
         throw Error(ErrorCode::kEnvironment, "scancel: " + in_one_line(done.output));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Speaks with Slurm by its commands, sbatch, squeue and scancel, as they are found in PATH: words, no shell. All of it
-// blocks.
+// Uses Slurm through its commands sbatch, squeue and scancel, found in PATH and started without a shell. All functions
+// block.
 #pragma once
 
 #include <chrono>
@@ -17,43 +17,43 @@ namespace multum {
 
 struct SlurmSubmission {
   std::string name, comment;
-  std::string script;                // that runs the words behind it
+  std::string script;                // runs the words that follow it
   std::vector<std::string> command;  // these words
-  std::string output;                // file of what a task prints, with Slurm's marks
-  std::vector<int> array;            // numbers of its tasks; none: one task without a number
-  std::vector<std::int64_t> after;   // begins when these jobs have ended, however
+  std::string output;                // file for a task's output, with Slurm's placeholders
+  std::vector<int> array;            // numbers of its tasks; empty: one task without a number
+  std::vector<std::int64_t> after;   // starts when these jobs have ended in any way
   std::int64_t memory_bytes = 0;     // 0: Slurm's default
   int nice = 0;
   std::chrono::seconds time_max{0};
 };
 
-/// A task as Slurm has it.
+/// A task in Slurm's list.
 struct SlurmTask {
   std::int64_t job = 0;
-  int item = -1;  // its number in the array; -1: none
+  int item = -1;  // its number in the array; -1: not in an array
   std::string name, state, reason, node;
 
-  /// It will run no more.
+  /// Returns whether the task will not run any more.
   bool is_over() const;
-  /// It will not run unless somebody intervenes.
+  /// Returns whether the task will only run if a person intervenes.
   bool is_stuck() const;
 };
 
-/// How scancel and scontrol name it: "12" or "12_3".
+/// Returns the name of a task for scancel and scontrol: "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
-/// What sbatch's words mean for who wants to send.
+/// The meaning of sbatch's messages for the sender.
 enum class SlurmRefusal {
-  kNotNow,        // the controller does not answer, or takes nothing at the moment: later the same will do
-  kNever,         // a partition, an account, a limit: until somebody changes settings, the same will be refused
-  kArrayTooLong,  // numbers of tasks reach MaxArraySize; smaller arrays may do
-  kUnknown,       // it may be any of them
+  kNotNow,        // the controller does not answer, or accepts nothing at present: the same order may succeed later
+  kNever,         // a partition, an account, a limit: the order fails until the settings are changed
+  kArrayTooLong,  // task numbers reach MaxArraySize; smaller arrays may succeed
+  kUnknown,       // any of the above
 };
-/// By the texts of slurm_strerror(), which are the same in every language.
+/// Compares with the texts of slurm_strerror(), which are the same in every language.
 SlurmRefusal refusal_of(const std::string& said);
 
-/// What is to be cancelled: a job of this name and number, or a task of it; item -1: all of it. A controller that has
-/// forgotten a job gives its number to the next, which has another name.
+/// A job to cancel, by name and number, or one of its tasks; item -1: the whole job. The name is needed because a
+/// controller that has forgotten a job reuses its number.
 struct SlurmTarget {
   std::string name;
   std::int64_t job = 0;
@@ -62,18 +62,17 @@ struct SlurmTarget {
 
 class SlurmCommands {
  public:
-  /// `is_stopped`: asked while a command runs, which is killed then.
+  /// `is_stopped` is called while a command runs; true kills the command.
   SlurmCommands(SlurmSettings settings, std::function<bool()> is_stopped);
 
-  /// Number of Slurm's job. Throws Error(kEnvironment) with what sbatch says (refusal_of()).
+  /// Returns the number of the Slurm job. Throws Error(kEnvironment) with sbatch's message (refusal_of()).
   std::int64_t submit(const SlurmSubmission& submission) const;
-  /// Slurm's MaxArraySize, which numbers of an array's tasks stay below. Nothing where scontrol does not say.
+  /// Returns Slurm's MaxArraySize, an exclusive limit of task numbers; nullopt if scontrol does not tell.
   std::optional<int> array_size_max() const;
-  /// Tasks of this user whose names begin so, those that have ended some minutes ago too. Throws Error(kEnvironment)
-  /// when Slurm does not answer.
+  /// Returns this user's tasks whose names begin with `prefix`, including tasks that ended some minutes ago. Throws
+  /// Error(kEnvironment) when Slurm does not answer.
   std::vector<SlurmTask> list(const std::string& prefix) const;
-  /// Those that are not there, or of another name, are passed over. Throws Error(kEnvironment) when scancel says
-  /// anything.
+  /// Skips tasks that do not exist, or have another name. Throws Error(kEnvironment) when scancel prints anything.
   void cancel(const std::vector<SlurmTarget>& targets) const;
 
  private:
@@ -83,10 +82,10 @@ class SlurmCommands {
   std::function<bool()> is_stopped_;
 };
 
-/// MaxArraySize of `scontrol show config`.
+/// Reads MaxArraySize from the output of `scontrol show config`.
 std::optional<int> parse_array_size_max(const std::string& text);
 
-/// Of `squeue --format=%F|%K|%T|%N|%j|%r`, a line a task; lines of other kinds are passed over.
+/// Parses the output of `squeue --format=%F|%K|%T|%N|%j|%r`, one task per line; skips other lines.
 std::vector<SlurmTask> parse_squeue(const std::string& text);
 
 }  // namespace multum

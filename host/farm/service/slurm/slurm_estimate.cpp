@@ -52,7 +52,7 @@ SlurmEstimate estimate_work(const WorkOrder& work, const SlurmSettings& settings
     const ChildResult child = run_child(
         words, {.time_max = kEstimateTimeMax, .memory_max = kEstimateMemoryMax, .output_max = kEstimateOutputMax});
     if (child.exit_code == 0) return estimate_of(Json::parse(child.output.substr(child.output.find('{'))), settings);
-  } catch (const std::exception&) {  // the job itself says what is wrong
+  } catch (const std::exception&) {  // the job itself will report the error
   }
   return estimate;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates what a job takes before it is sent to Slurm: how many share a task, which maps are divided, and time limits
-// follow from it.
+// Estimates a job's cost before it is sent to Slurm. The estimate determines how many jobs share a task, which maps are
+// divided, and the time limits.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@
 
 namespace multum {
 
-/// By the type's estimate_command, as `multum plan` is a bake's, in a child that is confined to `roots` and held to
-/// memory and time, since the map is a client's; else by its estimated_seconds(). Of types without either, and where
-/// the child fails, nothing is known. Blocks.
+/// Runs the type's estimate_command (for bakes, `multum plan`) in a child that is confined to `roots` and has limits of
+/// memory and time, since the map belongs to a client. Without a command, uses estimated_seconds(). Otherwise, or if
+/// the child fails, the cost is unknown. Blocks.
 SlurmEstimate estimate_work(const WorkOrder& work, const SlurmSettings& settings,
                             const std::vector<std::string>& roots);
 

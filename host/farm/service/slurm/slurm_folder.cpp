@@ -30,7 +30,7 @@ constexpr std::size_t kLogBytesAtOnce = 1 << 20;
 
 std::string order_text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-// Not there, or cut: none.
+// Returns nullopt for a missing or incomplete file.
 std::optional<Json> read_json(const std::string& path) {
   std::ifstream file(path);
   if (!file) return std::nullopt;
@@ -38,7 +38,7 @@ std::optional<Json> read_json(const std::string& path) {
   return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
 }
 
-// Nor is one whose values are of other types.
+// Returns nullopt for values of wrong types too.
 template <typename Value, typename Read>
 std::optional<Value> read_as(const std::string& path, const Read& read) {
   try {
@@ -80,7 +80,8 @@ bool SlurmBatchFolder::has_order() const {
 
 SlurmOrder SlurmBatchFolder::read_order() const {
   const std::optional<Json> json = read_json(path_ + "/order.json");
-  if (!json) throw Error(ErrorCode::kEnvironment, path_ + "/order.json: is not there: the daemon has withdrawn it");
+  if (!json)
+    throw Error(ErrorCode::kEnvironment, path_ + "/order.json: is missing: the daemon has withdrawn the order");
   try {
     SlurmOrder order;
     order.is_array = json->at("is_array");
@@ -93,8 +94,8 @@ SlurmOrder SlurmBatchFolder::read_order() const {
     return order;
   } catch (const Json::exception& error) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}/order.json: is no order of multum {}: {}; the daemon sends its jobs again", path_,
-                            MULTUM_VERSION, error.what()));
+                fmt::format("{}/order.json: is not an order of multum {}: {}; the daemon will send its jobs again",
+                            path_, MULTUM_VERSION, error.what()));
   }
 }
 
@@ -152,7 +153,7 @@ std::optional<SlurmEnd> SlurmBatchFolder::end(int item) const {
 
 std::string SlurmBatchFolder::make_work_folder(int item) const {
   const std::string folder = fmt::format("{}/work-{}", path_, item);
-  // As a daemon's data has them, of which a worker here has no use for the last two.
+  // The folders of a daemon's data; a worker here does not use the last two.
   for (const char* part : {"logs", "scratch", "uploads", "results"}) make_folder(folder + "/" + part);
   return folder;
 }
@@ -175,7 +176,8 @@ std::string SlurmBatchFolder::last_words(int item, bool is_array) const {
 
 void SlurmBatchFolder::move_log(int work_item, int item, const std::string& to, const std::string& prefix,
                                 bool is_last) const {
-  // How far it is moved stands beside it: also for the next daemon. No link is followed: workers write there.
+  // A file next to the log records how much has been moved, also for the next daemon. No link is followed, because
+  // workers write there.
   const std::string noted = fmt::format("{}/moved-{}", path_, item);
   std::int64_t begin = 0;
   std::ifstream(noted) >> begin;
@@ -202,7 +204,7 @@ SlurmFolder::SlurmFolder(const std::string& folder, const std::string& instance)
 
 void SlurmFolder::prepare() const {
   make_folder(path_);
-  // Slurm takes scripts alone: this one becomes the words behind it.
+  // Slurm accepts only scripts: this one runs the words that follow it.
   if (!fs::exists(script())) write_text_file(script(), "#!/bin/sh\nexec \"$@\"\n");
 }
 

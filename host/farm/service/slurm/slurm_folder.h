@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shared folder by which a daemon and the tasks that it has sent to Slurm speak. Files appear by a rename; no clock
-// is looked at, since nodes have their own.
+// The shared folder through which a daemon and its Slurm tasks communicate. Files appear by a rename. No times are
+// compared, since nodes have their own clocks.
 //
 //   FOLDER/multum-INSTANCE/batch-17/
-//     order.json        what to do; when it is gone, its tasks are nobody's and end
-//     stop-3            item 3 is not to be done any more
+//     order.json        the work; if it is removed, the batch's tasks end
+//     stop-3            item 3 is cancelled
 //     status-3.json     {"beat", "node", "stage", "done", "total"}: the beat grows while the item is worked at
 //     ended-3.json      {"exit_code", "message", "inputs_changed", "node"}
-//     slurm.out         what the task itself says
+//     slurm.out         output of the task itself
 //     work-3/           the only folder here that workers may write: logs/3.log, scratch/
 #pragma once
 
@@ -22,15 +22,15 @@
 
 namespace multum {
 
-/// What a task does with its items, as order.json has it.
+/// The work of a task, as in order.json.
 struct SlurmOrder {
-  bool is_array = false;  // each task does the item of its number; else one does all
+  bool is_array = false;  // each task does the item of its number; otherwise one task does all
   std::vector<std::string> roots;
   int threads = 1;
   std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};
   struct Item {
     int number = 0;
-    WorkOrder work;  // but for its log
+    WorkOrder work;  // without its log
   };
   std::vector<Item> items;
 };
@@ -46,23 +46,23 @@ struct SlurmEnd {
   std::string node;
 };
 
-/// One batch's files, seen from either side.
+/// The files of one batch, for both sides.
 class SlurmBatchFolder {
  public:
   explicit SlurmBatchFolder(std::string path) : path_(std::move(path)) {}
   const std::string& path() const { return path_; }
 
-  /// Makes the folder too. Throws Error(kEnvironment), as all that writes does.
+  /// Creates the folder too. Throws Error(kEnvironment), like all functions that write.
   void write_order(const SlurmOrder& order) const;
   bool has_order() const;
-  /// Throws Error(kEnvironment) when it is not there any more.
+  /// Throws Error(kEnvironment) when the order no longer exists.
   SlurmOrder read_order() const;
   void revoke_order() const;
 
   void stop(int item) const;
   bool is_stopped(int item) const;
 
-  /// Of what is in it now.
+  /// Names of the files that it holds at present.
   std::set<std::string> names() const;
   static std::string status_name(int item);
   static std::string end_name(int item);
@@ -73,26 +73,25 @@ class SlurmBatchFolder {
   std::optional<SlurmStatus> status(int item) const;
   std::optional<SlurmEnd> end(int item) const;
 
-  /// For a worker whose first item it is: with all folders in it.
+  /// Creates the work folder, with all folders in it, of a worker whose first item is `item`.
   std::string make_work_folder(int item) const;
   std::string log(int work_item, int item) const;
-  /// Of what Slurm's tasks print; "%a" is an array's task.
+  /// Path for the output of Slurm's tasks; "%a" stands for the number of an array's task.
   std::string output(bool is_array) const;
-  /// The last line that a task printed; "": none.
+  /// Returns the last line that a task printed; "": none.
   std::string last_words(int item, bool is_array) const;
-  /// Adds what an item has logged since the last time to another file, each line behind `prefix`; `is_last`: an
-  /// unfinished line too.
+  /// Appends an item's new log lines to another file, each after `prefix`. `is_last`: also appends an unfinished line.
   void move_log(int work_item, int item, const std::string& to, const std::string& prefix, bool is_last) const;
 
  private:
   std::string path_;
 };
 
-/// All batches of a daemon.
+/// The folder of all batches of a daemon.
 class SlurmFolder {
  public:
   SlurmFolder(const std::string& folder, const std::string& instance);
-  /// Makes the folder and the script that Slurm is given. Throws Error(kEnvironment).
+  /// Creates the folder and the script for Slurm. Throws Error(kEnvironment).
   void prepare() const;
   std::string script() const { return path_ + "/task.sh"; }
   SlurmBatchFolder batch(std::int64_t number) const;

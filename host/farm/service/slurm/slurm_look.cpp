@@ -10,7 +10,7 @@ namespace multum {
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched) {
   SlurmLook look;
-  // The files second: a task that is over by the list has written what it has to say.
+  // Reads the files second: a task that the list shows as ended has written all of its files.
   try {
     look.tasks = commands.list(prefix);
   } catch (const Error& error) {
@@ -22,9 +22,9 @@ SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder
 
 void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& watched,
                    std::map<SlurmPartKey, SlurmLook::Seen>& parts) {
-  std::set<std::string> names;  // of the batch before
+  std::set<std::string> names;  // file names of the batch listed last
   std::int64_t listed = 0;
-  std::optional<std::string> last_words;  // of a batch's one task
+  std::optional<std::string> last_words;  // last line of the task that does the whole batch
   for (const SlurmWatched& part : watched) {
     const SlurmBatchFolder batch = folder.batch(part.key.first);
     if (listed != part.key.first) {
@@ -37,7 +37,7 @@ void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& w
     if (names.contains(SlurmBatchFolder::end_name(item))) seen.end = batch.end(item);
     if (!seen.end && names.contains(SlurmBatchFolder::status_name(item))) seen.status = batch.status(item);
     if (!seen.end && !seen.status) {
-      if (part.is_array) last_words.reset();  // each has a task of its own
+      if (part.is_array) last_words.reset();  // each part has its own task
       if (!last_words)
         last_words = names.contains(SlurmBatchFolder::output_name(item, part.is_array))
                          ? batch.last_words(item, part.is_array)
@@ -47,7 +47,7 @@ void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& w
     }
     try {
       batch.move_log(part.work_item(), part.key.second, part.log, part.log_prefix, seen.end.has_value());
-    } catch (const Error&) {  // no room for it now
+    } catch (const Error&) {  // no space at present
     }
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One look at what was sent to Slurm: at Slurm's list of tasks, then at what they have left in the shared folder. It
-// blocks.
+// Takes one look at the work sent to Slurm: first at Slurm's list of tasks, then at the tasks' files in the shared
+// folder. Blocks.
 #pragma once
 
 #include <map>
@@ -13,40 +13,40 @@
 
 namespace multum {
 
-/// Batch and item.
+/// Number of the batch, and of the item.
 using SlurmPartKey = std::pair<std::int64_t, int>;
 
-/// A part that is looked after.
+/// A part that the daemon watches.
 struct SlurmWatched {
   SlurmPartKey key;
   bool is_array = false;
-  std::string log, log_prefix;  // where what it prints goes, and behind what
+  std::string log, log_prefix;  // file for its output, and the prefix of each line
 
-  /// The item whose worker does it.
+  /// The item whose work folder holds its log.
   int work_item() const { return is_array ? key.second : 0; }
 };
 
 struct SlurmLook {
-  std::string trouble;  // why Slurm did not answer; "": it did
+  std::string trouble;  // why Slurm did not answer; "": it answered
   std::vector<SlurmTask> tasks;
-  std::optional<int> array_size_max;  // of its settings, where they were asked for
+  std::optional<int> array_size_max;  // from Slurm's settings, if requested
   struct Seen {
     std::optional<SlurmStatus> status;
     std::optional<SlurmEnd> end;
-    std::string last_words;  // of its task, where it has not ended
+    std::string last_words;  // last line of its task's output, if the part has not ended
   };
   std::map<SlurmPartKey, Seen> parts;
 
   bool is_up() const { return trouble.empty(); }
 };
 
-/// `prefix`: of the names of this daemon's jobs at Slurm.
+/// `prefix`: beginning of the names of this daemon's jobs at Slurm.
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched);
 
-/// Its second half. A batch's folder is listed once, and of its files only those are opened that are there: with
-/// thousands of parts that wait, each file that is asked for and not there is a question to the folder's server.
-/// `watched` in the order of their keys, or batches are listed more often.
+/// The second half of a look. Lists each batch's folder once, and opens only existing files: with thousands of waiting
+/// parts, each attempt to open a missing file would be a request to the file server. `watched` should be sorted by key;
+/// otherwise folders are listed more often.
 void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& watched,
                    std::map<SlurmPartKey, SlurmLook::Seen>& parts);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares out jobs among batches of Slurm's: small ones several to a task, since a task costs about half a second of its
-// slot whatever it does; large maps a share a task.
+// Divides jobs into Slurm batches: several small jobs per task, since each task costs about half a second of its slot;
+// for large maps, one share per task.
 #pragma once
 
 #include <chrono>
@@ -16,54 +16,54 @@
 
 namespace multum {
 
-/// What a job will take, as far as that is known before.
+/// The expected cost of a job, as far as it is known in advance.
 struct SlurmEstimate {
-  double seconds = -1.0;              // of a slot; below 0: not known
-  int share_count = 0;                // bands that its map is divided into; 0: it is not
-  std::vector<double> share_seconds;  // of share 0, a band, the merge
+  double seconds = -1.0;              // time in a slot; below 0: unknown
+  int share_count = 0;                // bands of its map; 0: not divided
+  std::vector<double> share_seconds;  // times of share 0, one band, and the merge
 };
 
 constexpr int kChunkJobsMax = 100;
 
-/// Groups of jobs, by their places in `seconds`, in order: of those known to be small as many as fill `chunk_seconds`,
-/// others alone.
+/// Groups jobs, given by their indices in `seconds`, in order: small jobs until they fill `chunk_seconds`, each other
+/// job by itself.
 std::vector<std::vector<std::size_t>> make_chunks(const std::vector<double>& seconds, double chunk_seconds);
 
-/// Within what the settings allow; doubled with each attempt.
+/// Returns a time limit in the range of the settings; it doubles with each attempt.
 std::chrono::seconds time_limit(const SlurmSettings& settings, double seconds, int attempt);
 
-/// What a part's name says: "" is all of a job, "3/8" a share of its map, "merge 8" the merge of them.
+/// The meaning of a part's name: "" is a whole job, "3/8" a share of its map, "merge 8" the merge of 8 shares.
 struct PartKind {
-  int index = 0, count = 0;  // of a share; count 0: all of the job
+  int index = 0, count = 0;  // number of the share, and of all shares; count 0: the whole job
   bool is_merge = false;
 
   bool is_whole() const { return count == 0; }
-  /// Tasks of an array are bands, which wait for share 0 alone.
+  /// The tasks of an array are bands, which wait only for share 0.
   bool is_band() const { return count > 0 && !is_merge && index > 0; }
   std::string name() const;
-  /// Before lines of its log: those of all shares go to one.
+  /// Prefix of its log lines: the logs of all shares go to one file.
   std::string log_prefix() const;
-  /// The option of `multum bake` that does it; "": none.
+  /// The option of `multum bake` for this part; "": none.
   std::string option() const;
 };
 PartKind parse_part(const std::string& name);
 
-/// Of Slurm's arrays while nothing is known of its MaxArraySize.
+/// Array size while Slurm's MaxArraySize is unknown.
 constexpr int kAnyArraySize = std::numeric_limits<int>::max();
 
-/// Bands of one map as arrays whose numbers stay below `array_size_max`, at least 1: one array where they fit, with
-/// their own numbers, else several with numbers from 0.
+/// Groups bands of one map into arrays whose task numbers are below `array_size_max`, at least 1. If the bands' own
+/// numbers fit, makes one array with them; otherwise makes several with numbers from 0.
 std::vector<std::vector<SlurmPart>> in_arrays(std::vector<SlurmPart> bands, int array_size_max);
 
-/// The batches that make these shares, in order, and merge them: share 0, its bands in arrays (in_arrays()), the merge.
-/// Parts have no number of their batch yet.
+/// Returns the batches that make and merge these shares, in order: share 0, its bands in arrays (in_arrays()), the
+/// merge. The parts do not have batch numbers yet.
 std::vector<std::vector<SlurmPart>> share_batches(const SlurmPart& of_job, int count, const std::vector<int>& missing,
                                                   int array_size_max);
 
-/// Does a part wait until another one of the same job has ended? Bands for share 0, a merge for all shares.
+/// Returns whether `part` must wait for `other` of the same job: bands wait for share 0, a merge for all shares.
 bool waits_for(const PartKind& part, const PartKind& other);
 
-/// Shares that a merge's message says to make, as it names the options for them.
+/// Returns the shares that a merge's error message asks for, read from the options in the message.
 std::vector<int> named_shares(const std::string& message, int count);
 
 }  // namespace multum

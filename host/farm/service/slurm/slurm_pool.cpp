@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes to Slurm. slurm_watch.cpp has what comes back.
+// Sends work to Slurm. slurm_watch.cpp handles the results.
 #include "host/farm/service/slurm/slurm_pool.h"
 
 #include <fmt/format.h>
@@ -19,8 +19,8 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr std::size_t kEstimatedAtOnce = kChunkJobsMax;
-constexpr int kRefusalsMax = 3;    // of sbatch, for reasons unknown, while Slurm answers
-constexpr int kSkippedLooks = 32;  // at most, before a busy Slurm is asked again
+constexpr int kRefusalsMax = 3;    // refusals by sbatch for unknown reasons, while Slurm answers
+constexpr int kSkippedLooks = 32;  // longest wait, in looks, for a busy Slurm
 
 std::int64_t milliseconds_since_1970() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -50,7 +50,7 @@ SlurmPool::~SlurmPool() {
 std::string SlurmPool::prefix() const { return fmt::format("multum-{}-", settings_.instance); }
 std::string SlurmPool::name_of(std::int64_t batch) const { return prefix() + std::to_string(batch); }
 
-// Runs `work` there, and what it returns back here.
+// Runs `work` on `threads`, and the function that it returns on this thread.
 void SlurmPool::beside(asio::thread_pool& threads, std::function<std::function<void()>()> work) {
   asio::post(threads, [this, work = std::move(work)] {
     std::function<void()> done = work();
@@ -58,7 +58,7 @@ void SlurmPool::beside(asio::thread_pool& threads, std::function<std::function<v
   });
 }
 
-// In the ledger, however often the disk is full; not any more where the ledger is lost.
+// Runs work in the ledger, again while the disk is full, but not if the ledger is lost.
 void SlurmPool::note(QueueThread::Work work, std::function<void()> done) {
   ledger_.run(work, [=, this](const std::exception_ptr& error) {
     if (!error) return done();
@@ -127,7 +127,7 @@ void SlurmPool::order(SlurmWork work) {
 }
 
 void SlurmPool::flush() {
-  // What comes one by one is gathered for a while: it may share a task.
+  // Collects jobs for a while when they come one by one: they may share a task.
   if (settings_.slurm.chunk_seconds <= 0.0 || new_.size() >= kEstimatedAtOnce) return estimate_new();
   if (new_.empty() || is_gathering_) return;
   is_gathering_ = true;
@@ -161,7 +161,7 @@ void SlurmPool::plan(std::vector<SlurmWork> works, std::vector<SlurmEstimate> es
   for (std::size_t i = 0; i < works.size(); ++i) {
     const WorkOrder& order = works[i].order;
     const auto found = works_.find(order.job);
-    // Cancelled meanwhile.
+    // The job was cancelled meanwhile.
     if (found == works_.end() || found->second.work.order.attempt != order.attempt || found->second.result) continue;
     Work& work = found->second;
     work.estimate = estimates[i];
@@ -194,7 +194,7 @@ void SlurmPool::send(std::vector<std::vector<SlurmPart>> batches) {
   std::vector<SlurmPart> rows;
   std::vector<std::int64_t> numbers;
   for (std::vector<SlurmPart>& parts : batches) {
-    // By the clock, so that a number is not used again where the ledger has lost those before.
+    // Uses the clock, so that a number is not reused if the ledger has lost the earlier ones.
     const std::int64_t number = last_batch_ = std::max(last_batch_ + 1, milliseconds_since_1970());
     Batch& batch = batches_[number];
     numbers.push_back(number);
@@ -261,7 +261,7 @@ SlurmPool::Sending SlurmPool::sending_of(std::int64_t number, const Batch& batch
   s.command = {settings_.slurm.program.empty() ? own_program() : settings_.slurm.program, "slurm-task",
                "--batch=" + folder.path()};
   s.output = folder.output(batch.is_array);
-  // A user's jobs can be nicer than others, not less nice.
+  // Slurm lets users only raise the nice value.
   s.nice = std::max(0, settings_.slurm.nice - priority);
   s.time_max = batch.time_max;
   for (const auto& [other, of] : batches_) {
@@ -297,12 +297,12 @@ void SlurmPool::submit_ready() {
     const Stopwatch stopwatch;
     std::vector<Sent> sent;
     std::map<std::int64_t, std::int64_t> known;
-    std::string array_refusal;  // what sbatch said of an array that was too long, and how long it was
+    std::string array_refusal;  // sbatch's message about an array that was too long; its size is refused_size
     std::size_t refused_size = 0;
     for (const Sending& sending : sendings) {
       const std::vector<int>& array = sending.submission.array;
       const std::size_t size = array.empty() ? 0 : static_cast<std::size_t>(array.back()) + 1;
-      // One as long would be refused as well.
+      // Arrays of this size would be refused too.
       if (refused_size > 0 && size >= refused_size) {
         sent.push_back({sending.number, std::nullopt, array_refusal});
         continue;
@@ -320,13 +320,13 @@ void SlurmPool::submit_ready() {
   });
 }
 
-// On the thread of the commands. `known`: numbers at Slurm of batches that were sent just before.
+// Runs on the thread of the commands. `known`: Slurm's numbers of the batches sent just before.
 SlurmPool::Sent SlurmPool::submit(const Sending& sending, std::map<std::int64_t, std::int64_t>& known) {
   Sent one{sending.number, std::nullopt, ""};
   SlurmSubmission submission = sending.submission;
   for (const std::int64_t before : sending.after) {
     const auto found = known.find(before);
-    if (found == known.end()) return one;  // what it waits for could not be sent: neither can it be
+    if (found == known.end()) return one;  // depends on a batch that could not be sent
     submission.after.push_back(found->second);
   }
   try {
@@ -359,7 +359,7 @@ void SlurmPool::take_sent(const std::vector<Sent>& sent) {
       batch.refusal.clear();
       known.emplace_back(one.number, *one.slurm_job);
     } else {
-      // It may be there all the same: an answer can be lost.
+      // Slurm may have the job although its answer was lost.
       ++counters_.submit_failures;
       batch.stage = Stage::kUnsure;
       if (!one.refusal.empty()) take_refusal(batch, one.refusal);
@@ -375,7 +375,7 @@ void SlurmPool::take_sent(const std::vector<Sent>& sent) {
       [] {});
 }
 
-// Whether it is sent again, and when; or that it is not.
+// Decides whether and when a refused batch is sent again.
 void SlurmPool::take_refusal(Batch& batch, const std::string& refusal) {
   if (refusal != batch.refusal)
     service_log(LogSeverity::kWarning, batch.parts.empty() ? 0 : batch.parts.begin()->second.row.job,
@@ -396,7 +396,7 @@ void SlurmPool::take_refusal(Batch& batch, const std::string& refusal) {
   }
 }
 
-// Was it an array whose numbers are too high? Then half as many are tried.
+// If an array's numbers were too high, tries half as many tasks.
 bool SlurmPool::takes_smaller_arrays(const Batch& batch) {
   if (refusal_of(batch.refusal) != SlurmRefusal::kArrayTooLong || batch.parts.empty()) return false;
   array_size_max_ = std::min(array_size_max_, (batch.parts.rbegin()->first + 1) / 2);
@@ -407,11 +407,11 @@ void SlurmPool::split_array(std::int64_t number) {
   std::vector<SlurmPart> bands;
   for (const auto& [item, part] : batches_.at(number).parts) bands.push_back(part.row);
   replace(number, in_arrays(std::move(bands), array_size_max_),
-          "sbatch refused an array of so many tasks; it was sent again in a smaller one");
+          "sbatch refused an array of so many tasks; sent again in a smaller one");
 }
 
-// In the ledger the parts of the old batch are lost, for this reason. The old order goes: should it have been begun
-// after all, it ends by that.
+// The ledger records the parts of the old batch as lost, for this reason. The old order is removed, so that its tasks
+// end if Slurm starts them after all.
 void SlurmPool::replace(std::int64_t number, std::vector<std::vector<SlurmPart>> batches, const std::string& why) {
   Batch& old = batches_.at(number);
   std::vector<SlurmPart> lost;
@@ -468,7 +468,7 @@ void SlurmPool::give_up(std::int64_t job, const WorkResult& result) {
         return [] {};
       });
     } else {
-      // Others go on in that task.
+      // The task continues with other jobs.
       for (const auto& [item, part] : batch.parts)
         if (part.row.job == job) stop_item(number, item);
     }
@@ -493,7 +493,7 @@ void SlurmPool::cancel_tasks(std::vector<SlurmTarget> targets) {
   beside(commands_thread_, [this, targets = std::move(targets)]() -> std::function<void()> {
     try {
       commands_.cancel(targets);
-    } catch (const std::exception& error) {  // it is tried again as long as Slurm has them
+    } catch (const std::exception& error) {  // repeated as long as Slurm has the tasks
       service_log(LogSeverity::kWarning, 0, error.what());
     }
     return [] {};
@@ -517,7 +517,7 @@ void SlurmPool::end_if_idle(std::int64_t job) {
   const WorkResult result = *found->second.result;
   const int attempt = found->second.work.order.attempt;
   works_.erase(found);
-  // Not from within: whoever hears of it may order more.
+  // Posted and not called here: the receiver may order more.
   asio::post(io_, [this, job, attempt, result] { events_.ended(job, attempt, result); });
 }
 

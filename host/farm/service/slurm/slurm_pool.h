@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's side of what it sends to Slurm. The ledger says what is there (slurm_notes.h); Slurm only dispatches:
+// The daemon's side of its work at Slurm. The ledger records what Slurm has (slurm_notes.h); Slurm only dispatches:
 //
 //   order() ─> estimate ─> note in the ledger ─> sbatch ─> look every `poll`: at squeue, at the shared folder
 //                              ^                              │
 //                              │ Slurm does not know it       ├─> a part has ended: ended()
 //                              └──────────────────────────────┤
-//                                                             └─> Slurm has what the ledger does not: scancel
+//                                                             └─> the ledger does not know it: scancel
 //
-// What sbatch refuses is sent again when Slurm takes orders again, or in smaller arrays; or it ends, with sbatch's
-// words.
+// Work that sbatch refuses is sent again when Slurm accepts orders again, or in smaller arrays; otherwise it fails with
+// sbatch's message.
 //
-// On the thread of its io_context; what blocks runs on threads of its own, Slurm's commands one after the other.
+// Runs on the thread of its io_context. Blocking calls run on threads of their own, Slurm's commands one at a time.
 #pragma once
 
 #include <atomic>
@@ -38,16 +38,16 @@ namespace multum {
 
 struct SlurmPoolSettings {
   SlurmSettings slurm;
-  std::string instance;            // in the names of its jobs at Slurm
-  std::vector<std::string> roots;  // that jobs may read and write
-  std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};  // of workers on nodes
+  std::string instance;            // part of the names of its jobs at Slurm
+  std::vector<std::string> roots;  // folders that jobs may read and write
+  std::chrono::milliseconds lease{10000}, no_progress{600000}, cancel_grace{10000};  // for workers on nodes
 };
 
 struct SlurmWork {
-  WorkOrder order;   // its log: where what nodes log is gathered
-  std::string made;  // its result before it has its name; shares lie beside it
+  WorkOrder order;   // its log collects the logs of nodes
+  std::string made;  // its result before it has its name; shares are next to it
   std::int64_t memory_bytes = 0;
-  int priority = 0;  // of job and queue
+  int priority = 0;  // sum of the priorities of job and queue
 };
 
 class SlurmPool {
@@ -57,14 +57,14 @@ class SlurmPool {
     std::function<void(std::int64_t job, int attempt, const WorkResult& result)> ended;
   };
   struct Counters {
-    std::uint64_t submitted = 0;  // jobs of Slurm's
+    std::uint64_t submitted = 0;  // Slurm jobs
     std::uint64_t submit_failures = 0;
-    std::uint64_t forgotten = 0;          // that Slurm did not know any more, sent again
-    std::uint64_t cancelled_unknown = 0;  // that the ledger did not know
+    std::uint64_t forgotten = 0;          // unknown to Slurm, so sent again
+    std::uint64_t cancelled_unknown = 0;  // unknown to the ledger
     std::uint64_t parts_ended = 0, parts_lost = 0, rounds = 0;
-    double submit_seconds = 0.0;  // of sbatch, and of writing what it is to do
+    double submit_seconds = 0.0;  // for writing orders and running sbatch
   };
-  /// What is known of a part that runs, beside its note in the ledger.
+  /// Data of a running part that its ledger record does not have.
   struct PartView {
     std::string slurm_state, reason, node;
     JobProgress progress;
@@ -75,27 +75,27 @@ class SlurmPool {
   SlurmPool(const SlurmPool&) = delete;
   SlurmPool& operator=(const SlurmPool&) = delete;
 
-  /// What an earlier daemon has sent, by the ledger. Before start().
+  /// Takes over the work that an earlier daemon has sent, according to the ledger. Called before start().
   void adopt(const std::vector<SlurmWork>& works, const std::vector<SlurmPart>& parts, std::int64_t last_batch);
   /// Throws Error(kEnvironment) when the shared folder cannot be used.
   void start();
-  /// Nothing is sent any more; what Slurm has goes on.
+  /// Sends nothing more; work at Slurm continues.
   void close();
 
-  /// How many jobs more it takes.
+  /// Number of further jobs that it accepts.
   int room() const;
   void order(SlurmWork work);
-  /// Sends what was ordered, soon.
+  /// Sends ordered jobs soon.
   void flush();
-  /// Asks a job to stop: it ends as Slurm says so. False: it is not here.
+  /// Asks a job to stop; it ends when Slurm reports so. Returns false if the job is not here.
   bool cancel(std::int64_t job);
-  /// Ends the task of a share, which is then asked for again. False: there is none that runs.
+  /// Ends the task of a share, which is then requested again. Returns false if no such task runs.
   bool cancel_part(std::int64_t job, std::int64_t batch, int item);
   std::optional<PartView> view(const SlurmPartKey& key) const;
 
   const Counters& counters() const { return counters_; }
   bool is_up() const { return is_up_; }
-  std::map<std::string, int> states() const;  // of parts that have not ended, by Slurm's states
+  std::map<std::string, int> states() const;  // counts unfinished parts by Slurm's states
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -105,21 +105,21 @@ class SlurmPool {
     PartView seen;
     std::uint64_t beat = 0;
     bool has_begun = false, is_cancelled = false;
-    std::optional<Clock::time_point> heard;  // while it runs
-    std::optional<Clock::time_point> gone;   // since when Slurm has no task for it that will do it
+    std::optional<Clock::time_point> heard;  // last sign of life while it runs
+    std::optional<Clock::time_point> gone;   // since when no Slurm task will do it
   };
-  enum class Stage { kNoting, kReady, kUnsure, kSending, kSent };  // kUnsure: perhaps Slurm has it
+  enum class Stage { kNoting, kReady, kUnsure, kSending, kSent };  // kUnsure: Slurm may have it
   struct Batch {
-    std::map<int, Part> parts;  // by item; those that have not ended
+    std::map<int, Part> parts;  // unfinished parts by item
     std::optional<std::int64_t> slurm_job;
     bool is_array = false, is_revoked = false;
     Stage stage = Stage::kNoting;
-    int refusals = 0, waits = 0;  // of sbatch: for reasons unknown; because it was not the moment
-    int looks_to_skip = 0;        // before it is sent again
-    std::string refusal;          // what it said last
-    // It will not be sent: exit code of its parts.
+    int refusals = 0, waits = 0;  // sbatch's refusals for unknown and for temporary reasons
+    int looks_to_skip = 0;        // looks to wait before it is sent again
+    std::string refusal;          // sbatch's last message
+    // If set, the batch is not sent: exit code of its parts.
     std::optional<int> refused_with;
-    bool has_worked = false;  // some part of it has begun
+    bool has_worked = false;  // at least one part has begun
     std::chrono::seconds time_max{0};
   };
   struct Work {
@@ -127,14 +127,14 @@ class SlurmPool {
     SlurmEstimate estimate;
     int round = 1, share_count = 0, shares_done = 0, submissions = 0;
     bool have_inputs_changed = false;
-    std::optional<WorkResult> result;  // as soon as nothing of it runs any more
-    std::uint64_t given_up_in = 0;     // the look before it was asked to stop
+    std::optional<WorkResult> result;  // reported when none of its parts runs any more
+    std::uint64_t given_up_in = 0;     // number of the look before it was asked to stop
   };
   struct Sending {
     std::int64_t number = 0;
     SlurmOrder order;
     SlurmSubmission submission;
-    std::vector<std::int64_t> after;  // batches that are not known to be sent
+    std::vector<std::int64_t> after;  // batches that may not have been sent yet
   };
   struct Sent {
     std::int64_t number = 0;
@@ -164,8 +164,8 @@ class SlurmPool {
   void give_up(std::int64_t job, const WorkResult& result);
   void end_if_idle(std::int64_t job);
 
-  // slurm_watch.cpp
-  enum class Fate { kGoesOn, kEnded, kAgain };  // kAgain: to be sent again
+  // Functions in slurm_watch.cpp.
+  enum class Fate { kGoesOn, kEnded, kAgain };  // kAgain: send it again
   void look();
   void digest(std::uint64_t look_number, const SlurmLook& look);
   std::vector<SlurmTarget> compare_lists(const SlurmLook& look);
@@ -195,16 +195,16 @@ class SlurmPool {
   std::map<std::int64_t, Work> works_;
   std::map<std::int64_t, Batch> batches_;
   std::vector<std::int64_t> new_;
-  std::map<SlurmPartKey, WorkResult> results_;      // of parts that have ended in this look
-  std::map<std::int64_t, Clock::time_point> done_;  // batches, when all of their parts had ended
+  std::map<SlurmPartKey, WorkResult> results_;      // results of parts that ended in this look
+  std::map<std::int64_t, Clock::time_point> done_;  // batches, and when the last of their parts ended
   std::set<std::int64_t> cancelled_unknown_;        // Slurm's jobs
   std::int64_t last_batch_ = 0;
-  int array_size_max_ = kAnyArraySize;  // Slurm's MaxArraySize, as far as it is known
+  int array_size_max_ = kAnyArraySize;  // Slurm's MaxArraySize, or a bound learned from refusals
   bool has_asked_array_size_ = false;
   std::uint64_t look_count_ = 0;
   bool is_gathering_ = false, is_looking_ = false, is_up_ = false, is_closed_ = false;
   Counters counters_;
-  boost::asio::thread_pool commands_thread_{1}, estimates_threads_{2};  // last: they use what is above
+  boost::asio::thread_pool commands_thread_{1}, estimates_threads_{2};  // last, because they use the members above
 };
 
 }  // namespace multum

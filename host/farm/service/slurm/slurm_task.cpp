@@ -69,7 +69,7 @@ class Task {
 
   void begin_next() {
     if (is_running_ || is_stopping_ || ended_) return;
-    // What ended before Slurm began this task again is not done again.
+    // Skips items that ended before Slurm started this task again.
     while (!is_done() && folder_.end(item().number)) ++at_;
     if (is_done()) return io_.stop();
     if (!folder_.has_order()) return stop();
@@ -85,27 +85,27 @@ class Task {
 
   void on_ended(const WorkResult& result) {
     is_running_ = false;
-    // Whoever interrupts has it begun again, or waits for nothing.
+    // An interrupted item starts again in another task, or no client waits for it.
     if (is_stopping_) return io_.stop();
     note_end(result);
   }
 
-  // A result counts when it is noted: a folder that is full for a while is waited for.
+  // A result counts when it is written: if the folder is full, this tries again later.
   void note_end(const WorkResult& result) {
     ended_ = result;
     try {
       folder_.write_end(item().number, {result, node_});
     } catch (const Error& error) {
       if (!folder_.has_order()) return stop();
-      print_shown(stderr, "multum: %s; it is tried again\n", error.what());
-      return;  // by the next tick
+      print_shown(stderr, "multum: %s; trying again\n", error.what());
+      return;  // the next tick tries again
     }
     ended_.reset();
     ++at_;
     begin_next();
   }
 
-  // Nobody waits for what is not done yet.
+  // Ends: no client waits for unfinished items.
   void stop() {
     is_stopping_ = true;
     if (!is_running_ || !pool_.cancel(item().work.job)) io_.stop();
@@ -115,12 +115,12 @@ class Task {
     if (!is_running_) return;
     try {
       folder_.write_status(item().number, {++beat_, node_, progress_});
-    } catch (const Error&) {  // a full folder: the next may come through
+    } catch (const Error&) {  // the folder is full: the next write may succeed
     }
   }
 
   void tick() {
-    // First: whatever fails in this one, another comes.
+    // Set first, so that another tick comes even if this one fails.
     timer_.expires_after(kTaskTick);
     timer_.async_wait([this](const boost::system::error_code& error) {
       if (!error) tick();
@@ -140,7 +140,7 @@ class Task {
       if (!folder_.is_stopped(number) || folder_.end(number)) continue;
       try {
         folder_.write_end(number, {{130, "", false}, node_});
-      } catch (const Error&) {  // by the next tick
+      } catch (const Error&) {  // the next tick tries again
       }
     }
     if (!is_running_) begin_next();
@@ -155,7 +155,7 @@ class Task {
   asio::signal_set signals_;
   std::size_t at_ = 0;
   bool is_running_ = false, is_stopping_ = false, is_interrupted_ = false;
-  std::optional<WorkResult> ended_;  // of item(), not noted yet
+  std::optional<WorkResult> ended_;  // result of item() that could not be written yet
   JobProgress progress_;
   std::uint64_t beat_ = 0;
   int ticks_ = 0;
@@ -167,7 +167,9 @@ int run_slurm_task(const std::string& batch_folder, std::optional<int> array_ite
   const SlurmBatchFolder folder(batch_folder);
   SlurmOrder order = folder.read_order();
   if (order.is_array) {
-    if (!array_item) throw Error(ErrorCode::kUsage, batch_folder + ": is an array's, expected SLURM_ARRAY_TASK_ID");
+    if (!array_item)
+      throw Error(ErrorCode::kUsage,
+                  batch_folder + ": belongs to an array of tasks, expected the variable SLURM_ARRAY_TASK_ID");
     std::erase_if(order.items, [&](const SlurmOrder::Item& item) { return item.number != *array_item; });
   }
   const std::string work_folder = folder.make_work_folder(order.is_array ? *array_item : 0);

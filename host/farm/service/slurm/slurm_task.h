@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The node's side of what is sent to Slurm: a task that reads its order in the shared folder and has it done by a
-// worker, one item after the other, as the daemon does on its own machine (worker_pool.h).
+// Runs a Slurm task on a node: reads its order in the shared folder, and lets a worker do the items one after the
+// other. The daemon uses workers in the same way on its own machine (worker_pool.h).
 #pragma once
 
 #include <functional>
@@ -12,12 +12,12 @@
 
 namespace multum {
 
-/// The command line of a worker of an order, with the folder that it may write.
+/// Returns the command line of a worker for an order; the worker may write to the given folder.
 using SlurmWorkerCommand =
     std::function<std::vector<std::string>(const SlurmOrder& order, const std::string& work_folder)>;
 
-/// Does the items of a batch that have not ended, or that of an array's task. Returns the exit code of the process: 0
-/// when all have ended, however, or are nobody's any more; 130 when SIGTERM came before. Throws Error(kEnvironment).
+/// Does all unfinished items of a batch, or the item of an array's task. Returns the exit code of the process: 0 when
+/// all have ended in any way, or their order was removed; 130 after SIGTERM. Throws Error(kEnvironment).
 int run_slurm_task(const std::string& batch_folder, std::optional<int> array_item, const SlurmWorkerCommand& command);
 
 }  // namespace multum

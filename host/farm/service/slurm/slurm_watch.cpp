@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes back from Slurm: each look is compared with what was sent, and parts that have ended end their jobs, or
-// have more asked for.
+// Handles the results of Slurm: compares each look with the work that was sent. Parts that have ended end their jobs,
+// or cause further parts to be sent.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,10 +16,10 @@
 namespace multum {
 namespace {
 
-constexpr int kSubmissionsMax = 10;  // of one attempt that Slurm forgot, or did not begin
-constexpr int kIdleFactor = 10;      // of the pause between looks where nothing is there to look after
-constexpr auto kLingering = std::chrono::seconds(30);   // of a task whose parts have all ended
-constexpr auto kRemembered = std::chrono::minutes(10);  // batches that are done
+constexpr int kSubmissionsMax = 10;                     // tries of an attempt that Slurm does not begin
+constexpr int kIdleFactor = 10;                         // lengthens the pause between looks if nothing is watched
+constexpr auto kLingering = std::chrono::seconds(30);   // for a task whose parts have all ended
+constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
 constexpr const char* kCompleting = "COMPLETING";       // cancelled, perhaps on a node that does not answer
 constexpr int kShareUnits = 1000;                       // of progress
 
@@ -50,7 +50,7 @@ void SlurmPool::look() {
     }
     return [this, number, seen] {
       is_looking_ = false;
-      // First: whatever fails about this look, another comes.
+      // Set first, so that another look comes even if this one fails.
       timer_.expires_after(batches_.empty() ? kIdleFactor * settings_.slurm.poll : settings_.slurm.poll);
       timer_.async_wait([this](const boost::system::error_code& error) {
         if (!error) look();
@@ -82,7 +82,7 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
       const SlurmTask* task = nullptr;
       if (batch.slurm_job) {
         const auto found = tasks.find({*batch.slurm_job, batch.is_array ? item : -1});
-        // A controller that has forgotten a job gives its number to the next.
+        // Compares names too: a controller that has forgotten a job reuses its number.
         if (found != tasks.end() && found->second->name == name_of(number)) task = found->second;
       }
       has_task = has_task || (task != nullptr && !task->is_over());
@@ -99,10 +99,10 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
   submit_ready();
 }
 
-// Adopts what Slurm has of a batch whose number there was not known; returns what it has and the ledger does not.
+// Takes over Slurm's numbers of batches whose number was unknown; returns the Slurm jobs that the ledger does not know.
 std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
   std::map<std::int64_t, std::int64_t> adopted;
-  std::map<std::int64_t, std::string> unknown;  // with their names
+  std::map<std::int64_t, std::string> unknown;  // numbers and names of unknown Slurm jobs
   for (const SlurmTask& task : look.tasks) {
     std::int64_t number = 0;
     const std::string name = task.name.substr(prefix().size());
@@ -129,12 +129,12 @@ std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
     targets.push_back({name, job});
     if (!cancelled_unknown_.insert(job).second) continue;
     ++counters_.cancelled_unknown;
-    service_log(LogSeverity::kWarning, 0, fmt::format("Slurm has job {}, of which the ledger knows nothing", job));
+    service_log(LogSeverity::kWarning, 0, fmt::format("Slurm has job {}, which the ledger does not know", job));
   }
   return targets;
 }
 
-// What was to be sent and is not there.
+// Handles a batch that was to be sent, but is not at Slurm.
 void SlurmPool::follow_submission(Batch& batch) {
   if (batch.stage != Stage::kUnsure || !is_up_ || batch.is_revoked || batch.refused_with) return;
   if (batch.looks_to_skip > 0) --batch.looks_to_skip;
@@ -183,20 +183,20 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   }
   part.gone.reset();
   if (batch.is_revoked && is_given_up) {
-    to_cancel.push_back({task->name, *batch.slurm_job});  // again: Slurm may not have heard of it
+    to_cancel.push_back({task->name, *batch.slurm_job});  // repeated, since Slurm may have missed it
     return Fate::kGoesOn;
   }
   if (is_given_up && !batch.is_revoked)
-    stop_item(part.row.batch, part.row.item);  // again: the folder may have been full
-  // It had heard before this look that it is not wanted, and has not begun: it will not.
+    stop_item(part.row.batch, part.row.item);  // repeated, since the folder may have been full
+  // A task that was told to stop before this look and has not begun will not begin.
   if (is_given_up && task->state == "PENDING") return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // Of a task with several parts the first that has not ended is at work.
+  // A task with several parts works at the first one that has not ended.
   const bool is_at_work = task->state == "RUNNING" && (batch.is_array || &part == &batch.parts.begin()->second);
   if (!is_at_work) part.heard.reset();
   else if (!part.heard) part.heard = now;
   else if (now - *part.heard > settings_.slurm.lease) {
     part.is_cancelled = true;
-    part.row.message = fmt::format("it was silent for {} ms and was cancelled", settings_.slurm.lease.count());
+    part.row.message = fmt::format("its task was silent for {} ms and was cancelled", settings_.slurm.lease.count());
     to_cancel.push_back({task->name, *batch.slurm_job, batch.is_array ? task->item : -1});
   }
   return Fate::kGoesOn;
@@ -219,20 +219,20 @@ void SlurmPool::follow_progress(Batch& batch, Part& part, const SlurmLook::Seen&
   else tell_progress(part.row.job);
 }
 
-// Slurm has no task any more that will do it.
+// Handles a part that no Slurm task will do any more.
 SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmTask* task,
                                           const SlurmLook::Seen& seen) {
   const Clock::time_point now = Clock::now();
   if (!part.gone) part.gone = now;
   if (batch.is_revoked && (task == nullptr || task->state != kCompleting))
     return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // What it has written last may be on its way here.
+  // Its last files may not be visible here yet.
   if (now - *part.gone < settings_.slurm.visible) return Fate::kGoesOn;
   if (batch.is_revoked) return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // Nobody has begun it, for no fault of its own; a merge sees by itself which shares are missing.
+  // No task has begun it, and the part did not cause that; a merge itself finds out which shares are missing.
   if (!part.has_begun && (task == nullptr || (batch.has_worked && part.kind.is_whole()))) return Fate::kAgain;
   const std::string name = slurm_task_name(*batch.slurm_job, batch.is_array ? part.row.item : -1);
-  std::string message = task == nullptr ? fmt::format("Slurm does not know its task {} any more", name)
+  std::string message = task == nullptr ? fmt::format("Slurm no longer knows its task {}", name)
                                         : fmt::format("its task at Slurm, {}, ended as {}{}", name, task->state,
                                                       task->node.empty() ? "" : " on " + task->node);
   if (!part.row.message.empty()) message = part.row.message + "; " + message;
@@ -250,7 +250,7 @@ SlurmPool::Fate SlurmPool::end_part(Part& part, SlurmPartState state, const Work
   return Fate::kEnded;
 }
 
-// ---- What follows from it
+// ---- Effects on jobs
 
 void SlurmPool::settle(const std::vector<SlurmPart>& ended) {
   if (!ended.empty())
@@ -266,7 +266,7 @@ void SlurmPool::settle(const std::vector<SlurmPart>& ended) {
     Work& work = found->second;
     work.have_inputs_changed = work.have_inputs_changed || result.mapped().have_inputs_changed;
     if (part.share.empty()) {
-      // Done before it heard that it was not wanted: done.
+      // A job that succeeded before it noticed its cancellation counts as succeeded.
       if (!work.result || result.mapped().exit_code == 0) work.result = result.mapped();
       end_if_idle(part.job);
     } else {
@@ -279,7 +279,7 @@ void SlurmPool::on_share_ended(Work& work, const SlurmPart& part, const WorkResu
   const PartKind kind = parse_part(part.share);
   if (work.result) return end_if_idle(part.job);
   const auto batch = batches_.find(part.batch);
-  const bool is_refused = batch != batches_.end() && batch->second.refused_with;  // so would it be in another round
+  const bool is_refused = batch != batches_.end() && batch->second.refused_with;  // another round would fail too
   if (is_refused || is_refusal(result.exit_code) || (kind.is_merge && result.exit_code == 0))
     return give_up(part.job, result);
   if (kind.is_merge) return find_missing(part.job, result.message);
@@ -287,7 +287,7 @@ void SlurmPool::on_share_ended(Work& work, const SlurmPart& part, const WorkResu
   tell_progress(part.job);
 }
 
-// Which shares are not there; those that the merge could not use go, to be made again.
+// Finds the missing shares; first removes the shares that the merge could not use, so that they are made again.
 void SlurmPool::find_missing(std::int64_t job, const std::string& message) {
   const Work& work = works_.at(job);
   beside(commands_thread_,
@@ -320,7 +320,7 @@ void SlurmPool::begin_round(std::int64_t job, const std::vector<int>& missing, c
   ++counters_.rounds;
   work.shares_done = work.share_count + 1 - static_cast<int>(missing.size());
   service_log(LogSeverity::kWarning, job,
-              fmt::format("round {} of {}: asked again for {}", work.round, settings_.slurm.rounds,
+              fmt::format("round {} of {}: requested {} again", work.round, settings_.slurm.rounds,
                           names.empty() ? "the merge" : fmt::format("shares {}", fmt::join(names, ", "))));
   SlurmPart part;
   part.job = job;
@@ -345,7 +345,7 @@ void SlurmPool::tell_progress(std::int64_t job) {
   events_.progress(job, {stage, done, static_cast<std::uint64_t>(work.share_count + 2) * kShareUnits});
 }
 
-// What Slurm does not know, or has not begun, as a batch of its own.
+// Sends parts that Slurm does not know, or has not begun, as a new batch.
 void SlurmPool::send_again(std::int64_t number) {
   Batch& old = batches_.at(number);
   std::vector<SlurmPart> parts;
@@ -359,7 +359,7 @@ void SlurmPool::send_again(std::int64_t number) {
   if (is_hopeless) {
     for (SlurmPart& row : parts) {
       row.state = SlurmPartState::kLost;
-      row.message = fmt::format("Slurm did not begin it, though it was sent {} times", kSubmissionsMax);
+      row.message = fmt::format("Slurm did not begin it, although it was sent {} times", kSubmissionsMax);
       results_[{row.batch, row.item}] = {-1, row.message, false};
     }
     counters_.parts_lost += parts.size();
@@ -367,13 +367,13 @@ void SlurmPool::send_again(std::int64_t number) {
     return settle(parts);
   }
   ++counters_.forgotten;
-  service_log(LogSeverity::kWarning, parts.front().job,
-              fmt::format("Slurm does not know its job {} any more, or did not begin it: sent again",
-                          old.slurm_job.value_or(0)));
-  replace(number, {std::move(parts)}, "Slurm did not know it any more, or did not begin it; it was sent again");
+  service_log(
+      LogSeverity::kWarning, parts.front().job,
+      fmt::format("Slurm no longer knows its job {}, or did not begin it: sent again", old.slurm_job.value_or(0)));
+  replace(number, {std::move(parts)}, "Slurm no longer knew it, or did not begin it; it was sent again");
 }
 
-// Their files go, when the ledger knows how their parts ended.
+// Removes the files of batches once the ledger has recorded how their parts ended.
 void SlurmPool::forget_empty_batches() {
   std::vector<std::int64_t> numbers;
   const Clock::time_point now = Clock::now();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: queues, the list, the job that is open, keys, and whether the line to the service is up.
+// The page: queues, the list of jobs, the open job, keys, and the state of the connection to the service.
 
 import { EventLine, ask } from "./client.js";
 import { errorText, sayUncaughtErrors } from "./error_text.js";
@@ -9,10 +9,10 @@ import { STATES, byId, bytesText, canCancel, canRetry, confirmed, isFinal, jobNa
   from "./nodes.js";
 import { SubmitForm } from "./submit_form.js";
 
-const LOOK_MS = 15000; // what no event tells: pauses by others, workers, a line that is dead without a sign
-const COUNT_MS = 1000; // between two looks at the counts while jobs change
+const LOOK_MS = 15000; // finds changes without events: pauses by others, workers, a dead connection
+const COUNT_MS = 1000; // between two requests for the counts while jobs change
 const ALWAYS_COUNTED = ["queued", "running", "succeeded", "dead"];
-const SAY_MS = 2000; // between two words to who listens rather than looks
+const SAY_MS = 2000; // between two announcements to screen readers
 
 let queues = [];
 
@@ -63,7 +63,7 @@ function showQueues(answer) {
   byId("retry-dead").hidden = sum("dead") === 0;
   setText(byId("retry-dead"), `Retry all dead (${sum("dead").toLocaleString()})`);
   const total = STATES.reduce((all, state) => all + sum(state), 0);
-  if (total < showQueues.total) list.loadSoon(0); // some were purged, of which no event tells
+  if (total < showQueues.total) list.loadSoon(0); // some jobs were purged, which causes no event
   showQueues.total = total;
   const going = sum("running") + sum("publishing");
   document.title = going ? `(${going}) multum` : "multum";
@@ -99,28 +99,28 @@ async function act(question, said) {
 
 const setPaused = (name, isPaused) => act(
   ask("POST", `/v1/queues/${encodeURIComponent(name)}/${isPaused ? "pause" : "resume"}`),
-  () => `Queue ${name} ${isPaused ? "is paused: what runs goes on, nothing is started" : "goes on"}.`);
+  () => `Queue ${name} ${isPaused ? "is paused: running jobs continue, and none is started" : "is resumed"}.`);
 
 // ---- Jobs
 
 async function cancel(job) {
-  if (!canCancel(job)) return notify(`Job ${job.id} is ${job.state}: there is nothing to cancel.`);
+  if (!canCancel(job)) return notify(`Job ${job.id} is ${job.state}: it cannot be cancelled.`);
   const back = document.activeElement;
   const isSure = await confirmed(`Cancel job ${job.id}?`,
-    job.state === "running" ? `${jobName(job)} is running; what it has done is lost.` : jobName(job), "Yes, cancel it");
+    job.state === "running" ? `${jobName(job)} is running; its work is lost.` : jobName(job), "Yes, cancel it");
   back?.focus();
   if (isSure) await act(ask("POST", `/v1/jobs/${job.id}/cancel`), (now) =>
     now.state === "cancelled" ? `Job ${job.id} is cancelled.` : `Job ${job.id} is asked to stop.`);
 }
 
-/** The share of a map; the merge asks for it again. */
+/** Cancels the share of a map; the merge requests it again. */
 async function cancelPart(job, part) {
   await act(ask("POST", `/v1/jobs/${job.id}/cancel`, { part }),
-    () => `Part ${part} of job ${job.id} is cancelled at Slurm, and asked for again.`);
+    () => `Part ${part} of job ${job.id} is cancelled at Slurm, and requested again.`);
 }
 
 async function retry(job) {
-  if (!canRetry(job)) return notify(`Job ${job.id} is ${job.state}: dead and cancelled ones can be tried again.`);
+  if (!canRetry(job)) return notify(`Job ${job.id} is ${job.state}: only dead and cancelled jobs can be retried.`);
   await act(ask("POST", `/v1/jobs/${job.id}/retry`), (now) => `Job ${job.id} is ${now.state} again.`);
 }
 
@@ -128,9 +128,9 @@ async function retryDead() {
   const queue = byId("filter-queue").value;
   const dead = queues.filter((one) => !queue || one.name === queue).reduce((sum, one) => sum + one.jobs.dead, 0);
   const isSure = await confirmed("Retry all dead jobs?", `${dead.toLocaleString()} of ${queue ? `queue ${queue}` :
-    "all queues"}: each is queued again, with all its attempts.`, "Yes, retry them");
+    "all queues"}: each is queued again, with all of its attempts.`, "Yes, retry them");
   if (isSure) await act(ask("POST", "/v1/retry", queue ? { queue } : {}),
-    (answer) => `${answer.retried.length.toLocaleString()} jobs are tried again.`);
+    (answer) => `${answer.retried.length.toLocaleString()} jobs are queued again.`);
 }
 
 async function showHash() {
@@ -153,7 +153,7 @@ function hideDetail() {
   list.setOpen(null);
 }
 
-// Where the open job covers the list, keys and screen readers shall not get lost behind it.
+// When the open job covers the list, keys and screen readers must not reach the hidden list.
 const narrow = matchMedia("(max-width: 75rem)");
 function shield() {
   const isCovered = detail.isOpen && narrow.matches;
@@ -162,7 +162,7 @@ function shield() {
 }
 narrow.addEventListener("change", shield);
 
-// ---- The line
+// ---- Connection
 
 let brokenSince = null;
 function setLine(state) {
@@ -171,9 +171,9 @@ function setLine(state) {
   document.body.classList.toggle("is-broken", state === "broken");
   if (state === "broken") brokenSince = Date.now();
   const pause = brokenSince ? Math.round((Date.now() - brokenSince) / 1000) : 0;
-  setText(byId("line-text"), state === "broken" ? "not connected: what is below may be old; trying again" : "live");
+  setText(byId("line-text"), state === "broken" ? "not connected: this page may be out of date; trying again" : "live");
   if (state === "live" && brokenSince !== null) {
-    notify(`Connected again, after ${Math.max(1, pause)} s.`);
+    notify(`Connected again after ${Math.max(1, pause)} s.`);
     brokenSince = null;
     detail.refresh();
     list.loadSoon(0);
@@ -199,7 +199,7 @@ const line = new EventLine({
   state: setLine,
 });
 
-// Ends of jobs, gathered: a word for each of a thousand helps nobody.
+// Collects ends of jobs: a separate announcement for each of a thousand jobs would not help.
 const ended = [];
 function say(job) {
   if (ended.push(job) > 1) return;
@@ -215,12 +215,12 @@ function say(job) {
 // ---- Keys
 
 async function openForm() {
-  if (queues.length === 0) await lookAtQueues(); // the page is not there for long
+  if (queues.length === 0) await lookAtQueues(); // the page has just been opened
   form.open(queues.map((queue) => queue.name));
 }
 const lettersAreOn = () => localStorage.getItem("multum-letters") !== "off";
 const inRows = () => document.activeElement?.closest("#rows") !== null && document.activeElement !== document.body;
-/** What c and r are for: the open job when one stands in it, else the row. */
+/** Returns the job for the keys c and r: the open job, or the job of the row that has the focus. */
 const keyJob = () => (detail.job && !inRows() ? detail.job : list.chosenJob);
 
 const LETTERS = {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's answers, its token, and its events.
+// Handles the daemon's answers, its token, and its events.
 
 import { errorText } from "./error_text.js";
 import { byId, setText } from "./nodes.js";
 
 const TOKEN = "multum-token";
-const PATIENCE_MS = 70000; // pictures are given a minute
+const PATIENCE_MS = 70000; // the service allows a minute for pictures
 
 export class Refused extends Error {
   constructor(status, message) {
@@ -16,15 +16,15 @@ export class Refused extends Error {
 
 export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
 
-let asking = null; // for the token: one question for all who were refused
+let asking = null; // for the token: one dialog for all refused requests
 
 function askForToken(isWrong) {
   asking ??= new Promise((resolve) => {
     const dialog = byId("token");
     const input = byId("token-text");
-    setText(byId("token-wrong"), isWrong ? "That was not it." : "");
+    setText(byId("token-wrong"), isWrong ? "This token was refused." : "");
     input.value = "";
-    dialog.addEventListener("cancel", (event) => event.preventDefault()); // there is nothing behind it to go back to
+    dialog.addEventListener("cancel", (event) => event.preventDefault()); // nothing can be shown without a token
     dialog.addEventListener("close", () => {
       sessionStorage.setItem(TOKEN, input.value);
       asking = null;
@@ -36,7 +36,7 @@ function askForToken(isWrong) {
   return asking;
 }
 
-/** The raw answer. Asks for the token when it is wanted; throws Refused, of status 0 when nobody answers. */
+/** Returns the raw answer. Asks the user for a token if needed; throws Refused, with status 0 if no service answers. */
 export async function fetchAnswer(method, path, body = undefined, patience = PATIENCE_MS) {
   for (;;) {
     const token = sessionStorage.getItem(TOKEN);
@@ -45,13 +45,13 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
       body: body === undefined || body instanceof Blob ? body : JSON.stringify(body),
       headers: token === null ? {} : { Authorization: `Bearer ${token}` },
       signal: AbortSignal.timeout(patience),
-    }).catch((error) => { throw new Refused(0, `Nobody answers (${errorText(error)}).`); });
+    }).catch((error) => { throw new Refused(0, `The service does not answer (${errorText(error)}).`); });
     if (response.ok) return response;
     if (response.status !== 401) {
       const error = (await response.json().catch(() => null))?.error;
       throw new Refused(response.status, errorText(error, `the service answered ${response.status}`));
     }
-    // Another question may have brought a new one meanwhile.
+    // Another request may have got a new token meanwhile.
     if (sessionStorage.getItem(TOKEN) === token) await askForToken(token !== null);
   }
 }
@@ -59,7 +59,7 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
 export const ask = async (method, path, body) => (await fetchAnswer(method, path, body)).json();
 
 let described = null;
-/** What jobs can be, and which of their fields are shown: asked for once. */
+/** Returns the types of jobs, and the fields to show; requests them once. */
 export function askTypes() {
   described ??= ask("GET", "/v1/types").catch((error) => {
     described = null;
@@ -69,8 +69,8 @@ export function askTypes() {
 }
 
 /**
- * All events, for as long as the page is looked at: browsers have six lines to a service, and tabs in the background
- * shall not take them all. `on` has job(job), progress(progress), gap() when something may have been missed, and
+ * Receives all events while the page is visible: a browser opens six connections to a service, and background tabs must
+ * not use all of them. `on` has job(job), progress(progress), gap() if events may have been missed, and
  * state("live" | "broken").
  */
 export class EventLine {
@@ -107,14 +107,14 @@ export class EventLine {
     };
     source.onerror = () => {
       this.on.state("broken");
-      if (source.readyState !== EventSource.CLOSED) return; // the browser goes on by itself
+      if (source.readyState !== EventSource.CLOSED) return; // the browser reconnects by itself
       this.close();
-      // Refused rather than broken: the token, as a rule, which the next question brings up.
+      // The service refused the connection, usually because of the token; the next request then asks for a token.
       setTimeout(() => fetchAnswer("GET", "/v1/queues").then(() => this.look(), () => this.look()), 2000);
     };
     source.addEventListener("job", (event) => this.take(event, this.on.job));
     source.addEventListener("progress", (event) => this.take(event, this.on.progress));
-    source.addEventListener("missed", (event) => { // some are not kept any more, or another daemon counts
+    source.addEventListener("missed", (event) => { // some events are no longer kept, or another daemon counts
       this.last = Number(event.lastEventId);
       this.on.gap();
     });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// One job: all that the service knows of it, its pictures, and its log as it grows.
+// Shows one job: all its fields, its pictures, and its growing log.
 
 import { ask, askTypes, fetchAnswer, hasToken } from "./client.js";
 import { errorText } from "./error_text.js";
 import { ProgressBar, badge, byId, bytesText, canCancel, canRetry, durationText, isFinal, jobName, node, notify,
   outputName, refreshTimes, setBadge, setText, timeNode, tookText } from "./nodes.js";
 
-const LOG_SHOWN = 200000; // characters, of its end
-const LOG_LARGE = 1000000; // a log that is read again every ten seconds rather than every two
+const LOG_SHOWN = 200000; // characters from the end of the log
+const LOG_LARGE = 1000000; // a longer log is read every ten seconds, not every two
 
 const table = (head, rows) => node("div", { class: "scroll" }, node("table", {},
   node("thead", {}, node("tr", {}, ...head.map((one) => node("th", { scope: "col" }, one)))),
@@ -17,7 +17,7 @@ const facts = (pairs) => node("dl", { class: "facts" },
   ...pairs.filter(([, value]) => value !== "").flatMap(([name, value]) =>
     [node("dt", {}, name), node("dd", {}, ...[value].flat())]));
 
-// Until it has ended: what Slurm calls it, and how far it is.
+// For unfinished parts: Slurm's state and the progress.
 function partState({ state, slurm_state: slurmState, progress }) {
   if (state !== "sent") return state;
   const share = progress && progress.total ? ` ${Math.floor((100 * progress.done) / progress.total)} %` : "";
@@ -29,7 +29,7 @@ const jobLink = (id) => node("a", { href: `#job-${id}` }, `job ${id}`);
 const SHOWN = { plain: String, time: timeNode, bytes: (value) => (value ? bytesText(value) : ""),
   job: (value) => [value].flat().flatMap((id, i) => (i ? [", ", jobLink(id)] : [jobLink(id)])) };
 
-/** Rows of `facts` for a field as GET /v1/types describes it. */
+/** Returns rows of `facts` for a field, which GET /v1/types describes. */
 function rowsOf({ name, label, form }, job) {
   const value = job[name];
   if (form === "object") return Object.entries(value).map(([key, one]) => [key, String(one)]);
@@ -50,7 +50,7 @@ export class JobDetail {
   async open(id) {
     this.close();
     this.number = id;
-    this.wasTold = false; // of a change, while the answer was on its way: it may be older
+    this.wasTold = false; // a change was reported during a request: its answer may be older
     let job;
     try {
       job = await ask("GET", `/v1/jobs/${id}`);
@@ -103,7 +103,7 @@ export class JobDetail {
     this.facts = node("div");
     this.attempts = node("div");
     this.parts = node("div");
-    this.partsPart = node("section", { "aria-label": "Parts", hidden: true }, node("h3", {}, "Parts, with Slurm"),
+    this.partsPart = node("section", { "aria-label": "Parts", hidden: true }, node("h3", {}, "Parts at Slurm"),
       this.parts);
     this.logNote = node("p", { class: "soft" });
     this.log = node("pre", { class: "log", tabindex: 0, role: "log", "aria-label": "Log", "aria-live": "off" });
@@ -158,7 +158,7 @@ export class JobDetail {
     setText(this.took, this.job.started ? `${words} ${tookText(this.job)}` : "not started yet");
   }
 
-  // ---- As it goes on
+  // ---- Updates
 
   takeJob(job) {
     if (job.id === this.number) this.wasTold = true;
@@ -177,7 +177,7 @@ export class JobDetail {
     this.progress.show(this.job);
   }
 
-  /** After a break, or for what events do not tell. */
+  /** Reads the job again, after a break or for changes without events. */
   async refresh() {
     const id = this.number;
     if (id === null || !this.isOpen) return;
@@ -193,7 +193,7 @@ export class JobDetail {
 
   tick() {
     if (!this.job) return;
-    // Parts have no events of their own, neither when they are sent nor when they end.
+    // Parts cause no events, neither when they are sent nor when they end.
     const parts = this.job.parts ?? [];
     const mayChange = parts.length === 0 ? this.job.state === "running" : parts.some((one) => one.state === "sent");
     if (mayChange && ++this.ticks % 3 === 0) this.refresh();
@@ -209,7 +209,7 @@ export class JobDetail {
       if (this.number !== id) return;
       if (text.length !== this.logSize) this.showLog(text);
     } catch {
-      // The line says that it is broken; the next look may have more luck.
+      // The page shows that the connection is broken; the next request may succeed.
     }
     if (this.number === id && this.job && !isFinal(this.job.state))
       this.logTimer = setTimeout(() => this.loadLog(), this.logSize > LOG_LARGE ? 10000 : 2000);
@@ -220,7 +220,7 @@ export class JobDetail {
     this.logSize = text.length;
     const start = text.length > LOG_SHOWN ? text.indexOf("\n", text.length - LOG_SHOWN) + 1 : 0;
     setText(this.logNote, start > 0 ? `its last ${bytesText(text.length - start)} of ${bytesText(text.length)}`
-      : text ? "" : isFinal(this.job.state) ? "Nothing was printed." : "Nothing was printed yet.");
+      : text ? "" : isFinal(this.job.state) ? "The log is empty." : "The log is empty so far.");
     this.logNote.hidden = this.logNote.textContent === "";
     setText(this.log, text.slice(start));
     this.log.hidden = text === "";
@@ -245,7 +245,7 @@ export class JobDetail {
         const url = URL.createObjectURL(blob);
         this.urls.push(url);
         holes[i].firstElementChild.replaceWith(node("button", { onclick: () => this.enlarge(url, caption) },
-          node("img", { src: url, alt: `${caption}, of job ${job.id}; larger` })));
+          node("img", { src: url, alt: `${caption}, of job ${job.id}; click to enlarge` })));
       } catch (error) {
         holes[i].firstElementChild.textContent = errorText(error);
       }
@@ -259,10 +259,10 @@ export class JobDetail {
     dialog.showModal();
   }
 
-  /** A link cannot send the token, and the token does not belong into a list of downloads. */
+  /** Downloads by script: a link cannot send the token, and the token must not appear in a list of downloads. */
   fetchResult(event) { return this.save(event, "result", (blob) => (blob.type === "application/x-tar" ? ".tar" : "")); }
 
-  /** To a page that shows the result, and is made when it is first asked for. */
+  /** Makes a link to a page that shows the result; the service makes the page at the first request. */
   pageLink(job, view) {
     const link = node("a", { href: `/v1/jobs/${job.id}/pictures/${view.file}`, target: "_blank", rel: "noopener",
       onclick: (event) => this.openPage(event, link, view) });
@@ -272,7 +272,7 @@ export class JobDetail {
 
   namePage(link, view) { setText(link, hasToken() ? view.saved_caption : view.caption); }
 
-  /** Waits until the page is made, which may take a while, so that a refusal is said here. */
+  /** Waits until the page is made, which may take a while, so that a refusal is shown here. */
   async openPage(event, link, view) {
     if (link.isMade && !hasToken()) return;
     event.preventDefault();
@@ -292,7 +292,7 @@ export class JobDetail {
     link.removeAttribute("aria-busy");
     if (!link.isConnected) return; // another job was opened meanwhile
     this.namePage(link, view);
-    // Where the browser opens no tab so long after the click, the link is there to be clicked again.
+    // If the browser blocks a new tab so long after the click, the user can click the link again.
     if (link.isMade) link.click();
   }
 

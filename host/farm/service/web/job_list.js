@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of jobs: one page of them, newest first, kept true by events. Whatever happens in the service, the page
-// holds PAGE rows at most and is drawn ten times a second at most.
+// The table of jobs: one page, newest first, updated by events. Whatever happens in the service, it holds at most PAGE
+// rows and is drawn at most ten times per second.
 
 import { ask } from "./client.js";
 import { errorText } from "./error_text.js";
@@ -10,7 +10,7 @@ import { ProgressBar, STATES, badge, byId, firstLine, jobName, node, notify, out
 const PAGE = 50;
 const DRAW_MS = 100;
 const SEARCH_PAGE = 1000;
-const SEARCH_PAGES = 5; // jobs that a text is looked for in, in thousands
+const SEARCH_PAGES = 5; // thousands of jobs that a text search covers
 
 class Row {
   constructor(job, list) {
@@ -51,18 +51,18 @@ class Row {
 }
 
 export class JobList {
-  /** `on` has open(id) and changed(job), for each job that an event tells of. */
+  /** `on` has open(id) and changed(job); the latter is called for each job that an event names. */
   constructor(on) {
     this.on = on;
     this.rows = new Map();
     this.order = []; // ids, newest first
-    this.before = []; // of the pages that were turned
+    this.before = []; // starts of earlier pages
     this.hasOlder = false;
-    this.pending = new Map(); // jobs that events told of, by id, since the page was drawn
+    this.pending = new Map(); // jobs that events have changed since the page was drawn, by id
     this.progress = new Map();
     this.chosen = null;
     this.loads = 0;
-    this.sinceLoad = null; // what events tell while a page is on its way: it may be older than they are
+    this.sinceLoad = null; // events during a request for a page, whose answer may be older
     this.searched = 0;
     for (const state of STATES) byId("filter-state").append(node("option", { value: state }, state));
     for (const id of ["filter-state", "filter-queue"]) byId(id).addEventListener("change", () => this.restart());
@@ -116,7 +116,7 @@ export class JobList {
         if (filter.queue) query.set("queue", filter.queue);
         if (from) query.set("before", from);
         const found = (await ask("GET", `/v1/jobs?${query}`)).jobs;
-        if (number !== this.loads) return; // somebody has asked for something else
+        if (number !== this.loads) return; // another request has replaced this one
         searched += found.length;
         jobs.push(...found.filter((job) => this.matches(job, filter)));
         hasOlder = found.length === limit;
@@ -124,7 +124,7 @@ export class JobList {
         from = found.at(-1).id;
       }
     } catch (error) {
-      if (error.status) notify(errorText(error), true); // otherwise the line says so
+      if (error.status) notify(errorText(error), true); // the page shows a broken connection already
       if (this.sinceLoad === news) this.sinceLoad = null;
       return;
     }
@@ -207,7 +207,7 @@ export class JobList {
       else byId("rows").insertBefore(row.root, place);
     }
     if (!ids.has(this.chosen)) this.choose(this.order[Math.min(Math.max(at, 0), this.order.length - 1)] ?? null);
-    // Who stood on a row that is gone stands on its neighbour.
+    // When the focused row disappears, its neighbour gets the focus.
     if (focused && !ids.has(Number(focused))) this.focus();
     this.mark();
     this.showEmpty();
@@ -226,8 +226,8 @@ export class JobList {
     byId("empty").dataset.kind = kind;
     if (kind === "filtered")
       byId("empty").replaceChildren(
-        node("p", {}, this.searched ? `None of the newest ${this.searched} jobs is like this.`
-          : "No job is like this."),
+        node("p", {}, this.searched ? `None of the newest ${this.searched} jobs matches.`
+          : "No job matches."),
         node("button", { onclick: () => this.clear() }, "Show all jobs"));
     if (kind === "none")
       byId("empty").replaceChildren(node("p", {}, "No jobs yet. Submit one, here or from a shell:"),
@@ -240,7 +240,7 @@ export class JobList {
     byId("filter-text").focus();
   }
 
-  // ---- Which row keys are for: one of them is reached by Tab, the others from it.
+  // ---- The chosen row: Tab reaches this row, and keys lead from it to the others.
 
   choose(id) {
     const old = this.rows.get(this.chosen);
@@ -273,7 +273,7 @@ export class JobList {
     this.focus();
   }
 
-  /** The job that is open beside the list. */
+  /** Marks the job that is open next to the list. */
   setOpen(id) {
     this.opened = id;
     if (this.rows.has(id)) this.choose(id);

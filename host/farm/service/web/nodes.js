@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes and words. Text of strangers - labels, messages, names of files - becomes text nodes and attributes of known
+// Makes nodes and texts. Untrusted text - labels, messages, file names - becomes text nodes and attributes with known
 // names, never markup.
 
 export const byId = (id) => document.getElementById(id);
 
-/** node("a", {href, class, onclick}, "text", otherNode, null): children without value are left out. */
+/** node("a", {href, class, onclick}, "text", otherNode, null): omits children without a value. */
 export function node(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
@@ -16,7 +16,7 @@ export function node(name, attributes = {}, ...children) {
   return made;
 }
 
-/** Touches the page only when there is something new: most of a list stays as it is. */
+/** Changes the page only if the text is new: most of a list stays unchanged. */
 export function setText(target, value) {
   const text = value ?? "";
   if (target.textContent !== text) target.textContent = text;
@@ -29,13 +29,13 @@ export const STATES = ["waiting", "queued", "running", "publishing", "succeeded"
 
 const baseName = (path) => path.slice(path.lastIndexOf("/") + 1);
 
-/** What a job is called: its label, or its result's name, or what it is told. */
+/** Returns the name of a job: its label, the name of its result, or its parameters. */
 export function jobName(job) {
   if (job.label) return job.label;
   if (job.output) return baseName(job.output);
   return Object.entries(job.parameters).map(([name, value]) => `${name} ${value}`).join(", ");
 }
-/** Of a message of several, for where a job has one line. */
+/** Returns the first line of a message of several lines. */
 export function firstLine(text) {
   const end = text.indexOf("\n");
   return end < 0 ? text : `${text.slice(0, end)} ...`;
@@ -64,11 +64,11 @@ export function relativeText(time, now = Date.now()) {
 
 const absolute = new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "medium" });
 
-/** A relative time that says the absolute one too; refreshTimes() keeps it true. */
+/** Makes a relative time that also shows the absolute one; refreshTimes() updates it. */
 export function timeNode(time) {
   return node("time", { datetime: time, title: absolute.format(new Date(time)) }, relativeText(time));
 }
-/** From `started` to `ended`, or until now. */
+/** Returns the time from `started` to `ended`, or until now. */
 export function tookText(job) {
   if (!job.started) return "";
   return durationText((job.finished ? Date.parse(job.finished) : Date.now()) - Date.parse(job.started));
@@ -84,13 +84,13 @@ export function bytesText(bytes) {
   return `${value >= 100 || power === 0 ? Math.round(value) : value.toFixed(1)} ${units[power]}`;
 }
 
-/** Progress of one job: how far, and how long it will take at the pace seen so far. */
+/** Shows the progress of one job, and the remaining time at the pace so far. */
 export class ProgressBar {
   constructor() {
     this.bar = node("progress", { max: 1, "aria-label": "progress" });
     this.words = node("span");
     this.root = node("div", { class: "progress", hidden: true }, this.bar, this.words);
-    this.first = null; // what was seen first of this attempt and stage
+    this.first = null; // first observation of this attempt and stage
   }
 
   show(job) {
@@ -119,7 +119,7 @@ export function setBadge(target, state) {
   target.textContent = state;
 }
 
-/** A line at the bottom that says what came of a click; errors stay longer. */
+/** Shows the result of a click in a line at the bottom; errors stay longer. */
 export function notify(text, isError = false) {
   const notice = node("p", { class: isError ? "notice error" : "notice" }, text);
   const notices = byId("notices");
@@ -128,7 +128,7 @@ export function notify(text, isError = false) {
   setTimeout(() => notice.remove(), isError ? 12000 : 5000);
 }
 
-/** Resolves to true when it is confirmed. */
+/** Asks the user; resolves to true if the user confirms. */
 export function confirmed(title, text, yes) {
   const dialog = byId("confirm");
   setText(byId("confirm-title"), title);
@@ -136,7 +136,7 @@ export function confirmed(title, text, yes) {
   setText(byId("confirm-yes"), yes);
   dialog.showModal();
   byId("confirm-yes").focus();
-  // Not by its event "close", which comes late: it may be that of the question before.
+  // Not the event "close", which comes late: it may belong to the previous question.
   return new Promise((resolve) => {
     dialog.querySelector("form").onsubmit = () => resolve(true);
     dialog.oncancel = () => resolve(false);

@@ -5,15 +5,15 @@ import { ask, askTypes } from "./client.js";
 import { errorText } from "./error_text.js";
 import { byId, bytesText, node, notify } from "./nodes.js";
 
-const FEW = 6; // parameters that are shown at once
-const PATH_LENGTH = 4095; // by which the schema tells a file's path from other texts
+const FEW = 6; // parameters that are visible at first
+const PATH_LENGTH = 4095; // marks paths of files in the schema
 
 const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml))+$/i, "");
 
-/** What comes of an input, beside it; of an upload, among the results that can be downloaded. */
+/** Proposes an output: next to the input; for an upload, among the downloadable results. */
 function outputFor(type, input) {
   const upload = /^(.*)\/uploads\/([0-9a-f]{8})[0-9a-f]*\/([^/]+)$/.exec(input);
-  // A manifest stands for its folder.
+  // For a manifest, the name of its folder is used.
   const stem = upload ? `${upload[1]}/results/${withoutEnding(upload[3])}-${upload[2]}`
     : withoutEnding(input.replace(/\/inferred\.json$/, ""));
   return type.output_is_folder ? `${stem}_textures` : stem + type.output_extension;
@@ -33,7 +33,7 @@ function inputFor(name, schema, isRequired) {
     autocomplete: "off", placeholder: schema.maxLength === PATH_LENGTH ? "/path/on/the/server.png" : null });
 }
 
-/** Undefined: not given. */
+/** Returns the value of an input; undefined if none was entered. */
 function valueOf(input, schema) {
   if (schema.type === "boolean") return input.checked || undefined;
   if (input.value === "") return undefined;
@@ -41,7 +41,7 @@ function valueOf(input, schema) {
 }
 
 export class SubmitForm {
-  /** `submitted`(job) is called with the new job. */
+  /** Calls `submitted`(job) with the new job. */
   constructor(submitted) {
     this.submitted = submitted;
     this.dialog = byId("submit");
@@ -70,7 +70,7 @@ export class SubmitForm {
         node("div", {}, this.kind, this.summary)),
       this.fields, this.problem,
       node("div", { class: "actions" },
-        node("button", { type: "button", onclick: () => this.dialog.close() }, "Leave it"), this.button));
+        node("button", { type: "button", onclick: () => this.dialog.close() }, "Cancel"), this.button));
     this.dialog.replaceChildren(form);
     this.build();
     this.dialog.showModal();
@@ -105,10 +105,10 @@ export class SubmitForm {
     if (inputName) this.inputs[inputName].addEventListener("input", () => this.suggestOutput());
     first.append(
       ...this.field("output", "submit-output", this.output, inputName
-        ? "a path on the server, below one of its roots; or a name, for a result to download"
-        : "a path on the server, or a name; may be left out"),
+        ? "a path on the server, below one of its roots; or a name, for a downloadable result"
+        : "a path on the server, or a name; optional"),
       ...this.field("queue", "submit-queue", this.queue), ...this.field("priority", "submit-priority", this.priority),
-      ...this.field("label", "submit-label", this.label, "shown in the list; may be left out"));
+      ...this.field("label", "submit-label", this.label, "shown in the list; optional"));
     this.fields.replaceChildren(first, node("details", { open: optional.length <= FEW },
       node("summary", {}, `Parameters (${optional.length})`), rows(optional)));
   }
@@ -126,16 +126,16 @@ export class SubmitForm {
   }
 
   async upload(file, input) {
-    // Names that the service takes: letters, digits, dots, dashes and underscores.
+    // The service accepts letters, digits, dots, dashes and underscores in names.
     const name = file.name.replace(/[^A-Za-z0-9._-]/g, "_").replace(/^\.+/, "").slice(-100) || "upload";
     this.problem.textContent = "";
     try {
       const answer = await ask("PUT", `/v1/uploads/${name}`, file);
       input.value = answer.path;
       input.dispatchEvent(new Event("input"));
-      notify(`${file.name} is on the server, ${bytesText(answer.bytes)}`);
+      notify(`${file.name} was uploaded, ${bytesText(answer.bytes)}`);
     } catch (error) {
-      this.problem.textContent = `${file.name} is not uploaded: ${errorText(error)}`;
+      this.problem.textContent = `${file.name} was not uploaded: ${errorText(error)}`;
     }
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds whether this machine has an OpenCL device that jobs could use, when somebody asks. A child looks, since drivers
-// crash and hang.
+// Finds out, on request, whether this machine has an OpenCL device for jobs. A child process looks, since drivers crash
+// and hang.
 #pragma once
 
 #include <atomic>
@@ -21,15 +21,16 @@ class DriverProbe {
     std::string message;  // why not
   };
 
-  /// `command`: ends with exit code 0 where there is a device, else says last why not. Answers on the thread of `io`.
+  /// `command` ends with exit code 0 if there is a device; otherwise its last line gives the reason. Answers on the
+  /// thread of `io`.
   DriverProbe(boost::asio::io_context& io, std::vector<std::string> command);
-  /// Ends the child that is at work.
+  /// Ends the running child.
   ~DriverProbe();
   DriverProbe(const DriverProbe&) = delete;
   DriverProbe& operator=(const DriverProbe&) = delete;
 
-  /// What was found last; the first to ask waits. What is old is looked at again meanwhile: after ten minutes, or half
-  /// a minute where there was none.
+  /// Returns the last finding; the first caller waits. An old finding is renewed in the background: after ten minutes,
+  /// or after half a minute if there was no device.
   boost::asio::awaitable<Finding> look();
 
  private:

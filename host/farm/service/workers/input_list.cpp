@@ -21,9 +21,9 @@ using Json = nlohmann::json;
 
 constexpr auto kTimeMax = std::chrono::seconds(10);
 constexpr std::uint64_t kMemoryMax = std::uint64_t{512} << 20;
-constexpr std::size_t kOutputMax = 16 << 20;  // bytes: it is read in the daemon
+constexpr std::size_t kOutputMax = 16 << 20;  // bytes, since the daemon reads it
 
-// Before it there may be warnings.
+// Skips warnings before the last line.
 std::string last_line(std::string output) {
   while (output.ends_with('\n')) output.pop_back();
   return output.substr(output.rfind('\n') + 1);
@@ -55,11 +55,12 @@ InputList list_inputs_in_child(const JobType& type, const Json& parameters, cons
   const ChildResult child = run_child(command, limits);
   const bool is_out_of_memory = child.exit_code != 0 && message_of(child.output) == "out of memory";
   if (child.is_over_time || child.signal != 0 || is_out_of_memory)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: cannot be read in {} s and {} MiB", file, kTimeMax.count(), kMemoryMax >> 20));
+    throw Error(ErrorCode::kInput, fmt::format("{}: cannot be read within {} s and {} MiB of memory", file,
+                                               kTimeMax.count(), kMemoryMax >> 20));
   if (child.exit_code != 0) throw Error(error_code_of(child.exit_code), message_of(child.output));
   const Json list = Json::parse(last_line(child.output), nullptr, false);
-  if (!list.is_object()) throw Error(ErrorCode::kEnvironment, file + ": no list of what it names was made");
+  if (!list.is_object())
+    throw Error(ErrorCode::kEnvironment, file + ": the list of files that it names could not be made");
   return {paths_of_texts(list.at("files").get<std::vector<std::string>>()), list.at("identity").get<std::string>()};
 }
 

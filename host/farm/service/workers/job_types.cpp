@@ -30,7 +30,7 @@ std::vector<JobType>& registered_types() {
   return types;
 }
 
-// What a job takes is less than what a command line does: no control characters, no files but those of its inputs.
+// A job accepts less than a command line: no control characters, and no files except for its inputs.
 std::string expected_of_job(const Parameter& parameter) {
   return parameter.kind == Kind::kText ? "a text of up to 1000 characters without control characters"
                                        : expected_text(parameter);
@@ -48,7 +48,8 @@ std::optional<ParameterValue> value_of(const Json& json, Kind kind) {
 }
 
 [[noreturn]] void refuse_both(const std::string& name, const std::string& other) {
-  throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is given beside {}: expected one of them", name, other));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("parameters.{} is given together with {}: expected only one of them", name, other));
 }
 
 bool is_accepted(const Parameter& parameter, const Json& json) {
@@ -57,14 +58,14 @@ bool is_accepted(const Parameter& parameter, const Json& json) {
   const auto* const text = std::get_if<std::string>(&*value);
   switch (parameter.kind) {
     case Kind::kText: return is_plain_text(*text);
-    // Of a family: no file's name, which would be looked for beyond the folders that jobs may read.
+    // Accepts only names of families: a file name could lead out of the folders that jobs may read.
     case Kind::kBrdf: return text->size() < 100 && std::regex_match(*text, std::regex(brdf_pattern()));
     case Kind::kFile: return !text->empty() && text->size() < 4096 && text->find('\0') == std::string::npos;
     default: return true;
   }
 }
 
-// As a command line has it: a file by its bytes.
+// Formats a value for the command line; a file as the bytes of its path.
 std::string argument_text(const Parameter& parameter, const Json& value) {
   if (!value.is_string()) return value.dump();
   const std::string text = value.get<std::string>();
@@ -98,7 +99,7 @@ Json value_schema(const Parameter& parameter) {
 
 bool is_plain_text(const std::string& text) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
-  // C1, U+0080 to U+009F: in UTF-8 two bytes, the first always C2. A terminal takes U+009B for ESC [.
+  // C1, U+0080 to U+009F, takes two bytes in UTF-8, and the first is always C2. A terminal reads U+009B as ESC [.
   const auto is_c1 = [](char first, char second) {
     return first == '\xc2' && static_cast<unsigned char>(second) >= 0x80 && static_cast<unsigned char>(second) < 0xa0;
   };
@@ -161,7 +162,7 @@ void check_parameters(const JobType& type, const Json& parameters) {
       if (parameters.contains(excluded)) refuse_both(name, excluded);
   }
   if (!type.input.empty() && !parameters.contains(type.input))
-    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected a file's path", type.input));
+    throw Error(ErrorCode::kUsage, fmt::format("parameters.{} is missing, expected the path of a file", type.input));
 }
 
 void check_input(const JobType& type, const Json& parameters) {
@@ -177,7 +178,7 @@ void check_input(const JobType& type, const Json& parameters) {
 
 Json parameters_schema(const JobType& type) {
   Json properties = Json::object();
-  std::set<std::pair<std::string, std::string>> both;  // names that exclude one another
+  std::set<std::pair<std::string, std::string>> both;  // pairs of names that exclude each other
   for (const Parameter& parameter : type.table->rows()) {
     if (!parameter.is_on(kInService)) continue;
     Json one = value_schema(parameter);
@@ -198,7 +199,7 @@ std::vector<std::string> job_arguments(const JobType& type, const Json& paramete
   for (const auto& [name, value] : parameters.items()) {
     if (name == type.input) continue;
     const std::string option = type.table->at(name).option();
-    // "--a=b": a value that begins with a dash is no option.
+    // Written as "--a=b", so that a value that begins with a dash is not taken for an option.
     if (value.is_boolean()) {
       if (value.get<bool>()) arguments.push_back(option);
     } else {
@@ -208,7 +209,7 @@ std::vector<std::string> job_arguments(const JobType& type, const Json& paramete
   arguments.insert(arguments.end(), type.fixed_options.begin(), type.fixed_options.end());
   if (!output.empty()) arguments.push_back("--output=" + output);
   if (!type.input.empty()) {
-    arguments.push_back("--");  // nor is a file's name
+    arguments.push_back("--");  // the same for file names
     arguments.push_back(path_of_text(parameters.at(type.input).get<std::string>()));
   }
   return arguments;
@@ -243,8 +244,8 @@ std::string idempotency_key(const JobType& type, const Json& parameters, const s
   Json without_names = parameters;
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == Kind::kFile && without_names.contains(parameter.name)) without_names[parameter.name] = true;
-  // A manifest of inferred textures names its scene file, as a plan does an environment, and which file is which
-  // matters there.
+  // A manifest of inferred textures names its scene file, and a plan names an environment: the key must tell which file
+  // has which role.
   if (type.files_of_input != nullptr) without_names[type.input] = parameters.at(type.input);
   return hash_text(
       Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}

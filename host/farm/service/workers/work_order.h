@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Orders to workers, as the daemon writes them to their sockets and into Slurm's folders.
+// Orders to workers, which the daemon writes to their sockets and into Slurm's folders.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@ namespace multum {
 struct WorkOrder {
   std::int64_t job = 0;
   int attempt = 0;
-  std::string type;           // of job_types.h
-  nlohmann::json parameters;  // checked, an object
-  std::string share;          // "--shard=3/8": an option more, for a part of the job; "": all of it
-  std::string output;         // where its result is to be; "": nowhere
-  std::string folder;         // the staging folder, where its worker works and makes it
+  std::string type;           // a type of job_types.h
+  nlohmann::json parameters;  // a checked object
+  std::string share;          // "--shard=3/8", an extra option for a part of the job; "": the whole job
+  std::string output;         // the path of the result; "": no result
+  std::string folder;         // the staging folder, where the worker runs and makes the result
   std::string log;
   std::string inputs;              // input_identity() when the job was submitted
-  std::string copy_from, copy_to;  // instead, if inputs are the same: a finished result; "": none
+  std::string copy_from, copy_to;  // a finished result to copy if the inputs are the same; "": none
 };
 
-/// Paths are texts in it (path_text.h).
+/// Writes paths as texts (path_text.h).
 nlohmann::json work_json(const WorkOrder& order);
-/// Throws nlohmann::json::exception for what is none.
+/// Throws nlohmann::json::exception if the JSON is not an order.
 WorkOrder work_from(const nlohmann::json& json);
 
 }  // namespace multum

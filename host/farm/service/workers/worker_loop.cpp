@@ -34,20 +34,20 @@ using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kBeat = std::chrono::seconds(1);
-constexpr auto kProgressPause = std::chrono::milliseconds(100);  // between two words of how far it is
+constexpr auto kProgressPause = std::chrono::milliseconds(100);  // between two reports of progress
 
-// A job works in its staging folder, by the folder's descriptor: whatever becomes of the name meanwhile.
+// Makes a job work in its staging folder, through the folder's descriptor, even if the folder is renamed meanwhile.
 class WorkingFolder {
  public:
-  /// "": wherever the worker is.
+  /// "": stays in the current folder.
   WorkingFolder(const PathRoots& roots, const std::string& path) {
     if (path.empty()) return;
     before_ = OpenFile(::open(".", O_PATH | O_DIRECTORY | O_CLOEXEC));
     if (!before_.is_open() || ::fchdir(open_staging_folder(roots, path).descriptor()) != 0)
-      fail_by_errno(path, "cannot be worked in");
+      fail_by_errno(path, "cannot be used as the working folder");
   }
   ~WorkingFolder() {
-    if (before_.is_open() && ::fchdir(before_.descriptor()) != 0) std::_Exit(4);  // the next job would work elsewhere
+    if (before_.is_open() && ::fchdir(before_.descriptor()) != 0) std::_Exit(4);  // or the next job would run here
   }
   WorkingFolder(const WorkingFolder&) = delete;
   WorkingFolder& operator=(const WorkingFolder&) = delete;
@@ -56,7 +56,7 @@ class WorkingFolder {
   OpenFile before_;
 };
 
-// What a job prints goes to its log.
+// Redirects a job's output to its log.
 class LogRedirection {
  public:
   explicit LogRedirection(const std::string& path) {
@@ -69,9 +69,9 @@ class LogRedirection {
       kept = OpenFile(::fcntl(stream, F_DUPFD_CLOEXEC, 0));
       if (kept.is_open() && ::dup2(log, stream) == stream) continue;
       const int error = errno;
-      put_back();  // the destructor will not
+      put_back();  // the destructor will not run
       errno = error;
-      fail_by_errno(path, "the job's output cannot be led there");
+      fail_by_errno(path, "cannot write the job's output to it");
     }
   }
   ~LogRedirection() { put_back(); }
@@ -79,7 +79,7 @@ class LogRedirection {
   LogRedirection& operator=(const LogRedirection&) = delete;
 
  private:
-  // Nothing can be done where that fails, which it does for no descriptor that is open.
+  // A failure here could not be handled, but dup2() does not fail for open descriptors.
   void put_back() {
     std::fflush(stdout);
     for (const int stream : {1, 2})
@@ -120,7 +120,7 @@ class Worker {
     while (sent < line.size()) {
       const ssize_t count = ::send(socket_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
       if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) std::_Exit(0);  // the daemon is gone
+      if (count <= 0) std::_Exit(0);  // the daemon has ended
       sent += static_cast<std::size_t>(count);
     }
   }
@@ -131,7 +131,7 @@ class Worker {
     for (;;) {
       const ssize_t count = ::recv(socket_, bytes, sizeof(bytes), 0);
       if (count < 0 && errno == EINTR) continue;
-      // Gone, perhaps by kill -9: nobody would believe what is still done here.
+      // The daemon has ended, perhaps by kill -9: no result of this worker would be accepted.
       if (count <= 0) std::_Exit(0);
       buffer.append(bytes, static_cast<std::size_t>(count));
       for (std::size_t end = buffer.find('\n'); end != std::string::npos; end = buffer.find('\n')) {
@@ -147,7 +147,7 @@ class Worker {
     if (command.contains("cancel")) {
       cancelled_ = command["cancel"].get<std::int64_t>();
     } else {
-      if (command.contains("run")) cancelled_ = 0;  // it may be the same job, retried
+      if (command.contains("run")) cancelled_ = 0;  // a retry may be the cancelled job
       commands_.push_back(std::move(command));
       wake_.notify_one();
     }
@@ -178,11 +178,11 @@ class Worker {
       const WorkOrder order = work_from(command);
       const LogRedirection log(order.log);
       const JobType& type = find_job_type(order.type);
-      // What its result could not be published over is said before the work.
+      // Reports obstacles to publishing before the work.
       if (!order.output.empty()) StagedResult(roots_, order.output, "", 0, {}).check_place(type.output_is_folder);
       const WorkingFolder working(roots_, order.folder);
       check_inputs(type, order.parameters);
-      // As they were when the job was submitted?
+      // True if the inputs are unchanged since the job was submitted.
       const auto has_inputs = [&] { return input_identity(type, order.parameters) == order.inputs; };
       have_inputs_changed = !has_inputs();
       if (order.copy_from.empty() || have_inputs_changed) {
@@ -207,8 +207,8 @@ class Worker {
           {"inputs_changed", have_inputs_changed}});
   }
 
-  // A file that names others may name more than when it was submitted. What the system would refuse to open
-  // (confinement.h) is refused here by its name, whether it is there or not.
+  // An input may name more files than when it was submitted. Files that confinement (confinement.h) would block are
+  // refused here by their names, whether they exist or not.
   void check_inputs(const JobType& type, const Json& parameters) const {
     if (type.input.empty()) return;
     for (const std::string& file : input_files(type, parameters)) roots_.input(file);
@@ -236,7 +236,7 @@ class Worker {
 }  // namespace
 
 int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run) {
-  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the daemon, which says what is to be done
+  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the daemon, which then instructs its workers
   std::signal(SIGTERM, SIG_IGN);
   return Worker(socket, roots, run).work();
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The worker's side of the service: a process that is told one job after the other, says every second that it lives,
-// and how far it has come. When the daemon is gone it ends at once: its lease is nobody's.
+// The worker's side of the service: a process that runs one job after another, and reports every second that it is
+// alive, and its progress. When the daemon has gone, the worker ends at once, because its lease is void.
 //
-// Both sides write JSON objects, one a line, over a stream socket:
+// Both sides write JSON objects, one per line, over a stream socket:
 //
 //   daemon   {"run": ID, "attempt": N, "type": NAME, "parameters": {...}, "output": PATH or "", ...}  (work_order.h)
 //            {"cancel": ID}
@@ -21,12 +21,12 @@
 
 namespace multum {
 
-/// Does what a command line of multum says and returns its exit code; what it prints goes to the job's log. It says how
-/// far it is to the callback, which may cancel it.
+/// Runs a command line of multum and returns its exit code; its output goes to the job's log. Reports progress to the
+/// callback, which may cancel the command.
 using RunCommand = std::function<int(const std::vector<std::string>& arguments, const Progress::Callback& callback)>;
 
-/// Until the daemon says so, or is gone. What a job reads and where its result is to be must lie below `roots`, where
-/// the daemon has looked before. Returns the exit code of the process.
+/// Runs until the daemon ends it, or has gone. A job's inputs and its result must be below `roots`; the daemon has
+/// checked this before. Returns the exit code of the process.
 int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run);
 
 }  // namespace multum

@@ -31,12 +31,12 @@ using std::chrono::milliseconds;
 
 constexpr auto kTick = milliseconds(250);
 constexpr int kSocket = 3;                 // of a worker
-constexpr std::size_t kLineMax = 1 << 20;  // bytes: a worker that says more in one breath has lost its mind
+constexpr std::size_t kLineMax = 1 << 20;  // bytes per line; a worker that sends more is broken
 constexpr char kNonsense[] = "it talks nonsense";
-constexpr int kBackOffDoublingsMax = 4;  // of the pause before another worker is started, from 250 ms on
+constexpr int kBackOffDoublingsMax = 4;  // limits the pause before a worker is restarted, from 250 ms on
 
-// It has no connections and listeners: a line that the daemon closes must be closed for its client. What a worker has
-// started ends with it, and Ctrl-C is the daemon's alone.
+// A worker inherits no connections or listeners: when the daemon closes a connection, the client must see it closed.
+// Processes that a worker has started end with it, and Ctrl-C reaches only the daemon.
 pid_t spawn_worker(std::vector<std::string> command, int socket) {
   command.push_back(fmt::format("--socket={}", kSocket));
   return spawn_process(command, {.files = {{socket, kSocket}},
@@ -45,13 +45,13 @@ pid_t spawn_worker(std::vector<std::string> command, int socket) {
                                  .blocked_signals = std::vector<int>{}});
 }
 
-// Of a worker's words: they are kept, and told to everybody.
+// Truncates worker text, which is stored and broadcast.
 std::string text_of(const Json& said, const char* key) {
   constexpr std::size_t kLongest = 8192;  // bytes
   std::string text = said.value(key, "");
   if (text.size() <= kLongest) return text;
   std::size_t end = kLongest;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not within a character
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // does not cut a character
   text.resize(end);
   return text + " ...";
 }
@@ -71,10 +71,10 @@ struct WorkerPool::Worker {
   std::string received;
   std::array<char, 16384> bytes;
   std::deque<std::string> to_send;
-  int status = 0;  // of its process, when that has ended
+  int status = 0;  // exit status, once the process has ended
   bool is_ready = false, is_ended = false;
   bool is_ending = false;        // it gets no more jobs
-  bool is_asked_to_end = false;  // and ends by itself
+  bool is_asked_to_end = false;  // so it ends by itself
   std::int64_t job = 0;          // 0: idle
   int attempt = 0;
   int jobs_done = 0;
@@ -95,7 +95,7 @@ void WorkerPool::start() { tick(); }
 void WorkerPool::spawn() {
   int pair[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
-    throw Error(ErrorCode::kEnvironment, fmt::format("no socket for a worker: {}", std::strerror(errno)));
+    throw Error(ErrorCode::kEnvironment, fmt::format("cannot create a socket for a worker: {}", std::strerror(errno)));
   OpenFile ours(pair[0]);
   const OpenFile theirs(pair[1]);
   const auto worker = std::make_shared<Worker>(io_);
@@ -108,7 +108,7 @@ void WorkerPool::spawn() {
     worker->heard = Clock::now();
     workers_[worker->owner] = worker;
     read(worker);
-  } catch (...) {  // nobody would hear of its end
+  } catch (...) {  // its end would not be noticed
     worker->is_ended = true;
     workers_.erase(worker->owner);
     end_process(*worker);
@@ -116,7 +116,7 @@ void WorkerPool::spawn() {
   }
 }
 
-// Kills and waits for it, once; whatever it has started ends with it.
+// Kills the process and waits for it, once; processes that it has started end with it.
 void WorkerPool::end_process(Worker& worker) {
   if (worker.pid <= 0) return;
   ::kill(-worker.pid, SIGKILL);
@@ -125,8 +125,8 @@ void WorkerPool::end_process(Worker& worker) {
   worker.pid = -1;
 }
 
-// Whatever is wrong with what it said, or with what is done about it, for want of memory as a rule, is its end: its
-// job is tried again.
+// Any error in a worker's message, or in handling it (usually for lack of memory), ends the worker; its job is tried
+// again.
 void WorkerPool::read(const std::shared_ptr<Worker>& worker) {
   worker->socket.async_read_some(asio::buffer(worker->bytes),
                                  [this, worker](const boost::system::error_code& error, std::size_t count) {
@@ -146,7 +146,7 @@ void WorkerPool::read(const std::shared_ptr<Worker>& worker) {
                                  });
 }
 
-// By the next tick, which tries it until it is done.
+// Leaves the work to the next tick, which retries until it succeeds.
 void WorkerPool::reap_soon(Worker& worker, const char* why) {
   worker.is_ending = true;
   worker.kill_at = Clock::time_point::min();
@@ -169,7 +169,7 @@ void WorkerPool::take_lines(Worker& worker) {
   worker.received.erase(0, begin);
 }
 
-// Throws Json::exception for what no worker says.
+// Throws Json::exception for a message that workers do not send.
 void WorkerPool::take_line(Worker& worker, const Json& said) {
   if (said.contains("ready")) {
     worker.is_ready = true;
@@ -194,7 +194,7 @@ void WorkerPool::take_line(Worker& worker, const Json& said) {
     }
     try {
       events_.ended(job, worker.owner, worker.attempt, result);
-    } catch (...) {  // nobody knows of it: it is still this worker's
+    } catch (...) {  // not reported: the job still belongs to this worker
       worker.job = job;
       throw;
     }
@@ -210,7 +210,7 @@ void WorkerPool::send(const std::shared_ptr<Worker>& worker, const std::string& 
 void WorkerPool::write_next(const std::shared_ptr<Worker>& worker) {
   asio::async_write(worker->socket, asio::buffer(worker->to_send.front()),
                     [this, worker](const boost::system::error_code& error, std::size_t) {
-                      if (worker->is_ended || error) return;  // reading hears of it too
+                      if (worker->is_ended || error) return;  // the reader notices errors too
                       worker->to_send.pop_front();
                       if (!worker->to_send.empty()) write_next(worker);
                     });
@@ -245,7 +245,7 @@ bool WorkerPool::cancel(std::int64_t job) {
     if (worker->job != job) continue;
     if (worker->kill_at == Clock::time_point::max()) {
       worker->kill_at = Clock::now() + settings_.cancel_grace;
-      worker->why_killed = "it did not stop when asked to, and was killed";
+      worker->why_killed = "its worker did not stop when asked, and was killed";
       send(worker, Json{{"cancel", job}}.dump());
     }
     return true;
@@ -273,7 +273,7 @@ std::vector<std::int64_t> WorkerPool::running() const {
 
 void WorkerPool::reap(const std::shared_ptr<Worker>& worker, const std::string& why) {
   worker->is_ended = worker->is_ending = true;
-  worker->kill_at = Clock::time_point::min();  // should anything here fail, the next tick tries it again
+  worker->kill_at = Clock::time_point::min();  // after a failure below, the next tick tries again
   boost::system::error_code ignored;
   worker->socket.close(ignored);
   const bool is_lost = !worker->is_asked_to_end || worker->job != 0;
@@ -286,7 +286,7 @@ void WorkerPool::reap(const std::shared_ptr<Worker>& worker, const std::string& 
     ++lost_;
     if (!worker->is_ready) {
       ++failures_;
-      service_log(LogSeverity::kWarning, 0, "before it was ready, " + end);
+      service_log(LogSeverity::kWarning, 0, "before the worker was ready, " + end);
     }
     not_before_ = Clock::now() + (failures_ > 1 ? kTick * (1 << std::min(failures_, kBackOffDoublingsMax)) : kTick * 0);
   }
@@ -299,7 +299,7 @@ void WorkerPool::look_after(const std::shared_ptr<Worker>& worker, Clock::time_p
   } else if (now - worker->heard > settings_.lease) {
     reap(worker, fmt::format("its worker was silent for {} ms and was killed", settings_.lease.count()));
   } else if (worker->job != 0 && settings_.no_progress.count() > 0 && now - worker->got_on > settings_.no_progress) {
-    reap(worker, fmt::format("it made no progress for {} ms and was killed", settings_.no_progress.count()));
+    reap(worker, fmt::format("its worker made no progress for {} ms and was killed", settings_.no_progress.count()));
   }
 }
 
@@ -318,10 +318,10 @@ void WorkerPool::tick() {
   const Clock::time_point now = Clock::now();
   try {
     arm();
-    const auto all = workers_;  // those that are buried leave the list
+    const auto all = workers_;  // a copy: ended workers leave the list
     for (const auto& [owner, worker] : all) look_after(worker, now);
     while (!is_closing_ && live_count() < settings_.workers && now >= not_before_) spawn();
-  } catch (const std::exception& error) {  // of files, processes or memory there are too few
+  } catch (const std::exception& error) {  // too few files, processes or memory
     not_before_ = now + std::chrono::seconds(5);
     service_log(LogSeverity::kError, 0, error.what());
   }

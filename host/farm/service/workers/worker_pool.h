@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's side of its workers: child processes that bake, so that a driver's crash ends one of them alone. A
-// worker that dies, or does not say for the length of a lease that it lives, or makes no progress for too long, is
-// killed and waited for before anybody else may have its job.
+// The daemon's side of its workers: child processes that bake, so that a driver crash ends only one of them. A worker
+// is killed if it sends no sign of life within its lease, or makes no progress for too long. The pool waits for the end
+// of a lost worker before another one gets its job.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,17 +21,17 @@ namespace multum {
 
 struct WorkerPoolSettings {
   int workers = 1;
-  std::vector<std::string> command;               // a worker's, but for its socket: "--socket=3" is added
+  std::vector<std::string> command;               // command line of a worker; "--socket=3" is added
   std::chrono::milliseconds lease{10000};         // without a word
-  std::chrono::milliseconds no_progress{600000};  // without getting on; 0: for ever
-  std::chrono::milliseconds cancel_grace{10000};  // from asking to killing
-  int jobs_a_worker = 1000;                       // then another takes its place: drivers leak
+  std::chrono::milliseconds no_progress{600000};  // longest time without progress; 0: no limit
+  std::chrono::milliseconds cancel_grace{10000};  // time between the request to stop and the kill
+  int jobs_a_worker = 1000;                       // then the worker is replaced: drivers leak
 };
 
 struct WorkResult {
   int exit_code = 0;  // -1: the worker was lost
   std::string message;
-  bool have_inputs_changed = false;  // since the job was submitted
+  bool have_inputs_changed = false;  // true: inputs have changed since the job was submitted
 };
 
 struct JobProgress {
@@ -42,26 +42,26 @@ struct JobProgress {
 class WorkerPool {
  public:
   struct Events {
-    std::function<void()> ready;  // there may be an idle one
+    std::function<void()> ready;  // a worker may be idle
     std::function<void(std::int64_t job, const JobProgress&)> progress;
     std::function<void(std::int64_t job, const std::string& owner, int attempt, const WorkResult& result)> ended;
   };
 
   WorkerPool(boost::asio::io_context& io, WorkerPoolSettings settings, std::string instance, Events events);
-  /// Kills what is left.
+  /// Kills the remaining workers.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   void start();
-  /// Names of workers that are idle and not spoken for: order() takes one.
+  /// Names of idle workers that are not reserved: order() takes one.
   std::vector<std::string> idle() const;
   bool is_idle(const std::string& owner) const;
-  /// False: that worker is not idle any more.
+  /// Returns false if that worker is no longer idle.
   bool order(const std::string& owner, const WorkOrder& work);
-  /// Asks a running job to stop; after the grace its worker is killed. False: no worker has it.
+  /// Asks a running job to stop; after the grace period its worker is killed. Returns false if no worker has the job.
   bool cancel(std::int64_t job);
-  /// No new workers, idle ones end. Running jobs go on.
+  /// Starts no more workers and ends idle ones. Running jobs continue.
   void close();
   bool has_running() const;
   std::vector<std::int64_t> running() const;
@@ -92,7 +92,7 @@ class WorkerPool {
   boost::asio::steady_timer timer_;
   std::map<std::string, std::shared_ptr<Worker>> workers_;  // by owner
   std::uint64_t started_ = 0, lost_ = 0;
-  int failures_ = 0;  // of workers that died before they were ready, one after the other
+  int failures_ = 0;  // consecutive workers that died before they were ready
   std::chrono::steady_clock::time_point not_before_;
   bool is_closing_ = false, is_armed_ = false;
 };

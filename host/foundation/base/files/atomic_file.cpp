@@ -22,13 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ".multum-tmp-PID-RANDOM-PLACE-NAME": hidden, owned by a process of a place. Earlier versions had a counter in place
-// of the random digits: what their killed runs left is removed too.
+// ".multum-tmp-PID-RANDOM-PLACE-NAME": a hidden file of process PID on the machine or container PLACE. Earlier versions
+// wrote a counter in place of the random digits; the leftovers of their killed runs are removed too.
 constexpr char kPrefix[] = ".multum-tmp-";
 constexpr std::size_t kPlaceDigits = 8;
 constexpr std::time_t kForeignSeconds = 24 * 60 * 60;
 
-// Of the machine, or of the container: numbers of processes say something there alone, and many write to one folder.
+// Identifies the machine or the container: process numbers have a meaning only there, and several may write to one
+// folder.
 const std::string& place() {
   static const std::string digits = [] {
     char host[256] = {};
@@ -39,8 +40,8 @@ const std::string& place() {
   return digits;
 }
 
-// Was the temporary file `found` of `name` left by a process that is gone? Of other places nobody knows: a day is
-// enough.
+// Returns whether a process that has ended left the temporary file `found` of `name`. Processes of other places cannot
+// be checked: a file of another place counts as left after a day.
 bool is_leftover(const std::string& found, const std::string& name, const struct stat& state) {
   const std::size_t number = found.find('-', sizeof(kPrefix) - 1);
   const std::size_t rest = number == std::string::npos ? number : found.find('-', number + 1);
@@ -54,13 +55,13 @@ bool is_leftover(const std::string& found, const std::string& name, const struct
          std::time(nullptr) - state.st_mtim.tv_sec > kForeignSeconds;
 }
 
-// Files of this user alone: what others put under such a name is theirs. The sweep costs one directory listing a file
-// written, and never touches a living process's file.
+// Removes only files of this user: other users' files may have such a name too. The sweep lists the directory once per
+// written file, and never touches the file of a living process.
 void sweep_leftovers(const NamedPlace& place, const std::string& path) {
   std::vector<std::string> names;
   try {
     names = names_in(place.folder, path);
-  } catch (const Error&) {  // a folder that may not be listed
+  } catch (const Error&) {  // the folder may not be listed
   }
   for (const std::string& found : names) {
     struct stat state {};
@@ -71,7 +72,7 @@ void sweep_leftovers(const NamedPlace& place, const std::string& path) {
   }
 }
 
-// Something else than a file of this name would be lost, or written to by nobody's wish.
+// Refuses a name that belongs to anything but a regular file: it would be lost, or be written to by accident.
 void check_final_name(const NamedPlace& place, const std::string& path) {
   const auto refuse = [&](const char* what) {
     throw Error(ErrorCode::kUsage, path + ": " + what + ", expected the name of a file to write");
@@ -94,7 +95,7 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), place_(open_p
   temporary_name_ = fmt::format("{}{}-{}-{}-{}", kPrefix, ::getpid(), random_digits(), place(), place_.name);
   file_ = OpenFile(::openat(place_.folder.descriptor(), temporary_name_.c_str(),
                             O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
-  if (!file_.is_open()) fail_by_errno(path_, "no file can be created in its folder");
+  if (!file_.is_open()) fail_by_errno(path_, "cannot create a file in its folder");
   open_path_ = fmt::format("/proc/{}/fd/{}", ::getpid(), file_.descriptor());
 }
 
@@ -110,12 +111,12 @@ void AtomicFile::commit() {
   if (!is_named(place_.folder, temporary_name_, file_.descriptor()))
     throw Error(ErrorCode::kEnvironment,
                 path_ +
-                    ": its temporary file was taken away or replaced while it was written; expected a folder where "
-                    "nobody else renames files");
+                    ": its temporary file was removed or replaced during writing; expected a folder where no other "
+                    "program renames files");
   if (::renameat(folder, temporary_name_.c_str(), folder, place_.name.c_str()) != 0)
     fail_by_errno(path_, "cannot be given its final name");
   committed_ = true;
-  // A folder that may not be listed can be opened by nobody for this.
+  // A folder that may not be listed cannot be opened for syncing.
   const OpenFile synced(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (synced.is_open() && ::fsync(synced.descriptor()) != 0)
     fail_by_errno(path_, "its folder cannot be synced to disk");

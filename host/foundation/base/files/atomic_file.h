@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file that appears whole or not at all: it is written under a temporary name in the same folder, synced, and
-// renamed. The temporary file is new, has a name that nobody can guess, and is written by its descriptor: a link, a
-// pipe or another file that somebody puts in its way is neither followed nor written to.
+// Writes a file that appears whole or not at all: its bytes go to a temporary file in the same folder, which is synced
+// and renamed. The temporary file is new, has a random name, and is written through its descriptor. Links, pipes and
+// other files that somebody puts in its place are neither followed nor written to.
 #pragma once
 
 #include <string>
@@ -15,21 +15,21 @@ namespace multum {
 class AtomicFile {
  public:
   /// Creates the temporary file, and removes those that killed runs of this user left for the same final name. Throws
-  /// Error(kUsage) for a name that cannot be an output's: too long, a folder, a device, a pipe; Error(kEnvironment)
-  /// when the folder is missing or refuses the file.
+  /// Error(kUsage) for a name that an output cannot have: too long, or a folder, a device or a pipe. Throws
+  /// Error(kEnvironment) when the folder is missing or refuses the file.
   explicit AtomicFile(std::string path);
-  /// Removes the temporary file when commit() was never reached.
+  /// Removes the temporary file unless commit() was reached.
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Open for reading and writing.
+  /// The descriptor is open for reading and writing.
   int descriptor() const { return file_.descriptor(); }
-  /// A path that leads to the open file itself, for what takes names; in this process and those that it starts.
+  /// A path to the open file itself, for functions that take names; valid in this process and in its children.
   const std::string& open_path() const { return open_path_; }
   const std::string& path() const { return path_; }
-  /// Syncs the temporary file and its folder, and gives it its final name. Throws Error(kEnvironment), also when the
-  /// temporary name leads to something else by now.
+  /// Syncs the temporary file and its folder, and gives the file its final name. Throws Error(kEnvironment), also when
+  /// the temporary name has come to name another file.
   void commit();
 
  private:
@@ -39,7 +39,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Is this file name a temporary one, of an AtomicFile in any process?
+/// Returns whether an AtomicFile of any process uses this form of file name for its temporary file.
 bool is_temporary_name(std::string_view name);
 
 /// Writes a small text file atomically.

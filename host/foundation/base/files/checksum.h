@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// CRC-64, for scratch files of our own that may have been torn or damaged: it takes a hundredth of the time of SHA-256,
-// and nobody forges them.
+// Computes CRC-64, for this program's scratch files, which may be cut or damaged: CRC-64 takes a hundredth of the time
+// of SHA-256, and nobody forges scratch files.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace multum {
 class Checksum {
  public:
   void update(const void* data, std::size_t byte_count);
-  /// 16 lower-case hexadecimal digits.
+  /// Returns 16 lower-case hexadecimal digits.
   std::string text() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256, so that what a header states can be checked with sha256sum.
+// Computes SHA-256, so that users can check the hashes in headers with sha256sum.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class ContentHash {
 
   void update(const void* data, std::size_t byte_count);
   void update(std::string_view text) { update(text.data(), text.size()); }
-  /// 64 lower-case hexadecimal digits. Called once.
+  /// Returns 64 lower-case hexadecimal digits. May be called once.
   std::string finish();
 
  private:
@@ -27,7 +27,7 @@ class ContentHash {
 };
 
 std::string hash_text(std::string_view text);
-/// Throws Error(kInput) when the file cannot be read.
+/// Returns the SHA-256 of a file. Throws Error(kInput) when the file cannot be read.
 std::string hash_file(const std::string& path);
 
 }  // namespace multum

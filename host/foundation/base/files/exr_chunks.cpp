@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// "OpenEXR File Layout", openexr.com:
+// Layout of an OpenEXR file ("OpenEXR File Layout", openexr.com):
 //
-//   headers | 8 bytes a chunk: where it lies; parts, levels, rows and columns in order | chunks, in any order
+//   headers | 8 bytes per chunk: its position; by part, level, row and column | chunks, in any order
 //   chunk:  [part]  tile x, tile y, level x, level y  size: 4 bytes each | data
 //           [part]  y of its first row                size
 //
-// The part stands there in files of several parts alone.
+// Only files with several parts have the field [part].
 #include "host/foundation/base/files/exr_chunks.h"
 
 #include <algorithm>
@@ -45,7 +45,7 @@ std::vector<ExrChannel> channels_of(ByteFile& file, const ExrAttribute& attribut
 
 std::int64_t floor_divided(std::int64_t x, std::int64_t by) { return x >= 0 ? x / by : -((by - 1 - x) / by); }
 
-// Multiples of `step` from `begin` to before `end`.
+// Counts the multiples of `step` from `begin` up to, but not including, `end`.
 std::int64_t multiples(std::int64_t begin, std::int64_t end, std::int64_t step) {
   return floor_divided(end - 1, step) - floor_divided(begin - 1, step);
 }
@@ -61,7 +61,7 @@ int levels_of_side(int side, bool rounds_up) {
   return count;
 }
 
-// `mode`: the low half says which levels there are, the high one how their sizes are rounded.
+// `mode`: the low four bits select the levels, the high four bits the rounding of their sizes.
 void add_levels(ExrPart& part, int mode) {
   constexpr int kOneLevel = 0, kMipmap = 1;
   const bool rounds_up = mode / 16 != 0;
@@ -81,7 +81,7 @@ void add_levels(ExrPart& part, int mode) {
     for (int x = 0; x < levels_of_side(part.width, rounds_up); ++x) add(x, y);
 }
 
-// What headers say, until the whole of one is known.
+// Values of a header that is being read.
 struct PartDraft {
   ExrPart part;
   std::string type;
@@ -96,7 +96,7 @@ ExrPart finished_part(const std::string& path, PartDraft draft, bool is_tiled) {
   constexpr std::int64_t kSideMax = std::int64_t{1} << 30;
   if (x1 < x0 || y1 < y0 || x1 - x0 >= kSideMax || y1 - y0 >= kSideMax)
     refuse_file(path, fmt::format("damaged EXR: found a data window from ({}, {}) to ({}, {}), expected at most 2^30 "
-                                  "texels a side",
+                                  "texels per side",
                                   x0, y0, x1, y1));
   part.x = static_cast<int>(x0);
   part.y = static_cast<int>(y0);
@@ -114,10 +114,10 @@ ExrPart finished_part(const std::string& path, PartDraft draft, bool is_tiled) {
   for (const ExrChannel& channel : part.channels)
     if (channel.type < ExrChannel::kUint || channel.type > ExrChannel::kFloat || channel.x_sampling < 1 ||
         channel.y_sampling < 1 || (is_tiled && (channel.x_sampling != 1 || channel.y_sampling != 1)))
-      refuse_file(path, fmt::format("damaged EXR: found a channel of type {} for every {} x {} texels, expected type 0 "
-                                    "to 2{}",
+      refuse_file(path, fmt::format("damaged EXR: found a channel of type {}, one sample per {} x {} texels; expected "
+                                    "type 0 to 2{}",
                                     channel.type, channel.x_sampling, channel.y_sampling,
-                                    is_tiled ? " for each texel of a tile" : ""));
+                                    is_tiled ? ", one sample per texel" : ""));
   add_levels(part, is_tiled ? draft.level_mode : 0);
   return std::move(part);
 }
@@ -194,9 +194,8 @@ void ExrChunks::read_table(std::size_t index, std::int64_t& position) {
     if (place == 0) refuse(index, chunk, "it was never written");
     if (place < static_cast<std::uint64_t>(tables_end_) ||
         place > static_cast<std::uint64_t>(file_.size() - head_bytes))
-      refuse(
-          index, chunk,
-          fmt::format("it is said to be at byte {}, expected {} to {}", place, tables_end_, file_.size() - head_bytes));
+      refuse(index, chunk,
+             fmt::format("its table says byte {}, expected {} to {}", place, tables_end_, file_.size() - head_bytes));
     const auto begin = static_cast<std::int64_t>(place);
     const std::string head = file_.bytes(begin, head_bytes, kHead);
     std::vector<std::int64_t> words;
@@ -317,7 +316,7 @@ void ExrChunks::check_range(std::size_t part, std::size_t first, std::size_t end
 void ExrChunks::check(std::size_t part, std::size_t chunk) const {
   const std::int64_t size = unpacked_bytes(part, chunk);
   const std::int32_t packed_size = parts_[part].chunks[chunk].size;
-  if (packed_size == size) return;  // as it is
+  if (packed_size == size) return;  // stored unpacked
   const char* const wrong = check_exr(parts_[part].compression, packed_bytes(part, chunk),
                                       static_cast<std::size_t>(packed_size), static_cast<std::size_t>(size));
   if (wrong != nullptr) refuse(part, chunk, wrong);

@@ -16,14 +16,14 @@ namespace {
 constexpr char kHeader[] = "an EXR header";
 constexpr std::uint64_t kExrMagic = 0x01312f76;  // the first four bytes
 
-// A name or type of an EXR attribute, at most 255 bytes, with the position moved behind its zero byte.
+// Reads a name or type of an EXR attribute, at most 255 bytes, and moves `position` past its zero byte.
 std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& position) {
-  constexpr std::int64_t kBytesMax = 256;  // with the zero
+  constexpr std::int64_t kBytesMax = 256;  // includes the zero byte
   const std::int64_t left = std::max<std::int64_t>(0, file.size() - position);
   std::string text = file.bytes(position, std::min(left, kBytesMax), kHeader);
   const std::size_t size = text.find('\0');
   if (size == std::string::npos) {
-    if (left < kBytesMax) file.bytes(position, left + 1, kHeader);  // which says that the file is cut
+    if (left < kBytesMax) file.bytes(position, left + 1, kHeader);  // throws: the file is cut
     refuse_file(path, "damaged EXR: a header name of more than 255 bytes");
   }
   text.resize(size);
@@ -31,7 +31,7 @@ std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& po
   return text;
 }
 
-// As a message may have it.
+// Replaces characters that a message must not contain.
 std::string plain(std::string text) {
   for (char& byte : text)
     if (byte < ' ' || byte > '~') byte = '?';
@@ -42,8 +42,8 @@ std::int64_t exr_int(ByteFile& file, std::int64_t position) {
   return static_cast<std::int32_t>(file.little_endian(position, 4, kHeader));
 }
 
-// The offset table holds 8 bytes for each chunk, and a chunk is a tile or at most 256 rows (DWAB): a size whose table
-// does not fit into the file is false.
+// The offset table holds 8 bytes per chunk, and a chunk is a tile or at most 256 rows (DWAB). If the table of an image
+// size does not fit into the file, the size is false.
 void check_exr_table(const std::string& path, std::int64_t file_size, const ExrPartSize& part, std::int64_t tile_width,
                      std::int64_t tile_height) {
   std::int64_t chunk_count = (part.height + 255) / 256;
@@ -58,7 +58,8 @@ void check_exr_table(const std::string& path, std::int64_t file_size, const ExrP
                                   part.height, file_size));
 }
 
-// The first channel that has fewer samples than texels. Channels are [name 0][type 4][flags 4][steps in x 4, in y 4].
+// Returns the first channel with fewer samples than texels. Channels are [name 0][type 4][flags 4][steps in x 4, in y
+// 4].
 std::string subsampled_channel(const std::string& path, ByteFile& file, std::int64_t position) {
   for (;; position += 16) {
     std::string name = exr_string(path, file, position);
@@ -91,8 +92,8 @@ std::int64_t preview_size(ByteFile& file, std::int64_t begin) {
   return width < 0 || height < 0 || width > kSideMax || height > kSideMax ? -1 : 8 + 4 * width * height;
 }
 
-// What the library reads for a value goes by its type, not by the length that stands before it: where the two differ it
-// takes a value's bytes for the next one's length.
+// The library reads a value by its type and ignores the length that precedes it. If the two differ, the library takes
+// bytes of the value for the length of the next attribute.
 void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute& attribute) {
   const auto& [part, name, type, position, size] = attribute;
   static const std::map<std::string, std::int64_t> kSizes = {{"box2i", 16},      {"box2f", 16}, {"chromaticities", 32},
@@ -109,11 +110,12 @@ void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute
   else if (type == "preview") expected = preview_size(file, position);
   else if (type == "stringvector") expected = text_list_size(file, position, size);
   if (size != expected)
-    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} of a {}", plain(name), size,
-                                  expected, plain(type)));
+    refuse_file(path, fmt::format("damaged EXR: attribute \"{}\" has {} bytes, expected {} for type {}", plain(name),
+                                  size, expected, plain(type)));
 }
 
-// One part's header: attributes of name, type, size 4, value; an empty name ends it. False: it has none.
+// Reads one part's header: attributes of name, type, size 4, value; an empty name ends it. Returns false if it has
+// none.
 bool walk_part(const std::string& path, ByteFile& file, int part, std::int64_t& position,
                const std::function<void(const ExrAttribute&)>& visit) {
   for (int attribute_count = 0;; ++attribute_count) {
@@ -145,7 +147,7 @@ void walk_exr_headers(const std::string& path, ByteFile& file, const std::functi
 
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file) {
   if ((file.little_endian(4, 4, "the EXR version") & 0x800) != 0)
-    refuse_file(path, "found a deep EXR image, expected one value a texel");
+    refuse_file(path, "found a deep EXR image, expected one value per texel");
   std::vector<ExrPartSize> parts;
   ExrPartSize part;
   std::int64_t tile_width = 0, tile_height = 0;
@@ -181,7 +183,7 @@ void check_exr_headers(const std::string& path, const std::string& otherwise) {
     if (!opened.is_open()) return;
     ByteFile file(std::move(opened), path);
     if (file.size() < 4 || file.little_endian(0, 4, "the first bytes") != kExrMagic)
-      refuse_file(path, "found no OpenEXR file, expected one as multum writes them");
+      refuse_file(path, "not an OpenEXR file, expected one that multum wrote");
     if (file.size() >= 8) survey_exr(path, file);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInput) throw;

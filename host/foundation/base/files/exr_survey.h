@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Examines an OpenEXR file's headers ("OpenEXR file layout") by our own few lines: the library believes what they say
-// of their lengths, and takes gigabytes for an attribute of a file of 30 KiB.
+// Examines an OpenEXR file's headers ("OpenEXR file layout") without the library: the library trusts the lengths in
+// them, and allocates gigabytes for an attribute of a file of 30 KiB.
 #pragma once
 
 #include <cstdint>
@@ -13,27 +13,27 @@
 namespace multum {
 
 struct ExrPartSize {
-  std::int64_t width = 0, height = 0;  // of the data window, at least 1
-  std::string subsampled = {};         // a channel that has fewer samples than texels; empty: none
+  std::int64_t width = 0, height = 0;  // size of the data window, at least 1
+  std::string subsampled = {};         // a channel with fewer samples than texels; empty: none
 };
 
 struct ExrAttribute {
   int part;
-  std::string name, type;       // as the file has them
-  std::int64_t position, size;  // of the value, all of it within the file
+  std::string name, type;       // as stored in the file
+  std::int64_t position, size;  // place of the value, which is entirely within the file
 };
 
-/// Every attribute of every header, in the file's order. `end_part` is called behind each part's. Throws Error(kInput)
-/// where headers are cut or damaged, and whatever the functions throw.
+/// Visits every attribute of every header, in the file's order, and calls `end_part` after each header. Throws
+/// Error(kInput) if a header is cut or damaged; passes on the functions' exceptions.
 void walk_exr_headers(const std::string& path, ByteFile& file, const std::function<void(const ExrAttribute&)>& visit,
                       const std::function<void()>& end_part = {});
 
-/// At least one part. Throws Error(kInput): deep, cut, attributes beyond the end of the file, sizes whose table of
-/// chunks does not fit into it.
+/// Returns at least one part. Throws Error(kInput): deep images, cut files, attributes beyond the end of the file, or
+/// image sizes whose table of chunks does not fit into the file.
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
 
-/// Checks the first bytes and the headers before a library opens the file; leaves it to who opens it to refuse what is
-/// not there. `otherwise`: what the refusal says first, as "not a readable baked file". Throws Error(kInput).
+/// Checks the first bytes and the headers before a library opens the file. Accepts a missing file, which the library
+/// refuses. Messages begin with `otherwise`, for example "not a readable baked file". Throws Error(kInput).
 void check_exr_headers(const std::string& path, const std::string& otherwise);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// "OpenEXR File Layout" and "Technical Introduction to OpenEXR": before they are packed, the bytes of a chunk are
-// parted into those at even and at odd places, and each is replaced by 128 more than its difference to the one before.
+// "OpenEXR File Layout" and "Technical Introduction to OpenEXR": before the bytes of a chunk are packed, bytes at even
+// and at odd positions are separated. Each byte is then replaced by 128 plus its difference from the byte before it.
 #include "host/foundation/base/files/exr_unpack.h"
 
 #include <libdeflate.h>
@@ -31,11 +31,11 @@ constexpr std::array<CompressionRow, exr_compression::kCount> kCompressionRows =
 
 using ByteVector = unsigned char __attribute__((vector_size(16)));
 
-// Sums up differences, sixteen at a time: each step adds what lies 1, 2, 4 and 8 places before.
+// Sums the differences, 16 at a time: the steps add the values 1, 2, 4 and 8 positions before.
 void sum_differences(unsigned char* bytes, std::size_t size) {
   constexpr unsigned char kMiddle = 128;
   const ByteVector zero{}, middle = zero + kMiddle;
-  unsigned char last = kMiddle;  // the first byte is no difference
+  unsigned char last = kMiddle;  // the first byte is stored as a value
   std::size_t i = 0;
   for (; i + sizeof(ByteVector) <= size; i += sizeof(ByteVector)) {
     ByteVector v;
@@ -61,7 +61,7 @@ void bring_together(const unsigned char* parted, std::size_t size, unsigned char
   if (size % 2 != 0) together[size - 1] = parted[size / 2];
 }
 
-// A count below 0 and as many bytes, or a count and a byte that is there once more than it says.
+// Expands runs. A count below 0 is followed by that many bytes; another count by one byte, repeated count + 1 times.
 const char* unroll(const unsigned char* packed, std::size_t packed_size, unsigned char* out, std::size_t size) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < packed_size;) {
@@ -88,21 +88,22 @@ const char* inflate_all(const unsigned char* packed, std::size_t packed_size, un
     case LIBDEFLATE_SUCCESS: return nullptr;
     case LIBDEFLATE_SHORT_OUTPUT: return "it unpacks to too few bytes";
     case LIBDEFLATE_INSUFFICIENT_SPACE: return "it unpacks to too many bytes";
-    default: return "it is no whole zlib stream, or its checksum differs";
+    default: return "it is not a complete zlib stream, or its checksum is wrong";
   }
 }
 
-// A thread's own, of at least so many bytes.
+// Returns a buffer of this thread, at least `size` bytes.
 std::vector<unsigned char>& parted_bytes(std::size_t size) {
   static thread_local std::vector<unsigned char> bytes;
   if (bytes.size() < size) bytes.resize(size);
   return bytes;
 }
 
-// Unpacks to differences, even and odd bytes apart.
+// Unpacks to differences, with even and odd bytes separated.
 const char* unpack_parted(int compression, const unsigned char* packed, std::size_t packed_size, unsigned char* parted,
                           std::size_t size) {
-  if (packed_size > size || compression == exr_compression::kNone) return "it is of another size than its texels";
+  if (packed_size > size || compression == exr_compression::kNone)
+    return "its size differs from the size of its texels";
   return compression == exr_compression::kRle ? unroll(packed, packed_size, parted, size)
                                               : inflate_all(packed, packed_size, parted, size);
 }
@@ -141,7 +142,7 @@ const char* unpack_exr(int compression, const unsigned char* packed, std::size_t
 }
 
 bool may_unpack_exr(int compression, std::size_t packed_size, std::size_t size) {
-  // A run of 128 bytes takes two, 258 bytes of deflate a quarter of one; the small number is for heads.
+  // Largest expansion: RLE packs a run of 128 bytes into two, deflate packs 258 bytes into 2 bits.
   const std::size_t most = compression == exr_compression::kRle ? 64 : 1032;
   return packed_size >= size ||
          (can_unpack_exr(compression) && compression != exr_compression::kNone ? size / most <= packed_size

@@ -15,9 +15,9 @@
 namespace multum {
 namespace {
 
-// Times of files are those of the kernel's last tick, of 1 to 10 ms on Linux: two writes within one have the same time.
-// A file that was written to just now is looked at a little later, so that any write after the look has another time.
-// File systems that keep whole seconds (FAT) are not provided for.
+// File times have the resolution of the kernel's timer tick, 1 to 10 ms on Linux: two writes within one tick have the
+// same time. After a very recent write, the file is examined a little later, so that any later write has another time.
+// File systems that store whole seconds (FAT) are not handled.
 constexpr std::int64_t kTickNs = 20'000'000;
 
 std::int64_t nanoseconds(const timespec& time) { return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec; }
@@ -39,7 +39,7 @@ InputHashes::Known* InputHashes::noted(const std::string& path) {
   if (const auto found = known_.find(path); found != known_.end()) return &found->second;
   std::optional<Stamp> stamp = stamp_of(path);
   if (!stamp) return nullptr;
-  // Of a clock that runs ahead, the wait is no longer.
+  // A file time in the future, from a clock that runs ahead, does not lengthen the wait.
   const std::int64_t age = std::max(std::int64_t{0}, now_ns() - stamp->changed_ns);
   if (age < kTickNs) {
     std::this_thread::sleep_for(std::chrono::nanoseconds(kTickNs - age));
@@ -51,7 +51,7 @@ InputHashes::Known* InputHashes::noted(const std::string& path) {
 
 void InputHashes::check(const Known& known, const std::string& path) {
   if (stamp_of(path) != known.stamp)
-    throw Error(ErrorCode::kInput, path + ": was changed while it was read, expected a file that stays as it is");
+    throw Error(ErrorCode::kInput, path + ": changed while it was read, expected a file that no program writes to");
 }
 
 void InputHashes::note(const std::string& path) {
@@ -62,7 +62,7 @@ void InputHashes::note(const std::string& path) {
 std::string InputHashes::hash(const std::string& path) {
   const std::lock_guard lock(mutex_);
   Known* const known = noted(path);
-  if (known == nullptr) return hash_file(path);  // which says why
+  if (known == nullptr) return hash_file(path);  // throws with the reason
   if (known->hash) return *known->hash;
   const std::string hash = hash_file(path);
   ++read_count_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hashes the files that a program reads, each once: the hash is that of the bytes that were there when the file was
-// first looked at, and a file that changes after that is refused.
+// Hashes each file that a program reads, once. The hash covers the bytes that the file had when it was first examined;
+// a file that changes later is refused.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,28 @@ namespace multum {
 
 class InputHashes {
  public:
-  /// Remembers what the file is like before it is read for anything. Does nothing for a file that cannot be looked at,
-  /// and for one that is known.
+  /// Records the state of a file before anything reads it. Does nothing if the file cannot be examined or its state is
+  /// already recorded.
   void note(const std::string& path);
-  /// SHA-256, read at the first call. Throws Error(kInput) when the file cannot be read, or has changed since it was
-  /// noted.
+  /// Returns the SHA-256, computed at the first call. Throws Error(kInput) when the file cannot be read, or has changed
+  /// since note().
   std::string hash(const std::string& path);
-  /// Throws Error(kInput) when the file has changed since it was noted: what was read of it meanwhile is of no use.
+  /// Throws Error(kInput) when the file has changed since note(): data read since then are invalid.
   void check_unchanged(const std::string& path);
-  /// What a copy of the list on another machine sees of a file too.
+  /// The part of a file's state that other machines see too.
   struct FileState {
     std::int64_t size = -1, modified_ns = 0;
     bool operator==(const FileState&) const = default;
   };
-  /// As the file was when it was first looked at.
+  /// State of the file when it was first examined.
   FileState state(const std::string& path);
-  /// Takes the hash that somebody else has found, if the file is in the state that it had for them.
+  /// Adopts a hash that another process computed, if the file still has the `state` that the other process saw.
   void take(const std::string& path, const FileState& state, const std::string& hash);
-  /// Files that were read to be hashed.
+  /// Number of files that were read for hashing.
   int read_count() const;
 
  private:
-  // What changes with every write: a file that is written anew has another inode.
+  // Values that change with every write: a file that is replaced has another inode.
   struct Stamp {
     std::uint64_t device, inode;
     std::int64_t size, modified_ns, changed_ns;
@@ -53,8 +53,8 @@ class InputHashes {
   int read_count_ = 0;
 };
 
-/// SHA-256 of a regular file, by whatever name; nullopt: it is none, or cannot be opened. A pipe is not waited for, and
-/// a device not read for ever.
+/// Returns the SHA-256 of a regular file; nullopt if the name belongs to anything else, or the file cannot be opened.
+/// Neither waits for a pipe nor reads an endless device.
 std::optional<std::string> hash_regular_file(const std::string& path);
 
 }  // namespace multum

@@ -43,7 +43,7 @@ std::string text_of(const Json& json, int indent, bool is_ascii) {
   return is_all_utf8(json) ? json.dump(indent, ' ', is_ascii) : with_escapes(json).dump(indent, ' ', is_ascii);
 }
 
-// As much of it as a message has room for.
+// Returns the value as text, shortened for a message.
 std::string shown_value(const nlohmann::json& value) {
   constexpr std::size_t kShownMax = 40;
   const std::string text = json_text(value);
@@ -61,7 +61,7 @@ std::optional<std::string> json_of_file(const std::string& path, StandardInput i
   return text;
 }
 
-// Outside texts a backslash is no JSON, and so what begins with one is an escape.
+// In valid JSON a backslash occurs only in texts, where it begins an escape.
 bool holds_nul(std::string_view json) {
   if (json.find('\0') != std::string_view::npos) return true;
   for (std::size_t at = json.find('\\'); at != std::string_view::npos; at = json.find('\\', at + 2))
@@ -70,7 +70,7 @@ bool holds_nul(std::string_view json) {
 }
 
 void refuse_nul(std::string_view json, const std::string& path) {
-  if (holds_nul(json)) refuse_file(path, "holds the character NUL (\\u0000) in its JSON, which no text of it may");
+  if (holds_nul(json)) refuse_file(path, "its JSON holds the character NUL (\\u0000), which no text may contain");
 }
 
 std::int64_t json_integer_of(const nlohmann::json& value, const std::string& what, std::int64_t low,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes bytes to an AtomicFile for libraries that write through callbacks: the first thing that goes wrong is kept and
-// thrown when the file is closed, since what is thrown within a callback may not arrive.
+// Writes bytes to an AtomicFile for libraries that write through callbacks. Exceptions may not pass through a callback,
+// so the first failure is stored and thrown when the file is closed.
 #pragma once
 
 #include <cstddef>
@@ -14,19 +14,19 @@ namespace multum {
 
 class OutputFile {
  public:
-  /// From its first byte on; `file` outlives this. Throws Error(kEnvironment).
+  /// Writes from the first byte on; `file` must outlive this object. Throws Error(kEnvironment).
   explicit OutputFile(const AtomicFile& file);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// False when the system refuses.
+  /// Returns false when the system refuses the write.
   bool write(const void* bytes, std::size_t count);
   bool seek(std::uint64_t position);
   std::uint64_t position() const { return position_; }
-  /// The first failure, as text; empty: there was none.
+  /// The first failure as text; empty if there was none.
   std::string failure() const;
-  /// Hands everything to the system. Throws Error(kEnvironment) when this or anything before it failed.
+  /// Hands all bytes to the system. Throws Error(kEnvironment) when this or an earlier write failed.
   void close();
 
  private:
@@ -37,10 +37,9 @@ class OutputFile {
   int failure_ = 0;  // the first errno
 };
 
-/// Writes where nothing stands between the writer and whoever may hear of a failure: ends the work at once when the
-/// system refuses. Throws Error(kEnvironment).
+/// Writes for callers that can pass exceptions on: throws Error(kEnvironment) as soon as the system refuses.
 inline void write_or_throw(OutputFile& file, const void* bytes, std::size_t count) {
-  if (!file.write(bytes, count)) file.close();  // throws what has failed
+  if (!file.write(bytes, count)) file.close();  // throws the stored failure
 }
 
 }  // namespace multum

@@ -18,18 +18,18 @@ namespace {
 namespace fs = std::filesystem;
 
 bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // of files that do not exist yet: their folders may, under several names
+  std::error_code ignored;  // files that do not exist yet may be in folders that do exist, under several names
   return fs::equivalent(a, b, ignored) || canonical_name(a) == canonical_name(b);
 }
 
-// A name goes into lists of files, logs and terminals, where such a character would do something.
+// Names are written to file lists, logs and terminals, where a control character could have an effect.
 void check_name(const fs::path& name, const std::string& path) {
   if (holds_control(name.string()))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: its name holds a control character, expected a name without", shown_text(path)));
+                fmt::format("{}: its name holds a control character, expected a name without one", shown_text(path)));
 }
 
-// Folders that were made, each behind those that it is in.
+// Folders that were created, each after the folders that contain it.
 struct NewFolderList {
   std::mutex mutex;
   int keepers = 0;
@@ -53,7 +53,7 @@ NewFolders::~NewFolders() {
   NewFolderList& list = new_folders();
   const std::lock_guard lock(list.mutex);
   if (--list.keepers > 0) return;
-  // One that is not empty stays.
+  // rmdir() fails for a folder that is not empty, which stays.
   for (auto path = list.paths.rbegin(); path != list.paths.rend(); ++path) ::rmdir(path->c_str());
   list.paths.clear();
 }
@@ -74,14 +74,15 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
     check_name(fs::path(output).filename(), output);
     for (const std::string& other : others)
       if (!other.empty() && same_file(output, other))
-        throw Error(ErrorCode::kUsage, output + ": is named twice, expected different files to read and to write");
+        throw Error(ErrorCode::kUsage,
+                    output + ": is named twice, expected different files for all inputs and outputs");
     others.push_back(output);
   }
 }
 
 void make_folder(const std::string& path) {
   std::error_code error;
-  std::vector<fs::path> made;  // the innermost first
+  std::vector<fs::path> made;  // innermost first
   for (fs::path missing = fs::absolute(path, error); !missing.empty() && !fs::exists(missing, error);
        missing = missing.parent_path()) {
     check_name(missing.filename(), path);
@@ -92,7 +93,7 @@ void make_folder(const std::string& path) {
   NewFolderList& list = new_folders();
   const std::lock_guard lock(list.mutex);
   if (list.keepers > 0) list.paths.insert(list.paths.end(), made.rbegin(), made.rend());
-  if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot be made a folder: " + error.message());
+  if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot create the folder: " + error.message());
 }
 
 std::string existing_part(const std::string& path) {
@@ -104,7 +105,7 @@ std::string existing_part(const std::string& path) {
 
 void check_writable(const std::string& path) {
   check_name(fs::path(path).filename(), path);
-  // Permissions do not tell everything (a read-only disk, root): a file is created, and goes away with the probe.
+  // Permissions do not tell everything (a read-only disk, root), so a file is created; it is removed with the probe.
   const AtomicFile probe(path);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds and checks the names of files before any work is done for them.
+// Finds and checks file names before any work begins.
 #pragma once
 
 #include <string>
@@ -7,23 +7,23 @@
 
 namespace multum {
 
-/// Throws Error(kUsage) when an output is also an input or another output, by whatever name: a result that takes the
-/// place of a source, or of another result, would lose it without a word. Empty names stand for no file. Also where an
-/// output's name holds a control character.
+/// Throws Error(kUsage) when an output is also an input or another output, under any name: the result would silently
+/// replace a source or another result. Also throws when the name of an output holds a control character. Empty names
+/// mean no file.
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
-/// `path` as `file` names it, relative to the folder of `file`; empty stays empty: no file.
+/// Returns `path`, which `file` gives relative to its own folder; an empty path stays empty (no file).
 std::string path_beside(const std::string& file, const std::string& path);
 
-/// The one name of a file that may not be there yet, by whatever name it was given.
+/// Returns the same name for all names of a file, which need not exist yet.
 std::string canonical_name(const std::string& path);
 
-/// Makes a folder, and those that it lies in, where it is not there yet. Throws Error(kEnvironment), and Error(kUsage)
-/// for a new name that holds a control character.
+/// Creates a folder and its parent folders if they are missing. Throws Error(kEnvironment), and Error(kUsage) for a new
+/// name that holds a control character.
 void make_folder(const std::string& path);
 
-/// While it lives, the folders that make_folder() makes are remembered; those that are empty when it ends go away
-/// again. Every command has one, so that a command that refuses its input leaves no folder.
+/// Records the folders that make_folder() creates during the object's life; its destructor removes the empty ones.
+/// Every command has one, so that a command that refuses its input leaves no folder.
 class NewFolders {
  public:
   NewFolders();
@@ -32,11 +32,11 @@ class NewFolders {
   NewFolders& operator=(const NewFolders&) = delete;
 };
 
-/// The folder that `path` is or would lie in, as far as it is there.
+/// Returns the longest existing part of the folder that contains, or would contain, `path`.
 std::string existing_part(const std::string& path);
 
-/// Throws Error(kEnvironment, or kUsage for a folder or a control character) when no file of this name can be written;
-/// creates none.
+/// Throws Error(kEnvironment, or kUsage for a folder or a control character) when no file of this name can be written.
+/// Leaves no file.
 void check_writable(const std::string& path);
 
 }  // namespace multum

@@ -20,21 +20,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDepthMax = 64;    // folders within folders, each of which is an open file
-constexpr int kTriesMax = 1000;  // of a folder that others remove between our making and our opening it
+constexpr int kDepthMax = 64;    // nested folders, each of which is an open file
+constexpr int kTriesMax = 1000;  // others may remove the folder between its creation and its opening
 constexpr char kMark[] = ".multum-folder";
-constexpr mode_t kOwnMode = 0700;  // nobody else looks into it, or puts a link there
+constexpr mode_t kOwnMode = 0700;  // no other user can list it, or put a link there
 constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
-              fmt::format("{}: {}; expected nothing there, or a folder of this user that nobody else may write to. It "
-                          "was left alone: remove it, or write to another folder",
+              fmt::format("{}: {}; expected a new folder, or one that only this user may write to. It was left "
+                          "unchanged: remove it, or write to another folder",
                           path, what));
 }
 
 [[noreturn]] void refuse_owner(const std::string& path, const struct stat& found) {
-  refuse(path, fmt::format("belongs to user {}, and this is user {}", found.st_uid, ::geteuid()));
+  refuse(path, fmt::format("belongs to user {}, but multum runs as user {}", found.st_uid, ::geteuid()));
 }
 
 const char* kind_of(mode_t mode) {
@@ -43,7 +43,7 @@ const char* kind_of(mode_t mode) {
   return S_ISDIR(mode) ? "is a folder" : "is neither a file nor a folder";
 }
 
-// What the system says of a file that this process has just made there under a name that nobody could guess.
+// Returns the system's data of a file that this process creates there under a random name.
 struct stat state_of_new_file(const OpenFile& folder) {
   struct stat made {};
   const std::string name = ".multum-probe-" + random_digits();
@@ -60,8 +60,8 @@ void check_is_own(const OpenFile& above, const OpenFile& folder, const std::stri
   struct stat outside {
   }, found{};
   if (::fstat(above.descriptor(), &outside) != 0 || ::fstat(folder.descriptor(), &found) != 0)
-    fail_by_errno(path, "cannot be looked at");
-  if (found.st_dev != outside.st_dev) refuse(path, "is another file system, mounted there");
+    fail_by_errno(path, "cannot be examined");
+  if (found.st_dev != outside.st_dev) refuse(path, "is the mount point of another file system");
   const auto is_own = [&](uid_t owner, mode_t ignored) {
     return found.st_uid == owner && (found.st_mode & kOthersWrite & ~ignored) == 0;
   };
@@ -69,10 +69,10 @@ void check_is_own(const OpenFile& above, const OpenFile& folder, const std::stri
   const struct stat made = state_of_new_file(above);
   if (is_own(made.st_uid, made.st_mode)) return;
   if (found.st_uid != made.st_uid) refuse_owner(path, found);
-  refuse(path, fmt::format("has the mode {:04o}, by which others may write to it", found.st_mode & 07777U));
+  refuse(path, fmt::format("has the mode {:04o}, which lets other users write to it", found.st_mode & 07777U));
 }
 
-// Not open, with ENOENT, where nothing has this name.
+// Not open, with ENOENT, if nothing has this name.
 OpenFile open_if_own(const OpenFile& above, const std::string& name, const std::string& path) {
   OpenFile folder(::openat(above.descriptor(), name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (folder.is_open()) check_is_own(above, folder, path);
@@ -98,8 +98,8 @@ bool remove_one(int folder, dev_t device, const std::string& name, int depth) {
          ::unlinkat(folder, name.c_str(), AT_REMOVEDIR) == 0;
 }
 
-// Names of an open folder; false, with errno, where they cannot be read. By the descriptor itself: a process that may
-// open no more files can still remove what it made.
+// Lists the names in an open folder; returns false, with errno, if they cannot be read. Uses the descriptor itself, so
+// that a process that may open no more files can still remove its own.
 bool list_names(int folder, std::vector<std::string>& names) {
   if (::lseek(folder, 0, SEEK_SET) < 0) return false;
   alignas(dirent64) char entries[32 << 10];
@@ -137,11 +137,11 @@ NamedPlace open_place(const std::string& path) {
   const fs::path whole(path);
   const std::string above = whole.has_parent_path() ? whole.parent_path().string() : ".";
   NamedPlace place{OpenFile(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)), whole.filename().string()};
-  // A folder that may be written to and not listed.
+  // The folder may be writable without being listable.
   if (!place.folder.is_open() && errno == EACCES)
     place.folder = OpenFile(::open(above.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!place.folder.is_open() && (errno == ENAMETOOLONG || errno == ELOOP))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: the name of its folder is too long, or its links lead in a circle; "
+    throw Error(ErrorCode::kUsage, fmt::format("{}: the name of its folder is too long, or its links form a circle; "
                                                "choose another folder",
                                                path));
   if (!place.folder.is_open() && errno == ENOENT)
@@ -163,17 +163,17 @@ OpenFile open_own_folder(const OpenFile& above, const std::string& name, const s
       throw;
     }
   }
-  refuse(path, "comes and goes: another process removes it again and again");
+  refuse(path, "another process removes it repeatedly");
 }
 
 bool mark_own_folder(const OpenFile& folder, const std::string& path) {
   if (::faccessat(folder.descriptor(), kMark, F_OK, AT_SYMLINK_NOFOLLOW) == 0) return true;
   const std::vector<std::string> names = names_in(folder, path);
   if (!names.empty() && names.front() != kMark)
-    refuse(path, fmt::format("holds '{}' and no {}, so multum did not make it", names.front(), kMark));
+    refuse(path, fmt::format("holds '{}' but no {}, so multum did not create it", names.front(), kMark));
   const OpenFile mark(::openat(folder.descriptor(), kMark, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (!mark.is_open() && errno == ENOENT) return false;
-  if (!mark.is_open() && errno != EEXIST) fail_by_errno(path, "no file can be created in it");
+  if (!mark.is_open() && errno != EEXIST) fail_by_errno(path, "cannot create a file in it");
   return true;
 }
 
@@ -190,7 +190,7 @@ bool clear_own_folder(const OpenFile& folder, const std::string& kept) {
 }
 
 bool remove_own_folder(const OpenFile& above, const std::string& name, const OpenFile& folder) {
-  // The mark goes last: what a kill leaves of this is still known as ours, or empty.
+  // The mark goes last: after a kill, the remaining folder is still marked as ours, or empty.
   if (!clear_own_folder(folder)) return false;
   ::unlinkat(folder.descriptor(), kMark, 0);
   return !is_named(above, name, folder.descriptor()) || ::unlinkat(above.descriptor(), name.c_str(), AT_REMOVEDIR) == 0;

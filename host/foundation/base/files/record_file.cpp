@@ -27,7 +27,7 @@ std::uint64_t size_of_file(const OpenFile& file, const std::string& path) {
   struct stat found {};
   if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0) fail_by_errno(path, "cannot be opened");
   if (!S_ISREG(found.st_mode))
-    throw Error(ErrorCode::kEnvironment, path + ": is no file, expected a journal of stopped work; remove it");
+    throw Error(ErrorCode::kEnvironment, path + ": is not a file, expected a journal of stopped work; remove it");
   return static_cast<std::uint64_t>(found.st_size);
 }
 
@@ -42,7 +42,7 @@ bool write_all(int file, RecordFile::Bytes bytes, std::uint64_t offset) {
   return true;
 }
 
-// What a kill or a lost power leaves of the first line: its beginning, or zeros.
+// A kill or a loss of power may leave only the beginning of the first line, or zeros.
 bool is_torn(const std::string& text) {
   return text[0] == '\0' || (text.size() < kFormatBytes && std::string(kFormatLine).starts_with(text));
 }
@@ -65,8 +65,8 @@ std::uint64_t RecordFile::visit_records(const std::string* key, const std::funct
   if (!text.starts_with(kFormatLine))
     throw Error(ErrorCode::kEnvironment,
                 shown_path_ +
-                    ": found no line 'multum records 1' at its beginning: another version of multum left it of stopped "
-                    "work, or it is something else; delete it, or finish that work with the version that wrote it");
+                    ": its first line is not 'multum records 1', so another version of multum or another program wrote "
+                    "it; delete it, or finish the stopped work with the version that wrote it");
   const std::size_t key_end = text.find('\n', kFormatBytes);
   if (key_end == std::string::npos || (key != nullptr && text.substr(kFormatBytes, key_end - kFormatBytes) != *key))
     return 0;
@@ -139,7 +139,7 @@ void RecordFile::append(const std::vector<Bytes>& parts) {
   for (const Bytes& part : parts) {
     if (!write_all(file_.descriptor(), part, end)) {
       const int error = errno;
-      // Where this fails too, the next run finds a torn end and cuts it.
+      // If this fails too, the next run finds and removes the torn end.
       [[maybe_unused]] const int ignored = ::ftruncate(file_.descriptor(), static_cast<off_t>(size_));
       errno = error;
       fail_by_errno(shown_path_, "cannot be written");
@@ -161,7 +161,7 @@ std::unique_ptr<RecordJournal> RecordJournal::open(const std::string& output, co
   if (folder == nullptr) return nullptr;
   if (!resume) folder->clear();
   std::unique_ptr<RecordJournal> journal(new RecordJournal(std::move(folder), file));
-  journal->folder_->leave();  // where it is refused
+  journal->folder_->leave();  // in case visit_records() throws
   std::vector<std::uint8_t> bytes;
   const std::uint64_t size = journal->visit_records(
       &key, [&](const Place& place) { return journal->read(place, bytes) && visit(bytes, place); });

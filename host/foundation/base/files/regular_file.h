@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens files that somebody named, for reading. Where a name is that of a FIFO, open() waits for a writer that may
-// never come; a device may have no end, and opening it may do something. So a file is opened without waiting, looked at
-// through its descriptor, and refused where it is not a regular file. A look at the name before it is opened would not
-// do: between the two it may become something else.
+// Opens files that users name, for reading. For a FIFO, open() waits for a writer that may never come; a device may
+// have no end, and opening it may have effects. So a file is opened without waiting, examined through its descriptor,
+// and refused unless it is a regular file. Examining the name before opening would not suffice: the file may be
+// replaced in between.
 #pragma once
 
 #include <ext/stdio_filebuf.h>
@@ -15,27 +15,27 @@
 
 namespace multum {
 
-/// Whether "/dev/stdin" may name what the program was given as standard input: a pipe, or a terminal. It is read once
-/// and from its beginning, so only readers of whole texts allow it.
+/// Selects whether "/dev/stdin" may name the program's standard input, a pipe or a terminal. It is read once and from
+/// its beginning, so only readers of whole texts allow it.
 enum class StandardInput { kRefused, kAllowed };
 
-/// Opens `path` for reading. Not open, with errno, where it is not there or may not be read. Throws Error(kInput) where
-/// it is a folder, a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file"; Error(kEnvironment) where
-/// this process may open no more files, or has no memory; Error(kUsage) for a name that no file system takes.
+/// Opens `path` for reading. Not open, with errno, if it is missing or not readable. Throws Error(kInput) for a folder,
+/// a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file"; Error(kEnvironment) if this process may
+/// open no more files, or has no memory; Error(kUsage) for a name that no file system accepts.
 OpenFile open_regular_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
-/// As open_regular_file(), with `folder` and all that links lead to: a file that lies beneath `folder` by its real
-/// name. Throws Error(kInput) also where it lies elsewhere.
+/// Like open_regular_file(), but resolves `folder` and all links: the file's real name must be beneath `folder`. Throws
+/// Error(kInput) also if it is elsewhere.
 OpenFile open_file_beneath(const std::string& folder, const std::string& path);
 
-/// As many of the first bytes as there are, up to `count`; none of a folder, or of a file that cannot be read. Throws
-/// Error(kInput) as open_regular_file() does, but for a folder.
+/// Returns up to `count` bytes from the beginning of the file; none for a folder or an unreadable file. Otherwise
+/// throws Error(kInput) like open_regular_file().
 std::string first_bytes(const std::string& path, std::size_t count);
 
-/// std::ifstream for files that somebody named.
+/// std::ifstream for files that users name.
 class RegularFileStream : public std::istream {
  public:
-  /// Fails as std::ifstream does where the file cannot be opened; otherwise as open_regular_file().
+  /// Fails like std::ifstream if the file cannot be opened; otherwise throws like open_regular_file().
   explicit RegularFileStream(const std::string& path, StandardInput input = StandardInput::kRefused);
   explicit RegularFileStream(OpenFile file);
 

@@ -17,7 +17,7 @@ ScratchFile::ScratchFile(std::string folder) : folder_(folder.empty() ? "." : st
   std::string name = folder_ + "/.multum-scratch-XXXXXX";
   descriptor_ = mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0)
-    throw Error(ErrorCode::kEnvironment, folder_ + ": no scratch file can be made there: " + errno_text(errno));
+    throw Error(ErrorCode::kEnvironment, folder_ + ": cannot create a scratch file there: " + errno_text(errno));
   unlink(name.c_str());
 }
 
@@ -59,7 +59,7 @@ void ScratchFile::write(std::uint64_t offset, const void* data, std::size_t byte
     const ssize_t written = pwrite(descriptor_, from, byte_count, static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0)
-      throw Error(ErrorCode::kEnvironment, folder_ + ": a scratch file cannot be written there: " + errno_text(errno));
+      throw Error(ErrorCode::kEnvironment, folder_ + ": cannot write a scratch file there: " + errno_text(errno));
     from += written;
     offset += static_cast<std::uint64_t>(written);
     byte_count -= static_cast<std::size_t>(written);
@@ -72,8 +72,8 @@ void ScratchFile::read(std::uint64_t offset, void* data, std::size_t byte_count)
     const ssize_t got = pread(descriptor_, to, byte_count, static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0)
-      throw Error(ErrorCode::kEnvironment, folder_ + ": a scratch file there cannot be read: " +
-                                               (got < 0 ? errno_text(errno) : "it ends before what was written"));
+      throw Error(ErrorCode::kEnvironment, folder_ + ": cannot read a scratch file there: " +
+                                               (got < 0 ? errno_text(errno) : "it ends before the written data"));
     to += got;
     offset += static_cast<std::uint64_t>(got);
     byte_count -= static_cast<std::size_t>(got);

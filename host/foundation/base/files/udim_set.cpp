@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Words of numbers, and of u and v.
+// Placeholders for tile numbers, and for u and v.
 constexpr std::string_view kNumberWords[] = {"<UDIM>", "<udim>", "%(UDIM)d"};
 constexpr std::string_view kPairWords[] = {"<UVTILE>", "<uvtile>"};
 constexpr std::size_t kTileDigits = 4;
@@ -23,7 +23,7 @@ bool is_digits(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// The first word of a path.
+// The first placeholder in a path.
 struct TileWord {
   std::size_t at = std::string::npos, length = 0;
   bool is_pair = false;
@@ -44,7 +44,8 @@ std::string pair_text(const std::string& tile) {
   return "u" + std::to_string(number % kTilesPerRow + 1) + "_v" + std::to_string(number / kTilesPerRow + 1);
 }
 
-// The number that a name has at its beginning, where digits end; nullopt: none.
+// Returns the number at the beginning of a name, up to the first character that is not a digit; nullopt if there is
+// none.
 std::optional<int> leading_number(std::string_view& name) {
   std::size_t length = 0;
   while (length < name.size() && length < kTileDigits && is_digits(name.substr(length, 1))) ++length;
@@ -54,7 +55,7 @@ std::optional<int> leading_number(std::string_view& name) {
   return number;
 }
 
-// The tile that a name has at its beginning, as a number; empty: none.
+// Returns the tile at the beginning of a name, as a number; empty if there is none.
 std::string leading_tile(std::string_view name, bool is_pair) {
   if (!is_pair) {
     const std::string tile(name.substr(0, kTileDigits));
@@ -86,7 +87,7 @@ std::vector<std::string> find_tiles(const std::string& set) {
   const std::string name = path.filename().string();
   const TileWord word = find_word(name);
   if (word.at == std::string::npos)
-    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in a folder's name, expected it in the file's");
+    throw Error(ErrorCode::kUsage, set + ": found <UDIM> in the name of a folder, expected it in the file name");
   std::vector<std::string> tiles;
   std::error_code none;
   for (const fs::directory_entry& entry :
@@ -126,7 +127,7 @@ std::string place_of_map(const std::string& pattern, const SetMap& map, const st
   std::error_code error;
   if (!fs::is_directory(pattern, error))
     throw Error(ErrorCode::kUsage,
-                pattern + ": one name for several maps, expected a folder that exists, or <UDIM> in the name");
+                pattern + ": one name for several maps, expected an existing folder, or <UDIM> in the name");
   return (fs::path(pattern) / (fs::path(map.path).stem().string() + suffix)).string();
 }
 

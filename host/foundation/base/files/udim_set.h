@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets of maps whose tiles are named by a word in a path, e.g. rock_<UDIM>.png for rock_1001.png, rock_1002.png ...
+// Finds sets of maps whose paths hold a placeholder for the tile, e.g. rock_<UDIM>.png for rock_1001.png, rock_1002.png
 //   <UDIM>, <udim>, %(UDIM)d   four digits, 1001 + u + 10 v: 1001 to 9999
 //   <UVTILE>, <uvtile>         u1_v1, u2_v1 ...: u + 1 and v + 1
 #pragma once
@@ -9,28 +9,29 @@
 
 namespace multum {
 
-/// Does a path name a set?
+/// Returns whether a path names a set.
 bool has_udim(const std::string& path);
 
-/// The tiles that a set has files of, "1001" and so on whatever word names them, in order. Throws Error(kUsage) when
-/// the word is in a folder's name.
+/// Returns the tiles that have files, as "1001" and so on for every kind of placeholder, in order. Throws Error(kUsage)
+/// if the placeholder is in the name of a folder.
 std::vector<std::string> find_tiles(const std::string& set);
-/// The path with a tile, "1001" and so on, in its words' place.
+/// Returns the path with its placeholders replaced by a tile ("1001" and so on).
 std::string with_tile(std::string path, const std::string& tile);
 
-/// One map of those that a command line names.
+/// One of the maps that a command line names.
 struct SetMap {
   std::string path;
-  std::string tile;      // of a set; empty: a map by itself
-  std::string set = "";  // its pattern, where the set has other tiles too
+  std::string tile;      // tile of a set; empty: a single map
+  std::string set = "";  // pattern of the set, if it has other tiles too
 };
 
-/// In the order given, tiles in the order of their numbers. Throws Error(kUsage) as find_tiles() does, Error(kInput)
-/// when a set has no tile.
+/// Returns maps in the given order, and the tiles of a set in the order of their numbers. Throws Error(kUsage) like
+/// find_tiles(), and Error(kInput) when a set has no tile.
 std::vector<SetMap> maps_of_names(const std::vector<std::string>& inputs);
 
-/// Where a file of one of several maps goes: `pattern` with the map's tile, or in the folder `pattern` under the map's
-/// name with `suffix`. Empty stays empty. Throws Error(kUsage) for a pattern that is neither a folder nor has `<UDIM>`.
+/// Returns the output path for one of several maps: `pattern` with the map's tile, or a file in the folder `pattern`
+/// with the map's name and `suffix`. Empty stays empty. Throws Error(kUsage) if a pattern is not a folder and lacks
+/// `<UDIM>`.
 std::string place_of_map(const std::string& pattern, const SetMap& map, const std::string& suffix);
 
 }  // namespace multum

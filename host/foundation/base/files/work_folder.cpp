@@ -22,7 +22,8 @@ constexpr char kWorkPrefix[] = ".multum-work-";
 
 enum class Lock { kTaken, kOurs, kUnsupported };
 
-// Some network file systems have no locks: work goes on there, and nobody's folder is removed as a killed run's.
+// Some network file systems have no locks: work continues there, and no folder is removed as the folder of a killed
+// run.
 Lock work_lock(const OpenFile& folder, const std::string& path) {
   while (::flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) return Lock::kTaken;
@@ -39,13 +40,13 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
     NamedPlace place = open_place(path);
     OpenFile folder = open_own_folder(place.folder, place.name, path);
     if (work_lock(folder, path) == Lock::kTaken) return nullptr;
-    // The process that had it may have removed it between our opening and our locking it.
+    // Its previous owner may have removed the folder between our opening and our locking.
     if (!is_named(place.folder, place.name, folder.descriptor())) continue;
     try {
       if (mark_own_folder(folder, path))
         return std::unique_ptr<WorkFolder>(new WorkFolder(std::move(place), std::move(folder), path));
     } catch (...) {
-      ::unlinkat(place.folder.descriptor(), place.name.c_str(), AT_REMOVEDIR);  // if it is empty
+      ::unlinkat(place.folder.descriptor(), place.name.c_str(), AT_REMOVEDIR);  // only if empty
       throw;
     }
   }
@@ -54,11 +55,11 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
 std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
   const fs::path above = folder.empty() ? "." : folder;
   sweep(above.string());
-  while (true)  // a sweep elsewhere may have been quicker to lock it
+  while (true)  // another process's sweep may have locked it first
     if (auto made = take((above / (kWorkPrefix + random_digits())).string())) return made;
 }
 
-// Those of killed runs: nobody has them locked.
+// Removes folders of killed runs: no process has them locked.
 void WorkFolder::sweep(const std::string& folder) {
   std::error_code ignored;
   std::vector<std::string> found;
@@ -74,7 +75,7 @@ void WorkFolder::drop(const std::string& path) {
     if (folder.is_open() && work_lock(folder, path) == Lock::kOurs &&
         is_named(place.folder, place.name, folder.descriptor()))
       remove_own_folder(place.folder, place.name, folder);
-  } catch (const Error&) {  // not ours to remove
+  } catch (const Error&) {  // not ours: stays
   }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder for the work of one process: made with mode 0700, locked, and from then on used, emptied and removed through
-// its descriptor. Every command keeps unfinished work in one, next to its output or in a hidden folder of that name, so
-// a link or a folder that somebody else put there is never written to, and nothing behind it is ever removed
-// (own_folder.h).
+// Holds the unfinished work of one process in a folder: created with mode 0700, locked, and used, emptied and removed
+// only through its descriptor. Every command keeps unfinished work in such a folder, next to its output or in a hidden
+// folder of that name. A link or a folder that somebody else puts there is never written to, and nothing behind it is
+// removed (own_folder.h).
 #pragma once
 
 #include <memory>
@@ -15,30 +15,30 @@ namespace multum {
 
 class WorkFolder {
  public:
-  /// Makes the folder `path`, or takes the one that is there with all that it holds. Null while another living process
-  /// has it. Throws Error(kEnvironment) for what is not ours, names what was found, and leaves it alone.
+  /// Creates the folder `path`, or takes an existing one with its contents. Returns null while another living process
+  /// has it. If it is not ours, throws Error(kEnvironment), which names the obstacle, and does not change it.
   static std::unique_ptr<WorkFolder> take(const std::string& path);
-  /// Makes a new one in `folder`, of a name that nobody can guess, and removes those that killed runs left there.
-  /// Throws Error(kEnvironment).
+  /// Creates a new work folder with a random name in `folder`, and removes those that killed runs left there. Throws
+  /// Error(kEnvironment).
   static std::unique_ptr<WorkFolder> make(const std::string& folder);
-  /// Removes what killed runs of make() left in `folder`, nothing else.
+  /// Removes work folders that killed runs of make() left in `folder`, and nothing else.
   static void sweep(const std::string& folder);
-  /// Takes and removes the folder `path`. Leaves alone what take() would refuse or another process has.
+  /// Takes and removes the folder `path`. Leaves a folder that take() would refuse, or that another process has.
   static void drop(const std::string& path);
-  /// Removes the folder and all in it, unless leave() was called.
+  /// Removes the folder and its contents, unless leave() was called.
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
 
-  /// Leads to this very folder while this object lives, whatever becomes of its name; for this process and those that
-  /// it starts.
+  /// A path that leads to this folder while this object lives, even if the folder is renamed; valid in this process and
+  /// its children.
   const std::string& path() const { return path_; }
   /// The folder's name, for messages.
   const std::string& shown_path() const { return shown_path_; }
   int descriptor() const { return folder_.descriptor(); }
-  /// Removes what is in it, except for the entry `kept`. Throws Error(kEnvironment) when something else stays.
+  /// Removes the contents, except for the entry `kept`. Throws Error(kEnvironment) when anything else remains.
   void clear(const std::string& kept = "") const;
-  /// The folder stays when this is destroyed: the work was stopped and may go on. False: it goes, as at first.
+  /// Keeps the folder when this object is destroyed, so that stopped work may be resumed. False: removes it (default).
   void leave(bool stays = true) { stays_ = stays; }
 
  private:
@@ -50,7 +50,7 @@ class WorkFolder {
   bool stays_ = false;
 };
 
-/// The hidden folder of unfinished work next to an output, .multum-partial-NAME.
+/// Returns the hidden folder of unfinished work next to an output, .multum-partial-NAME.
 std::string partial_folder_of(const std::string& output);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps warnings instead of showing them: those of trials are doubts about settings that nobody asked for, and belong
-// to the report of what was tried.
+// Collects warnings instead of showing them. Warnings of trial runs concern settings that the user did not choose, and
+// belong in the report of the trials.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace multum {
 
-/// While it lives, it keeps what log_warning() and log_named_warning() are told, by all threads, with its subject. One
-/// inside another has its own.
+/// During its life, collects the warnings of log_warning() and log_named_warning() from all threads, with their
+/// subjects. A nested object collects its own.
 class HeldWarnings {
  public:
   HeldWarnings();
   ~HeldWarnings();
   HeldWarnings(const HeldWarnings&) = delete;
   HeldWarnings& operator=(const HeldWarnings&) = delete;
-  /// In their order; none are left.
+  /// Returns the collected warnings in order and removes them.
   std::vector<std::string> take();
 
-  /// True when one was there to keep it.
+  /// Gives the message to the innermost object; returns false if there is none.
   static bool keep(const std::string& message);
 
  private:

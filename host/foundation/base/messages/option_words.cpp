@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-constexpr char kBegin = '\x02', kEnd = '\x03';  // which no text of ours has
+constexpr char kBegin = '\x02', kEnd = '\x03';  // no message contains these
 
 struct Words {
   std::optional<std::set<std::string>> options;
@@ -24,7 +24,7 @@ std::string on_command_line(std::string name, const std::string& value) {
   return "--" + name + (value.empty() ? "" : " " + value);
 }
 
-// As TOML has it: flags are true, numbers bare, all else is quoted.
+// Formats a key as in TOML: flags are true, numbers bare, all other values quoted.
 std::string as_key(const std::string& name, const std::string& value) {
   if (value.empty()) return name + " = true";
   const bool is_number = value.find_first_not_of("+-.0123456789eN") == std::string::npos;

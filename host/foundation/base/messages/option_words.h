@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names options in advice as the command that runs has them. Code that several commands share writes its advice with
-// this, so that no command advises an option that it lacks (tools/check_advice.py).
+// Names options in advice with the spelling of the running command. Code that several commands share writes its advice
+// with these functions, so that no command advises an option that it lacks (tools/check_advice.py).
 #pragma once
 
 #include <optional>
@@ -10,29 +10,29 @@
 
 namespace multum {
 
-/// Sets the options of the command that runs, for the whole process, before its work begins: names of parameters, such
-/// as "two_channel". nullopt, as it is at first: every parameter is an option.
+/// Sets the options of the running command for the whole process, before its work begins: names of parameters, such as
+/// "two_channel". nullopt (the default): every parameter is an option.
 void set_option_words(std::optional<std::set<std::string>> names);
 
-/// Adds parameters that are given in a file, by green = "down": those of a manifest or a scene.
+/// Adds parameters that are keys of a file (green = "down"), such as a manifest or a scene.
 void add_key_words(const std::vector<std::string>& names);
 
-/// "green" and "down" as "--green down", or as a file has them. nullopt: the command has no such parameter. An empty
-/// value: a flag.
+/// Formats "green" and "down" as "--green down", or as a key of a file. nullopt: the command has no such parameter. An
+/// empty value means a flag.
 std::optional<std::string> option_text(const std::string& name, const std::string& value = "");
 
-/// Replaces every "<name>" and "<name value>" of the text by its option. Returns "" where the command lacks one of
-/// them: a piece of advice is a text of its own, to be appended to a message that is whole without it. Marks, which
-/// Error and the log take away, tell it from the rest of the message.
+/// Replaces every "<name>" and "<name value>" in the text by the option. Returns "" if the command lacks one of them: a
+/// piece of advice is a separate text, appended to a message that is complete without it. Hidden marks separate it from
+/// the message; Error and the log remove them.
 std::string advice(const std::string& text);
 
-/// The options of these parameters as advice: ": --green, --signed".
+/// Returns the options of these parameters as advice: ": --green, --signed".
 std::string names_as_advice(const std::vector<std::string>& names);
 
-/// The message without the marks, as people read it.
+/// Returns the message without the marks, for people.
 std::string with_advice(std::string message);
 std::vector<std::string> with_advice(std::vector<std::string> messages);
-/// The message without the advice, which is the same whatever command runs: for what is stored in files.
+/// Returns the message without its advice, which depends on the command: for messages that are stored in files.
 std::string without_advice(const std::string& message);
 
 }  // namespace multum

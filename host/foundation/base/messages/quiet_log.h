@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Silences the log: for work whose findings another part of the program has told.
+// Silences the log, for work whose findings another part of the program has already reported.
 #pragma once
 
 #include "host/foundation/base/log.h"
 
 namespace multum {
 
-/// While it lives, nothing is logged.
+/// Logs nothing while an object exists.
 class QuietLog {
  public:
   QuietLog() : level_(log_level()) { set_log_level(LogLevel::kQuiet); }

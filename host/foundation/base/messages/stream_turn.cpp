@@ -7,7 +7,7 @@ namespace multum {
 namespace {
 
 constexpr char kWipe[] = "\r\033[K";
-constexpr std::size_t kLongestLine = std::size_t{1} << 16;  // longer ones are given out in parts
+constexpr std::size_t kLongestLine = std::size_t{1} << 16;  // longer lines are written in parts
 
 std::mutex g_mutex;
 bool g_has_bar = false;

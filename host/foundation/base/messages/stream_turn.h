@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps stdout, stderr and the bar of progress from running into one another where they go to one terminal, pipe or
-// file: stdout gives out whole lines only, one thread writes at a time, and a bar is wiped before any line.
+// Keeps stdout, stderr and the progress bar apart when they go to one terminal, pipe or file. Stdout writes only whole
+// lines, one thread writes at a time, and the bar is wiped before any line.
 #pragma once
 
 #include <mutex>
@@ -8,11 +8,11 @@
 
 namespace multum {
 
-/// From here on stdout gives out lines as soon as they are whole, also into pipes and files, and never parts of them.
-/// Called once, before anything is written.
+/// Makes stdout write each line as soon as it is complete, and never part of a line, also to pipes and files. Called
+/// once, before anything is written.
 void begin_whole_lines();
 
-/// The right to write to stdout or stderr while it lives. Wipes the bar.
+/// Grants the right to write to stdout or stderr during its life. Wipes the bar.
 class StreamTurn {
  public:
   StreamTurn();
@@ -23,7 +23,7 @@ class StreamTurn {
   std::lock_guard<std::mutex> lock_;
 };
 
-/// Shows a bar on stderr, a terminal, in place of the one before. Control characters are the caller's matter.
+/// Replaces the bar on stderr, which must be a terminal. The caller removes control characters.
 void show_bar(const std::string& bar);
 
 }  // namespace multum

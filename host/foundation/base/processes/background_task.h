@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs one task at a time in another thread: the next begins when the one before is done, so that their order stays.
+// Runs one task at a time in another thread. Each task begins when the previous one has ended, so their order is kept.
 #pragma once
 
 #include <functional>
@@ -11,20 +11,20 @@ namespace multum {
 class BackgroundTask {
  public:
   BackgroundTask() = default;
-  /// Waits; what went wrong is lost, as it is when an exception unwinds.
+  /// Waits for the task. An exception of the task is lost.
   ~BackgroundTask() {
     if (running_.valid()) running_.wait();
   }
   BackgroundTask(const BackgroundTask&) = delete;
   BackgroundTask& operator=(const BackgroundTask&) = delete;
 
-  /// Waits for the task before, throws what it threw, and begins this one. `threads` 1: it runs at once.
+  /// Waits for the previous task, throws its exception, and begins this one. If `threads` is 1, runs the task at once.
   void run(int threads, std::function<void()> task) {
     wait();
     if (threads == 1) task();
     else running_ = std::async(std::launch::async, std::move(task));
   }
-  /// Throws what the task threw.
+  /// Waits for the task and throws its exception.
   void wait() {
     if (running_.valid()) running_.get();
   }

@@ -24,13 +24,13 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-// Linux counts in KiB.
+// Linux reports KiB.
 std::uint64_t peak_memory_bytes(const rusage& usage) { return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; }
 
-// From outside, at once after its start: before it has read anything that it was told to.
+// Sets the limits of a child from outside, immediately after its start, before it has read any untrusted file.
 void hold_to(pid_t pid, const ChildLimits& limits) {
   if (limits.niceness > 0) ::setpriority(PRIO_PROCESS, static_cast<id_t>(pid), limits.niceness);
-#ifndef MULTUM_SHADOW_MEMORY  // their shadow memory needs terabytes
+#ifndef MULTUM_SHADOW_MEMORY  // sanitizers' shadow memory needs terabytes
   if (limits.memory_max > 0) {
     const rlimit memory = {limits.memory_max, limits.memory_max};
     ::prlimit(pid, RLIMIT_DATA, &memory, nullptr);
@@ -38,7 +38,8 @@ void hold_to(pid_t pid, const ChildLimits& limits) {
 #endif
 }
 
-// What comes out of it until it closes its end. False: it was killed, for it took too long or is not wanted any more.
+// Reads the child's output until the child closes its end. Returns false if the child was killed because it exceeded
+// its time or was cancelled.
 bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string& output) {
   const Stopwatch stopwatch;
   std::array<char, 4096> buffer;
@@ -61,8 +62,8 @@ bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string
 ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* limits) {
   MULTUM_CHECK(!arguments.empty());
   int pipe_ends[2];
-  // No other child that another thread starts meanwhile may hold it open.
-  if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail_by_errno(arguments[0], "no pipe for what it says");
+  // O_CLOEXEC: otherwise a child that another thread starts meanwhile would hold the pipe open.
+  if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail_by_errno(arguments[0], "cannot create a pipe for its output");
   const Stopwatch stopwatch;
   pid_t pid = 0;
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs another program and waits for it: what needs GL runs multum-view as a child, so that a driver crash ends the
-// child alone; benchmarks run whole programs, and learn what they cost.
+// Runs another program and waits for it. Work that needs GL runs in a child, multum-view, so that a driver crash ends
+// only the child. Benchmarks run whole programs and measure them.
 #pragma once
 
 #include <chrono>
@@ -11,14 +11,13 @@
 
 namespace multum {
 
-/// Time and memory that a child took, with the children that it waited for itself.
+/// Time and memory of a child and of the descendants that it waited for.
 struct ChildUsage {
-  double wall_seconds;    // from before it was started until it was waited for
-  double user_seconds;    // processor time of all its threads
-  double system_seconds;  // the same in the kernel
-  /// Largest resident memory; of a family the largest process's. Linux counts what the caller's own memory was at its
-  /// largest before it lets the child begin, so this is never less than own_peak_memory_bytes(): a caller that measures
-  /// stays small.
+  double wall_seconds;    // from before its start to the end of the wait
+  double user_seconds;    // processor time in user mode, all threads
+  double system_seconds;  // processor time in the kernel, all threads
+  /// Largest resident memory; with descendants, of the largest process. Linux counts the caller's peak memory before
+  /// the child begins too, so this is never less than own_peak_memory_bytes(): a caller that measures stays small.
   std::uint64_t peak_memory_bytes;
 
   double cpu_seconds() const { return user_seconds + system_seconds; }
@@ -29,21 +28,21 @@ struct ChildResult {
   int signal;          // 0 when it exited
   std::string output;  // stdout and stderr, interleaved
   ChildUsage usage;
-  bool is_over_time = false;  // or not wanted any more, or said too much: it was killed
+  bool is_over_time = false;  // killed: out of time, cancelled, or too much output
 };
 
-/// Limits of a child that works on files of strangers. One with limits has a process group of its own: Ctrl-C does not
-/// reach it, and what it has started ends with it when it is killed.
+/// Limits of a child that reads untrusted files. A child with limits has its own process group: Ctrl-C does not reach
+/// it, and killing it also kills the processes that it has started.
 struct ChildLimits {
-  std::chrono::milliseconds time_max{};     // then it is killed
+  std::chrono::milliseconds time_max{};     // it is killed after this time
   int niceness = 0;                         // 0..19
-  std::uint64_t memory_max = 0;             // bytes that it may write to; 0: any. Not with -fsanitize=address or thread
-  std::size_t output_max = 64 << 20;        // bytes of what it says; one that says more is killed
-  std::function<bool()> is_cancelled = {};  // asked ten times a second; true: it is killed
+  std::uint64_t memory_max = 0;             // writable bytes; 0: no limit. Not with -fsanitize=address or thread
+  std::size_t output_max = 64 << 20;        // bytes of output; a child that writes more is killed
+  std::function<bool()> is_cancelled = {};  // called ten times per second; true: the child is killed
 };
 
-/// `arguments[0]` is the program (looked up in PATH). It inherits no files but stdin, and is killed when this process
-/// ends, however that ends. Throws Error(kEnvironment) when it cannot be started.
+/// Runs `arguments[0]` (looked up in PATH). The child inherits no files except for stdin, and is killed when this
+/// process ends in any way. Throws Error(kEnvironment) when it cannot be started.
 ChildResult run_child(const std::vector<std::string>& arguments);
 ChildResult run_child(const std::vector<std::string>& arguments, const ChildLimits& limits);
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line of /proc/self/cgroup names a hierarchy and this process's group in it, a line of /proc/self/mountinfo where
-// the groups of a hierarchy are seen as folders, and from which group on (cgroups(7), proc(5)):
+// A line of /proc/self/cgroup names a hierarchy and this process's group in it. A line of /proc/self/mountinfo names
+// the folder where the groups of a hierarchy are visible, and the topmost visible group (cgroups(7), proc(5)):
 //
 //   4:memory:/docker/a1/b           0::/user.slice
 //   35 31 0:32 /docker/a1 /sys/fs/cgroup/memory rw,relatime - cgroup cgroup rw,memory
 //
-// so that the group above is the folder /sys/fs/cgroup/memory/b.
+// In this example, group /docker/a1/b is the folder /sys/fs/cgroup/memory/b.
 #include "host/foundation/base/processes/container_limits.h"
 
 #include <algorithm>
@@ -22,13 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A hierarchy of version 2 has no list of controllers.
+// A hierarchy; in version 2, its list of controllers is empty.
 struct Hierarchy {
   std::string controllers;  // "cpu,cpuacct"
-  std::string group;        // of this process: "/docker/a1/b"
+  std::string group;        // group of this process: "/docker/a1/b"
 };
 
-// Folder at which a hierarchy is seen, from its group `top` on.
+// A folder that shows a hierarchy from its group `top` downwards.
 struct GroupMount {
   std::string controllers;
   std::string top, folder;
@@ -49,7 +49,7 @@ std::vector<Hierarchy> read_hierarchies(const std::string& root) {
   return found;
 }
 
-// Spaces and the like are written as octal numbers: "\040".
+// Replaces octal escapes: spaces, for example, are written as "\040".
 std::string without_escapes(const std::string& text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -72,17 +72,17 @@ std::vector<GroupMount> read_mounts(const std::string& root) {
     std::istringstream words(line);
     std::string number, parent, device, top, folder, word, type, source, options;
     words >> number >> parent >> device >> top >> folder;
-    while (words >> word && word != "-") {  // options, and tags that may be there
+    while (words >> word && word != "-") {  // options, and optional tags
     }
     if (!(words >> type >> source >> options) || (type != "cgroup" && type != "cgroup2")) continue;
     found.push_back({type == "cgroup2" ? "" : options, without_escapes(top), root + without_escapes(folder)});
   }
-  // Where groups lie as a rule: a container may see files there that were put there for it.
+  // The usual place of groups: a container may see files that were put there for it.
   found.push_back({"", "/", root + "/sys/fs/cgroup"});
   return found;
 }
 
-// The folder of the group, and those of the groups above it, as far as they are seen here.
+// Returns the visible folders of the group and of the groups above it.
 std::vector<std::string> folders_of(const GroupMount& mount, const std::string& group) {
   fs::path below = fs::path(group).lexically_relative(mount.top);
   if (below.empty() || below == "." || *below.begin() == "..") below.clear();
@@ -93,7 +93,7 @@ std::vector<std::string> folders_of(const GroupMount& mount, const std::string& 
   }
 }
 
-// The first word of a file, or the next one of `in`, as a number above 0.
+// Reads the first word of a file, or the next word of `in`, as a number above 0.
 std::optional<std::uint64_t> read_number(std::istream& in) {
   std::string word;
   if (!(in >> word)) return std::nullopt;
@@ -129,7 +129,7 @@ void read_version_2(const std::string& folder, ContainerLimits& limits) {
 void read_version_1(const std::string& folder, const std::string& controllers, ContainerLimits& limits) {
   if (has_controller(controllers, "memory")) {
     lower_memory(limits, number_in(folder + "/memory.limit_in_bytes"));
-    std::ifstream in(folder + "/memory.stat");  // knows the groups above, which a container does not see
+    std::ifstream in(folder + "/memory.stat");  // includes limits of groups above that a container does not see
     for (std::string name; in >> name;)
       if (name == "hierarchical_memory_limit") lower_memory(limits, read_number(in));
   }

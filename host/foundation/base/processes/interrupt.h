@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a signal has asked this program to end (make_progress() in host/foundation/base/progress.h listens to
-// them).
+// Tells whether a signal has asked this program to end (make_progress() in host/foundation/base/progress.h installs the
+// handlers).
 #pragma once
 
 namespace multum {
 
-/// True from the first SIGINT or SIGTERM on, in programs that listen to them.
+/// True after the first SIGINT or SIGTERM, in programs that handle these signals.
 bool is_interrupted();
 
 }  // namespace multum

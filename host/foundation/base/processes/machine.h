@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes the machine, and tunes how a program uses its memory.
+// Describes the machine, and tunes the program's use of memory.
 #pragma once
 
 #include <cstddef>
@@ -10,30 +10,30 @@ namespace multum {
 
 struct ContainerLimits;
 
-/// The file of the running program, without links; "" where the system does not say.
+/// The file of the running program, without links; "" if the system does not tell.
 std::string own_program();
-/// The folder that it lies in: programs of the same build are beside it.
+/// The folder of own_program(), which also holds the other programs of the same build.
 std::string own_folder();
 
-/// Bytes of memory that this process may take at most: the machine's, or less where limits of a container (control
-/// groups, host/foundation/base/processes/container_limits.h) or of the process (ulimit -v and -d) say so. As it was
-/// when first asked.
+/// Largest number of bytes of memory for this process: the machine's memory, or a lower limit of the container (control
+/// groups, host/foundation/base/processes/container_limits.h) or of the process (ulimit -v and -d). Determined at the
+/// first call.
 std::uint64_t machine_memory_bytes();
 
-/// Number of threads that can run at once, at least 1: processors that this process may use (its affinity, which the
-/// cpuset of a container limits too), or fewer where a container's quota of processor time is less, rounded up. As it
-/// was when first asked.
+/// Number of threads that can run at once, at least 1. This is the number of processors that this process may use (its
+/// affinity, which a container's cpuset limits too), or a container's lower quota of processor time, rounded up.
+/// Determined at the first call.
 int processor_count();
-/// The same under these limits of a container, asked anew.
+/// Like processor_count(), determined anew under these limits of a container.
 int processor_count(const ContainerLimits& limits);
 
-/// Asks for large pages, before memory of many megabytes is touched for the first time: pages of 2 MB, where the system
-/// grants them on demand, are a 512th of the page faults. A hint.
+/// Asks the system for large pages before many megabytes of memory are first touched. Pages of 2 MB, if the system
+/// grants them on demand, cause 512 times fewer page faults. A hint only.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
-/// Keeps freed blocks of up to 32 MB for the next that ask, up to 64 MB in all, where the C library would give each
-/// back to the system and have the next one's pages cleared: 4 % of a bake in bands, whose blocks come and go. For
-/// main().
+/// Keeps freed blocks of up to 32 MB for later allocations, up to 64 MB in all. Otherwise the C library would return
+/// each block to the system, which clears the pages of the next block. That would take 4 % of a bake in bands, which
+/// allocates and frees blocks often. For main().
 void keep_freed_memory();
 
 }  // namespace multum

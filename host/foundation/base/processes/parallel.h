@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares work between threads: bands of an image's rows, or numbered items. A result must depend on its rows or its
-// number alone; results are combined by the caller in order, so that every thread count gives the same bytes.
+// Shares work between threads: bands of an image's rows, or numbered items. A result must depend only on its rows or
+// its number; the caller combines results in order, so that every thread count gives the same bytes.
 #pragma once
 
 #include <functional>
@@ -10,16 +10,16 @@
 namespace multum {
 
 /// Calls `body(band, row_begin, row_end)` once for each band of `rows_per_band` rows (the last may be shorter), from at
-/// most `threads` threads (<= 0: as many as the machine has). The first exception is thrown again after all threads
+/// most `threads` threads (<= 0: one per processor of the machine). Rethrows the first exception after all threads have
 /// ended.
 void for_each_row_band(int row_count, int rows_per_band, int threads,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 
-/// The same; `progress` may cancel after every few bands.
+/// Like the function above; `progress` may cancel after every few bands.
 void for_each_row_band(int row_count, int rows_per_band, int threads, Progress* progress,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 
-/// Calls `body(item)` once for each item from 0 to `item_count` - 1, as for_each_row_band() does for bands.
+/// Calls `body(item)` once for each item from 0 to `item_count` - 1, with threads as in for_each_row_band().
 template <typename Body>
 void for_each_item(int item_count, int threads, const Body& body) {
   for_each_row_band(item_count, 1, threads, [&](int item, int, int) { body(item); });
@@ -27,7 +27,7 @@ void for_each_item(int item_count, int threads, const Body& body) {
 
 inline int row_band_count(int row_count, int rows_per_band) { return (row_count + rows_per_band - 1) / rows_per_band; }
 
-/// Rows a band where the work is the same for every texel: few enough to share out, enough to be worth a hand-over.
+/// Rows per band if all texels take the same work: few enough to share out, enough to be worth a hand-over.
 constexpr int kRowsPerBand = 16;
 
 }  // namespace multum

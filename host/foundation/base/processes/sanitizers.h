@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines MULTUM_SHADOW_MEMORY where a sanitizer is compiled in whose shadow memory takes terabytes of addresses, so
-// that no limit of memory can be set, and which has words of its own for signals. GCC says so by macros, clang by
-// features.
+// Defines MULTUM_SHADOW_MEMORY if a sanitizer is compiled in whose shadow memory takes terabytes of addresses. Such a
+// program can set no memory limit, and the sanitizer reports signals with its own messages. GCC announces sanitizers by
+// macros, clang by features.
 #pragma once
 
 #ifdef __has_feature

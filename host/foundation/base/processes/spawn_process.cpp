@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// By vfork(): posix_spawn() cannot tie a child to its parent's life. Between vfork() and exec the child shares this
-// process's memory, so that it makes system calls alone; all that these need is made ready before.
+// Uses vfork(): posix_spawn() cannot tie a child's life to its parent. Between vfork() and exec the child shares this
+// process's memory, so it only makes system calls; their arguments are prepared before.
 #include "host/foundation/base/processes/spawn_process.h"
 
 #include <fcntl.h>
@@ -24,13 +24,13 @@ namespace {
   throw Error(ErrorCode::kEnvironment, program + ": cannot be started: " + errno_text(error));
 }
 
-// What the child is to do before it is another program.
+// Steps of the child before exec.
 struct ChildStart {
   const SpawnSettings& settings;
   char* const* argv;
-  sigset_t mask;    // of the child
-  int failure_end;  // of a pipe: the number of an error goes there, or nothing
-  int last_file;    // the highest that the child keeps
+  sigset_t mask;    // signal mask of the child
+  int failure_end;  // end of a pipe for the number of an error
+  int last_file;    // the highest descriptor that the child keeps
   pid_t starter;
 };
 
@@ -41,7 +41,7 @@ void check_call(const ChildStart& start, long result) {
   ::_exit(127);
 }
 
-// The pipe's end comes behind the files that the child keeps, and is closed by exec.
+// Arranges the child's files. The pipe's end follows the files that the child keeps, and exec closes it.
 void arrange_files(ChildStart& start) {
   if (start.settings.has_empty_input) {
     const int nothing = ::open("/dev/null", O_RDONLY);
@@ -56,13 +56,13 @@ void arrange_files(ChildStart& start) {
   ::closefrom(last + 1);
 }
 
-// All are blocked when this begins: handlers are this process's.
+// Called with all signals blocked: the handlers belong to this process.
 void arrange_signals(const ChildStart& start) {
   for (int signal = 1; signal < NSIG; ++signal) {
     struct sigaction now {};
     if (::sigaction(signal, nullptr, &now) != 0 || now.sa_handler == SIG_DFL) continue;
-    // This process ignores the signal of files that grow too large: another program may not look at what its writes
-    // return.
+    // This process ignores SIGXFSZ, the signal of a file that grows too large. Another program may not check the
+    // results of its writes, so it gets the default action.
     const bool is_kept = now.sa_handler == SIG_IGN && !start.settings.blocked_signals && signal != SIGXFSZ;
     if (is_kept) continue;
     now = {};
@@ -75,7 +75,7 @@ void arrange_signals(const ChildStart& start) {
 [[noreturn]] void become_program(ChildStart& start) {
   if (start.settings.ends_with_thread) {
     check_call(start, ::prctl(PR_SET_PDEATHSIG, SIGKILL));
-    if (::getppid() != start.starter) ::_exit(127);  // it has ended before
+    if (::getppid() != start.starter) ::_exit(127);  // the starter has ended already
   }
   if (start.settings.has_own_group) check_call(start, ::setpgid(0, 0));
   arrange_files(start);
@@ -85,7 +85,7 @@ void arrange_signals(const ChildStart& start) {
   ::_exit(127);
 }
 
-// No handler of this process may run in the child, whose memory is this process's.
+// Blocks all signals: no handler of this process may run in the child, which shares its memory.
 class AllSignalsBlocked {
  public:
   AllSignalsBlocked() {
@@ -129,7 +129,7 @@ pid_t spawn_process(const std::vector<std::string>& arguments, const SpawnSettin
   OpenFile low_end(ends[1]);
   int last = STDERR_FILENO;
   for (const auto& [ours, theirs] : settings.files) last = std::max(last, theirs);
-  // Where no file of the child's takes its place.
+  // A number above all descriptors of the child.
   OpenFile failure_end(::fcntl(low_end.descriptor(), F_DUPFD_CLOEXEC, last + 1));
   if (!failure_end.is_open()) cannot_start(arguments[0], errno);
   pid_t pid = -1;

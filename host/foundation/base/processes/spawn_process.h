@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts another program; how long it lives, and how it ends, is its starter's.
+// Starts another program; the caller waits for it and ends it.
 #pragma once
 
 #include <sys/types.h>
@@ -12,20 +12,20 @@
 namespace multum {
 
 struct SpawnSettings {
-  /// Descriptors of this process and what they are in the child, given in this order: none may be among those before
-  /// it. The child has these and its first three, and no others.
+  /// Pairs of a descriptor of this process and its number in the child, applied in this order: no first number may be
+  /// among the second numbers before it. The child has only these and its first three descriptors.
   std::vector<std::pair<int, int>> files = {};
-  bool has_empty_input = false;  // its stdin is /dev/null, not this process's
-  bool has_own_group = false;    // signals of a terminal do not reach it, and a signal to -pid all that it has started
+  bool has_empty_input = false;  // stdin is /dev/null, not the stdin of this process
+  bool has_own_group = false;    // a terminal's signals do not reach it; a signal to -pid reaches all its children
   bool is_in_path = false;       // the program is looked up in PATH
-  /// It is killed when the thread that starts it ends, however that ends. Not for a thread that hands it on to others.
+  /// Kills the child when the thread that starts it ends in any way. Not for a thread that hands the child to others.
   bool ends_with_thread = false;
-  /// Signals that it has blocked; all others are open to it, and each acts as at a program's start. nullopt: all are as
-  /// they are here, but SIGXFSZ, which this process ignores (run_guarded()), acts as at a program's start.
+  /// Signals that are blocked in the child; all others are unblocked and have their default action. nullopt: signals
+  /// are inherited, except that SIGXFSZ, which this process ignores (run_guarded()), has its default action.
   std::optional<std::vector<int>> blocked_signals = {};
 };
 
-/// `arguments[0]` is the program. Its environment is this process's. Throws Error(kEnvironment) when it cannot be
+/// Starts the program `arguments[0]` with the environment of this process. Throws Error(kEnvironment) when it cannot be
 /// started.
 pid_t spawn_process(const std::vector<std::string>& arguments, const SpawnSettings& settings);
 

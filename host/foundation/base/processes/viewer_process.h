@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view as a child process: what needs GL runs there, and a driver's crash ends it alone.
+// Runs multum-view, which needs GL, as a child process: a driver crash ends only the child.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace multum {
 
-/// Runs `command` to its end; what it prints is shown when verbose. Throws Error(kEnvironment) with what it said when
-/// it cannot be started, fails or crashes, beginning with `what`; Cancelled when `progress` was cancelled meanwhile:
-/// Ctrl-C on a terminal ends the child too, and that is no failure.
+/// Runs `command` and waits for it; shows its output when verbose. If it cannot be started, fails or crashes, throws
+/// Error(kEnvironment) with `what` and the child's output. If `progress` was cancelled meanwhile, throws Cancelled:
+/// Ctrl-C on a terminal ends the child too, which is not a failure.
 void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the scripts of pages share. Text of strangers becomes text nodes and attributes, never markup.
+// Functions that all pages' scripts share. Untrusted text becomes text nodes and attributes, never markup.
 
 const byId = (id) => document.getElementById(id);
 const data = JSON.parse(byId("data").textContent);
@@ -12,18 +12,18 @@ function made(node, attributes, children) {
   for (const child of children.flat()) if (child !== null && child !== undefined && child !== "") node.append(child);
   return node;
 }
-/** node("a", {href: "x"}, "text", otherNode, [nodes], null): attributes and children without value are left out. */
+/** node("a", {href: "x"}, "text", otherNode, [nodes], null): omits attributes and children without a value. */
 const node = (name, attributes = {}, ...children) => made(document.createElement(name), attributes, children);
 const svgNode = (name, attributes = {}, ...children) =>
   made(document.createElementNS("http://www.w3.org/2000/svg", name), attributes, children);
 
-/** The value of "budget.gpu_bytes" in `data`; undefined where it is not. */
+/** Returns the value at a path such as "budget.gpu_bytes" in `data`; undefined if it is missing. */
 const valueAt = (path) => path.split(".").reduce((value, key) => value?.[key], data);
 
 /**
- * Fills what the template leaves open: <span data-value="view.width"> with a value, by `formats` where its data-format
- * names one of them; where there is none, with "unknown". Elements with data-if stay only if `data` has that, and it is
- * not false, null, 0 or "".
+ * Fills a template: <span data-value="view.width"> gets the value, formatted by the entry of `formats` that its
+ * data-format names, or "unknown" if there is no value. Removes elements with a data-if whose value is missing, false,
+ * null, 0 or "".
  */
 function fillTemplate(formats = {}) {
   for (const element of document.querySelectorAll("[data-if]")) if (!valueAt(element.dataset.if)) element.remove();
@@ -34,10 +34,10 @@ function fillTemplate(formats = {}) {
   }
 }
 
-/** `values` with `separator` between them, and nothing before the first: [a, ", ", b]. */
+/** Puts `separator` between the `values`: [a, ", ", b]. */
 const joined = (values, separator) => values.flatMap((value, i) => (i > 0 ? [separator, value] : [value]));
 
-/** As printf's %.4g: 4 significant digits, without zeros at the end, and with an exponent where it is shorter. */
+/** Formats like printf's %.4g: 4 significant digits, no zeros at the end, and an exponent if that is shorter. */
 function general(value, digits = 6) {
   if (value === 0) return "0";
   const [mantissa, power] = value.toExponential(digits - 1).split("e");
@@ -48,7 +48,7 @@ function general(value, digits = 6) {
 }
 
 /**
- * Columns: {head, isText}. Cells: text, a number, a node or a list of these, or {best: cell}, which is bold.
+ * Makes a table. Columns: {head, isText}. Cells: text, a number, a node or a list of these, or {best: cell} (bold).
  */
 function table(columns, rows, attributes = {}) {
   const cell = (content, { isText }) => {

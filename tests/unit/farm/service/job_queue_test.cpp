@@ -605,7 +605,8 @@ TEST_F(JobQueueTest, KnowsTheFolderThatItBelongsTo) {
     SqliteDatabase other(folder_ / "other.sqlite");
     other.execute("CREATE TABLE jobs (id)");
   }
-  expect_error(ErrorCode::kInput, {folder_ / "other.sqlite", "no ledger"}, [&] { JobQueue{settings("other.sqlite")}; });
+  expect_error(ErrorCode::kInput, {folder_ / "other.sqlite", "not a ledger"},
+               [&] { JobQueue{settings("other.sqlite")}; });
 }
 
 // Random commands; after each, what must hold holds, and what is kept beside the database is what is in it.

@@ -49,7 +49,7 @@ TEST_P(LedgerLossTest, IsNoticedBeforeAnythingIsAccepted) {
   submit();
   EXPECT_FALSE(ledger.is_lost());
   GetParam().lose(folder.path());
-  for (int i = 0; i < 3; ++i) expect_error(ErrorCode::kEnvironment, {path, "lost", "started again"}, submit);
+  for (int i = 0; i < 3; ++i) expect_error(ErrorCode::kEnvironment, {path, "lost", "restarted"}, submit);
   EXPECT_TRUE(ledger.is_lost());
   int found = 0;
   ledger.run_now([&](JobQueue& queue) { found = queue.find(1) ? 1 : 0; });

@@ -186,7 +186,8 @@ TEST(SlurmBatch, RefusesTheOrderOfAnotherMultum) {
   batch.write_order({});
   testing::write_bytes(batch.path() + "/order.json",
                        R"({"is_array": true, "roots": [], "items": [{"arguments": []}]})");
-  testing::expect_error(ErrorCode::kEnvironment, {"order.json", "sends its jobs again"}, [&] { batch.read_order(); });
+  testing::expect_error(ErrorCode::kEnvironment, {"order.json", "will send its jobs again"},
+                        [&] { batch.read_order(); });
 }
 
 TEST(SlurmBatch, SaysOnEitherSideWhatTheOtherWrote) {

@@ -335,9 +335,9 @@ TEST_F(StagingTest, WhatSomebodyPutInAStagingFoldersPlaceIsLeftAlone) {
   EXPECT_EQ(testing::read_bytes(mine + "/thesis.txt"), "weeks of work");
   fs::remove(staging);
   fs::rename(mine, staging);  // the daemon's own, by a rename
-  expect_left_alone("did not make it");
+  expect_left_alone("did not create it");
   fs::permissions(staging, fs::perms(0777));
-  expect_left_alone("others may write");
+  expect_left_alone("other users write");
   EXPECT_EQ(testing::read_bytes(staging + "/thesis.txt"), "weeks of work");
 }
 
@@ -347,13 +347,13 @@ TEST_F(StagingTest, DataIsForTheDaemonAlone) {
   EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
   for (const auto& [mode, text] : {std::pair(0777, "0777"), {0770, "0770"}, {0702, "0702"}}) {
     fs::permissions(data, fs::perms(mode));
-    testing::expect_error(ErrorCode::kEnvironment, {data, text, "others may write"}, [&] { DataLock::take(data); });
+    testing::expect_error(ErrorCode::kEnvironment, {data, text, "other users write"}, [&] { DataLock::take(data); });
   }
   fs::permissions(data, fs::perms(0755));
   fs::create_directory_symlink(data, folder_ / "link");
   EXPECT_NE(DataLock::take(folder_ / "link"), nullptr) << "a link of one's own";
   fs::create_directory_symlink(folder_ / "nowhere", folder_ / "dangling");
-  testing::expect_error(ErrorCode::kEnvironment, {"dangling", "leads nowhere"},
+  testing::expect_error(ErrorCode::kEnvironment, {"dangling", "missing file"},
                         [&] { DataLock::take(folder_ / "dangling"); });
   if (geteuid() != 0) return;
   ASSERT_EQ(lchown((folder_ / "link").c_str(), 65534, 65534), 0);

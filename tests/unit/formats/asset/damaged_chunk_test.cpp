@@ -90,7 +90,7 @@ TEST_P(DamagedChunkTest, SizesThatCannotBe) {
                                   std::int64_t{std::numeric_limits<int>::min()}, chunks_->unpacked_bytes(1, 2) + 1}) {
     SCOPED_TRACE(size);
     put_size(1, 2, size);
-    expect_refusal({"damaged", kPlace, "copy or write it anew"});
+    expect_refusal({"damaged", kPlace, "copy or write it again"});
     expect_error(ErrorCode::kInput, {kPlace}, [&] { read_baked_header(file_.bad); });
   }
 }

@@ -92,9 +92,9 @@ TEST_F(MovmfRefusalTest, TheGoodFileIsRead) { EXPECT_NO_THROW(read_movmf_mipmap(
 TEST_F(MovmfRefusalTest, NoFileNoExrNoBake) {
   expect_refusal(file_.folder / "none.exr", {"none.exr"});
   write_bytes(file_.bad, "not an image at all");
-  expect_refusal(file_.bad, {"baked file", "found no OpenEXR file"});
+  expect_refusal(file_.bad, {"baked file", "not an OpenEXR file"});
   write_bytes(file_.bad, "");
-  expect_refusal(file_.bad, {"found no OpenEXR file"});
+  expect_refusal(file_.bad, {"not an OpenEXR file"});
   expect_refusal(file_.folder.path(), {});
   expect_refusal(file_.rebuilt(all_, [](Imf::Header& h) { h.erase("multum:representation"); }),
                  {"no attribute multum:representation", "'multum bake'"});

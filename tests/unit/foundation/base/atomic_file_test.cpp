@@ -133,12 +133,12 @@ TEST(AtomicFileTest, RefusesAnUnwritableFolder) {
             _exit(exit_code(error.code()));
           }
         },
-        ::testing::ExitedWithCode(4), "4 .*/a.txt: no file can be created in its folder: Permission denied");
+        ::testing::ExitedWithCode(4), "4 .*/a.txt: cannot create a file in its folder: Permission denied");
     return;
   }
   const TemporaryFolder folder;
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0555));
-  expect_error(ErrorCode::kEnvironment, {"no file can be created"}, [&] { AtomicFile file(folder / "a.txt"); });
+  expect_error(ErrorCode::kEnvironment, {"cannot create a file"}, [&] { AtomicFile file(folder / "a.txt"); });
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
 }
 
@@ -208,7 +208,7 @@ TEST(AtomicFileTest, ATemporaryFileThatWasReplacedIsNotPublished) {
         ASSERT_EQ(mkfifo(temporary.c_str(), 0666), 0);
       }
       write_bytes(file.open_path(), "text");
-      expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "taken away or replaced"}, [&] { file.commit(); });
+      expect_error(ErrorCode::kEnvironment, {folder / "a.txt", "removed or replaced"}, [&] { file.commit(); });
       if (kind != std::string("nothing")) std::filesystem::remove(temporary);
     }
     EXPECT_EQ(folder.names(), Names{"precious"}) << kind;

@@ -47,7 +47,7 @@ TEST(ErrorTest, RunGuardedMapsExceptionsToCodesAndMessages) {
   EXPECT_EQ(input.message, "tool: a.png: found nothing\n");
   const Outcome cancelled = guarded([](int, char**) -> int { throw Cancelled(); });
   EXPECT_EQ(cancelled.code, 130);
-  EXPECT_EQ(cancelled.message, "tool: cancelled, nothing unfinished was kept\n");
+  EXPECT_EQ(cancelled.message, "tool: cancelled; no unfinished files remain\n");
   const Outcome memory = guarded([](int, char**) -> int { throw std::bad_alloc(); });
   EXPECT_EQ(memory.code, 4);
   EXPECT_EQ(memory.message, "tool: out of memory\n");

@@ -32,7 +32,7 @@ class WorkFolderTest : public ::testing::Test {
   /// Every way to take or drop the folder refuses what is there, or ignores it; nothing changes.
   void expect_left_alone(const std::string& word) const {
     const auto status = fs::symlink_status(partial_);
-    expect_error(ErrorCode::kEnvironment, {partial_, word, "left alone"}, [&] { WorkFolder::take(partial_); });
+    expect_error(ErrorCode::kEnvironment, {partial_, word, "left unchanged"}, [&] { WorkFolder::take(partial_); });
     WorkFolder::drop(partial_);
     EXPECT_EQ(read_bytes(precious_ + "/thesis.txt"), "weeks of work");
     EXPECT_EQ(fs::symlink_status(partial_).type(), status.type());
@@ -99,7 +99,7 @@ TEST_F(WorkFolderTest, AFileAndAPipeAreNoFolders) {
 TEST_F(WorkFolderTest, AnotherFolderOfThisUserIsNotEmptied) {
   fs::permissions(precious_, fs::perms::owner_all);
   fs::rename(precious_, partial_);
-  expect_error(ErrorCode::kEnvironment, {partial_, "thesis.txt", "did not make it"},
+  expect_error(ErrorCode::kEnvironment, {partial_, "thesis.txt", "did not create it"},
                [&] { WorkFolder::take(partial_); });
   WorkFolder::drop(partial_);
   EXPECT_EQ(read_bytes(partial_ + "/thesis.txt"), "weeks of work");
@@ -109,7 +109,7 @@ TEST_F(WorkFolderTest, OneThatOthersMayWriteToIsRefused) {
   for (const auto mode : {fs::perms(0777), fs::perms(0770), fs::perms(01777)}) {
     fs::create_directory(partial_);
     fs::permissions(partial_, mode);
-    expect_left_alone("others may write to it");
+    expect_left_alone("other users write to it");
     fs::remove(partial_);
   }
 }
@@ -118,7 +118,7 @@ TEST_F(WorkFolderTest, OneOfAnotherUserIsRefused) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can make a folder that belongs to somebody else";
   fs::create_directory(partial_);
   ASSERT_EQ(chown(partial_.c_str(), 65534, 65534), 0);
-  expect_left_alone("belongs to user 65534, and this is user 0");
+  expect_left_alone("belongs to user 65534, but multum runs as user 0");
 }
 
 // As under a small ulimit -n.

@@ -153,7 +153,7 @@ TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});
   bool is_killed = false;
-  expect_error(ErrorCode::kEnvironment, {"long.tif: ", "decodes", "signal 9", "Killed", "memory", "expected"}, [&] {
+  expect_error(ErrorCode::kEnvironment, {"long.tif: ", "decoding", "signal 9", "Killed", "memory", "expected"}, [&] {
     reader.read(
         [&](const RawBand&) {
           if (!is_killed) ::kill(decoder_pid(), SIGKILL);
@@ -178,7 +178,7 @@ TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
 #endif
            {"hang", "took more than 700 ms and was ended"},
            {"exit", "ended with exit code 7"},
-           {"nonsense", "8 bytes that are no answer"}}) {
+           {"nonsense", "returned 8 invalid bytes"}}) {
     const std::string refusal = refusal_of(write(name + ".png", image));
     EXPECT_NE(refusal.find(reason), std::string::npos) << refusal;
     EXPECT_NE(refusal.find("expected"), std::string::npos) << refusal;

@@ -111,11 +111,11 @@ TEST_F(MeshDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
   for (const auto& [name, reason] : std::vector<std::pair<std::string, std::string>>{
 #ifndef MULTUM_SHADOW_MEMORY
            {"segfault",
-            "the process that decodes it was ended by signal 11 (Segmentation fault); expected a file that "
-            "assimp survives"},
+            "decoding failed (its process was ended by signal 11 (Segmentation fault)); expected an undamaged "
+            "file that assimp reads"},
 #endif
            {"hang", "took more than 700 ms and was ended"},
-           {"nonsense", "8 bytes that are no answer"}}) {
+           {"nonsense", "returned 8 invalid bytes"}}) {
     const std::string refusal = refusal_of(write(name + ".obj", ""));
     EXPECT_NE(refusal.find(reason), std::string::npos) << refusal;
   }
