@@ -31,7 +31,7 @@ void check_has_lobes(const std::string& path, const BakedHeader& header) {
                  "a file of multum bake without --roughness, or the map that was baked");
 }
 
-// What level 0 stores of a normal, with the length 1.
+// Returns a stored normal of level 0, scaled to length 1.
 glm::vec3 unit_normal(const glm::vec3& stored, Representation representation) {
   const glm::vec3 normal = lobe_family(representation).normal_of_finest(stored, false);
   return normal / glm::length(normal);

@@ -62,8 +62,8 @@ void check_export_job(const ExportJob& job) {
     throw Error(ErrorCode::kEnvironment, job.scratch_folder + ": is not a folder, expected a folder for scratch files");
 }
 
-// For what passes between this program and the encoder of UASTC, in `folder`; null: no UASTC is asked for. Refuses
-// where there is no encoder, before anything is read.
+// Makes a folder in `folder` for files that this program exchanges with the UASTC encoder. Returns null if the job does
+// not use UASTC. Fails before any input is read if the encoder is missing.
 std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::string& folder,
                                               MaterialFolderSettings& output) {
   if (output.texels != MaterialTexels::kUastc) return nullptr;
@@ -73,7 +73,7 @@ std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::s
   return made;
 }
 
-// Null where the job is not to be resumed, or another process exports to the same place.
+// Returns null if the job is not resumable, or if another process exports to the same place.
 std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);

@@ -22,12 +22,13 @@ LobeMaterialFiles material_files_of(const ExportJob& job) {
   return files;
 }
 
-// The lobes that are measured beside the export. Of an input that has none of vMF, or starts at another level, there
-// are none; a file that was named for it has to have them.
+// Returns the lobes that are measured together with the export. If the input has no vMF lobes or begins at another
+// level, there are none. A file that the job names explicitly must have them.
 std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMapRows& map, InputHashes& hashes) {
   if (!job.measure || (job.lobes.empty() && !is_baked_name(job.input))) return nullptr;
   if (job.lobes.empty()) {
-    if (job.surface == MapSurface::kInterpolated) return nullptr;  // its lobes are of the texels
+    // The lobes are of the texels, not of the surface between them
+    if (job.surface == MapSurface::kInterpolated) return nullptr;
     if (!representation_info(read_baked_header(job.input).representation).has_kappa) return nullptr;
     return std::make_unique<BakedLobes>(job.input, job.accuracy.levels);
   }
@@ -72,7 +73,7 @@ OneLobeInputs ExportSource::inputs(const ExportJob& job) const {
 ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress) {
   auto hashes = std::make_unique<InputHashes>();
   for (const std::string& file : input_files(job)) hashes->note(file);
-  // Half is the fit's; of normals, surface and material each has as much of the other.
+  // Half of the memory is for the fit. Normals, surface and material share the other half.
   const bool has_surface = job.surface == MapSurface::kInterpolated;
   const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
                              static_cast<std::int64_t>(job.memory_bytes / (has_surface ? 6 : 4))};

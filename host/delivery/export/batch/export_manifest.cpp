@@ -35,7 +35,7 @@ std::vector<std::string> map_keys() {
   return keys;
 }
 
-// What make_export_jobs() would refuse, with the line.
+// Refuses the names that make_export_jobs() would refuse, and names the line.
 void check_names(const StrictTable& table, const ExportJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
@@ -70,7 +70,7 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
   } catch (const Error& error) {
     entry.table.refuse("output", std::string("is ") + error.what());
   }
-  // A set without any tile is one map still, whose input nobody will find.
+  // A set without tiles counts as one map; reading this map fails later.
   const bool is_one = !has_udim(job.input) || find_tiles(job.input).empty();
   for (ExportJob& one : is_one ? std::vector<ExportJob>{job} : make_export_jobs(job, {job.input})) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();
@@ -80,7 +80,7 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
 }
 
 void check_places_differ(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> records;  // that of an export -> its map
+  std::map<std::string, std::string> records;  // record of an export -> its map
   for (const ManifestEntry& entry : entries)
     for (const ManifestExport& map : entry.maps) {
       const auto [other, is_new] = records.emplace(canonical_name(export_record_file(map.job)), map.job.input);

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Null: there is none that can be read.
+// Returns null if no record can be read.
 Json read_record(const std::string& path) {
   const Json record = Json::parse(json_of_file(path).value_or(""), nullptr, false);
   const bool has_tiles_text = record.is_object() && (!record.contains("tiles") || record["tiles"].is_string());
@@ -29,7 +29,7 @@ Json read_record(const std::string& path) {
                                                                                                              : Json();
 }
 
-// Names in a record are those of its own folder, and no way out of it.
+// Accepts only names in the record's own folder, so that no path leaves it.
 bool is_plain_name(const std::string& name) { return !name.empty() && fs::path(name).filename() == name; }
 
 }  // namespace
