@@ -22,10 +22,10 @@ namespace {
 
 float rounded_share(float value) { return static_cast<float>(code_of(std::clamp(value, 0.0f, 1.0f))) / 255.0f; }
 
-// Of a component of a unit vector.
+// Rounds a component of a unit vector.
 float rounded_component(float value) { return 2.0f * rounded_share(0.5f + 0.5f * value) - 1.0f; }
 
-// Adds rows to those before.
+// Appends rows.
 void append(MaterialRows& to, const MaterialRows& more) {
   to.width = more.width;
   to.height += more.height;
@@ -37,7 +37,7 @@ void append(MaterialRows& to, const MaterialRows& more) {
   add(to.metalness, more.metalness);
 }
 
-// Takes the first rows away, and returns them.
+// Removes the first rows and returns them.
 MaterialRows take_rows(MaterialRows& from, int row_count) {
   MaterialRows taken{from.width, row_count, {}, {}, {}, {}, {}};
   const std::size_t count = size_of(from.width) * size_of(row_count);
@@ -105,7 +105,7 @@ class MaterialFolder : public MaterialWriter {
 
   bool is_encoded_whole() const { return settings_.texels == MaterialTexels::kUastc; }
 
-  // Of textures that are encoded whole.
+  // Returns stored rows of textures that are encoded as a whole.
   MaterialRows stored_rows(int level, int first_row, int row_count) const {
     const int width = mip_level_size(width_, level);
     const std::size_t count = size_of(width) * size_of(row_count);

@@ -29,7 +29,7 @@ TexelFormat lobe_format(LobeTexels texels) {
   MULTUM_CHECK(false);
 }
 
-// The lobes to export, level 0 left to the normal map.
+// Reads the lobes to export. Level 0 is left out: the normal map has it.
 MovmfMipmap read_lobes(const LobeExportJob& job) {
   const BakedHeader header = read_baked_header(job.input);
   const auto refuse = [&](const std::string& found, const char* expected) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of `multum export --page`: tables, pictures and moving pictures of every way to filter the surface.
+// Fills the page of `multum export --page`: tables, pictures and moving pictures of every filtering method.
 
 const { names, distances, motions, report } = data;
 const ids = Object.keys(names);
 const percent = (share) => (100 * share).toFixed(share < 0.0995 ? 1 : 0);
 const twoPlaces = (value) => value.toFixed(2);
 const OWN = report.anisotropy ? "anisotropic" : "isotropic";
-// The least of a row of numbers is bold.
+// Shows the least number of a row in bold.
 const withBest = (values, text) => {
   const least = Math.min(...values);
   return values.map((value) => (value === least ? { best: text(value) } : text(value)));
