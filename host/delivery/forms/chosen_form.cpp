@@ -14,7 +14,7 @@ std::string text_of(const FormView& view) {
   return fmt::format("on a {} at {:.3g} texel{} a pixel", view.shape, view.distance, view.distance == 1.0 ? "" : "s");
 }
 
-// The view for which two forms differ most.
+// Returns the view in which two forms differ most.
 std::size_t most_different(const FormError& one, const FormError& other) {
   std::size_t at = 0;
   for (std::size_t i = 1; i < one.by_view.size(); ++i)

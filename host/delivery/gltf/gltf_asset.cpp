@@ -80,7 +80,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   }
 }
 
-// A URI's bytes, up to a number: its own, or a file's.
+// Returns up to a given number of bytes of a URI: embedded bytes, or the bytes of a file.
 std::string bytes_of_uri(const GltfAsset& asset, const GltfJson& uri, const std::string& what, std::uint64_t byte_max) {
   if (!uri.is_string()) asset.refuse(what + " has a URI that is no text");
   return uri_bytes(asset.path, uri.get_ref<const std::string&>(), byte_max);

@@ -30,7 +30,7 @@ namespace {
 
 constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: of pixelWidth and pixelHeight
 
-// Files that the model is made of, the first the one that was named.
+// Returns the files of the model, the named file first.
 std::vector<std::string> input_files(const GltfAsset& asset) {
   std::vector<std::string> files = {asset.path};
   for (const char* name : {"buffers", "images"})
@@ -161,7 +161,7 @@ class GltfConversion {
           "them");
   }
 
-  // A source that is not fitted after all leaves its materials as they are.
+  // If a source cannot be fitted, its materials stay unchanged.
   void report_materials(const std::vector<PreparedSource>& prepared, GltfPlan& plan) {
     std::vector<int> numbers(plan.sources.size(), -1);
     int count = 0;
@@ -182,13 +182,13 @@ class GltfConversion {
     warn_of_bad(plan);
   }
 
-  // What pictures said of it; empty: they were not asked.
+  // Returns the result of the pictures as text; empty: no pictures were drawn.
   std::string form_text(const std::vector<PreparedSource>& prepared, const MaterialPlan& material) const {
     if (material.source >= prepared.size() || report_.forms[material.source].views.empty()) return "";
     return report_.forms[material.source].to_text(true);
   }
 
-  // One bad map does not keep the others from being fitted; where there are no others, nothing would be.
+  // One bad map does not stop the fits of the others. If there are no others, the job fails.
   void warn_of_bad(const GltfPlan& plan) {
     for (const MaterialPlan& material : plan.materials) {
       if (!material.is_bad) continue;
@@ -197,7 +197,7 @@ class GltfConversion {
     }
   }
 
-  // An image that cannot be used, or that is no normal map, is a reason to keep the materials that have it.
+  // Fits a source. If its image is unusable or not a normal map, the materials that use the image stay unchanged.
   std::optional<FittedSource> fit(const GltfAsset& asset, PreparedSource& source, std::size_t number) {
     try {
       return fit_source(device_, asset, source, number, fit_settings(), progress_);
@@ -227,7 +227,7 @@ class GltfConversion {
     return made;
   }
 
-  // What pictures say of a source; without them, what was asked for.
+  // Returns the form that pictures choose for a source, or the requested form if none are drawn.
   ChosenForm form_of(SourceForms& forms, std::size_t number, const FittedSource& fitted, const std::string& baked) {
     ChosenForm form;
     form.normals = NormalForm::of(fitted.normal->level_count(),
@@ -241,7 +241,7 @@ class GltfConversion {
     return form;
   }
 
-  // None where its own stay, of which `source` then says why.
+  // Returns no textures if the material keeps its own ones; `source` then has the reason.
   SourceTextures textures_of(const GltfAsset& asset, SourceForms& forms, std::size_t number, PreparedSource& source) {
     SourceTextures made;
     std::optional<FittedSource> found = fit(asset, source, number);
@@ -261,13 +261,13 @@ class GltfConversion {
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);
-      progress_advance(progress_, 2 * source.texel_count());  // of textures that need no encoding
+      progress_advance(progress_, 2 * source.texel_count());  // for textures that need no encoding
       return made;
     }
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
     if (fitted.averages != nullptr) apply_normal_form(form.normals, fitted);
     progress_stage(progress_, "encode");
-    // Lobes need a map that has its scale in it, as they have.
+    // Lobes include the normal scale, so the normal map must include it too.
     if (form.normals.has_fitted_normals() || source.source.normal_scale != 1.0)
       made.normal = encode(fitted, fitted.normal, source, "normal");
     else progress_advance(progress_, source.texel_count());
@@ -291,17 +291,18 @@ class GltfConversion {
     return made;
   }
 
-  // What a source left in the work folder: as large as its textures are in memory.
+  // Removes a source's files from the work folder. They are as large as its textures in memory.
   static void remove_levels(const FittedSource& fitted) {
     for (const auto* levels : {&fitted.normal, &fitted.surface, &fitted.anisotropy, &fitted.averages})
       if (*levels != nullptr) remove_file((*levels)->path());
   }
   static void remove_file(const std::string& path) {
-    std::error_code ignored;  // the work folder is cleared at the end; none where `path` is empty
+    std::error_code ignored;  // the work folder is removed at the end; an empty `path` has no file
     if (!path.empty()) std::filesystem::remove(path, ignored);
   }
 
-  // What storing `levels` adds to the light's error is measured with the source's other texture as it is.
+  // Encodes `levels`, and measures how much their storage adds to the light's error. The source's other texture is
+  // exact.
   std::optional<EncodedTexture> encode(const FittedSource& fitted, const std::unique_ptr<LevelFile>& levels,
                                        const PreparedSource& source, const char* name) {
     std::optional<EncodedTexture> made;

@@ -14,7 +14,7 @@ namespace {
 
 struct TextureUse {
   std::size_t texture = 0;
-  std::optional<std::size_t> image;  // one that can be decoded
+  std::optional<std::size_t> image;  // only if it can be decoded
   std::array<WrapMode, 2> wrap{};
   TextureCoordinates coordinates;
 };
@@ -43,7 +43,7 @@ class Planner {
  private:
   [[noreturn]] void refuse(const std::string& what) const { asset_.refuse(fmt::format("'{}': {}", what_, what)); }
 
-  // A child that is an object; null where there is none.
+  // Returns a child that is an object; null: none.
   const GltfJson* object_at(const GltfJson& in, const char* key) const {
     const auto found = in.find(key);
     if (found == in.end()) return nullptr;
@@ -73,7 +73,7 @@ class Planner {
     return {found->at(0).get<double>(), found->at(1).get<double>()};
   }
 
-  // Where KHR_animation_pointer changes something as time goes by.
+  // Finds the properties that KHR_animation_pointer animates.
   void find_pointers() {
     for (const GltfJson& animation : asset_.array("animations")) {
       const auto channels = animation.find("channels");
@@ -118,7 +118,7 @@ class Planner {
     return {wrap("wrapS"), wrap("wrapT")};
   }
 
-  // The image that a decoder of PNG, JPEG and WebP takes.
+  // Returns the image of a texture, if it is a PNG, JPEG or WebP image.
   std::optional<std::size_t> image_of(const GltfJson& texture) const {
     std::vector<std::size_t> images;
     if (texture.contains("source")) images.push_back(asset_.index(texture, "source", "images"));
@@ -143,7 +143,7 @@ class Planner {
     return use;
   }
 
-  // Why the material is not fitted; empty: it is, and `made` says from what.
+  // Returns why the material is not fitted. Empty: it is fitted, and `made` has the inputs.
   std::string plan_material(const GltfJson& material, std::size_t number, MaterialPlan& made) {
     const std::optional<TextureUse> normal = texture_at(material, "normalTexture");
     if (!normal) return "it has no normal map";
@@ -171,7 +171,7 @@ class Planner {
     source.wrap_s = normal->wrap[0];
     source.wrap_t = normal->wrap[1];
     source.normal_scale = number_at(*object_at(material, "normalTexture"), "scale", 1.0);
-    constexpr double kScaleMax = 1e6;  // any larger makes all normals horizontal
+    constexpr double kScaleMax = 1e6;  // larger scales make all normals horizontal
     made.is_bad = !(std::abs(source.normal_scale) <= kScaleMax);
     if (made.is_bad)
       return fmt::format("normalTexture.scale is {:g}, expected at most {:g} either way", source.normal_scale,
@@ -197,7 +197,7 @@ class Planner {
     return "";
   }
 
-  // Of the base colour, where it lies over the texels of the normals. What is wrong with it is no reason to stop.
+  // Returns the base colour image, if it covers the same texels as the normals. Errors in this image are ignored.
   std::optional<std::size_t> colour_image(const GltfJson& surface, std::size_t number, const TextureUse& normal) const {
     try {
       const std::optional<TextureUse> colour = texture_at(surface, "baseColorTexture");

@@ -30,7 +30,7 @@ namespace {
 
 std::string base64_of_file(const std::string& path) { return encode_base64(bytes_of_file(path)); }
 
-// Refuses what the page cannot show of a map.
+// Refuses maps that the page cannot show.
 void check_map(const LookMap& map, const BakedHeader& header, bool same_source) {
   if (header.has_roughness)
     refuse_file(map.input, "found roughness in its lobes, expected none: the page has one base roughness");
@@ -65,7 +65,7 @@ std::vector<BakedHeader> checked_headers(const LookJob& job) {
   return headers;
 }
 
-// Texts in the order of runtime_gl/shaders/common/reflection.glsl.
+// Returns texts in the order of runtime_gl/shaders/common/reflection.glsl.
 nlohmann::ordered_json shader_texts() {
   const auto joined = [](std::initializer_list<const char*> names) {
     std::string text;
@@ -114,7 +114,7 @@ std::string look_page(const nlohmann::ordered_json& data) {
   return page;
 }
 
-// Lobes and the one-lobe export, by way of files that begin with `stem`.
+// Returns the lobes and the one-lobe export. Temporary files begin with `stem`.
 nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, const LookJob& job,
                                 const std::string& stem, Device& device, Progress* progress) {
   LobeExportJob lobes{map.input, stem + "_lobes.ktx2", ""};
