@@ -24,9 +24,9 @@ std::string engine_line(MaterialFormat format, MaterialTexels texels, const std:
   std::string line = "known not to load: ";
   for (std::size_t i = 0; i < engines.size(); ++i) line += (i > 0 ? ", " : "") + engines[i];
   if (format == MaterialFormat::kKtx2 && texels != MaterialTexels::kUastc)
-    line += " (the first three, some without a message, take " + uastc + " only)";
+    line += " (some show no message; the first three load only files of " + uastc + ")";
   else if (format == MaterialFormat::kDds)
-    line += " (some without a message; the web takes --format ktx2 " + uastc + ")";
+    line += " (some show no message; web engines load --format ktx2 " + uastc + ")";
   return line;
 }
 

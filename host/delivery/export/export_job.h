@@ -34,11 +34,11 @@ struct ExportJob {
   NormalMapSettings reading;
   MapSurface surface = MapSurface::kTexels;  // of levels 1 and coarser
   OneLobeSettings lobe;
-  std::optional<MaterialForm> form;        // unset: one lobe
-  Engine engine = Engine::kThree;          // engine whose pictures choose the form
-  std::optional<MaterialFormat> format;    // unset: by the output's name, else PNG
-  std::optional<MaterialTexels> texels;    // unset: half floats in EXR, else RGBA8
-  int zstd_level = 0;                      // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
+  std::optional<MaterialForm> form;      // unset: one lobe
+  Engine engine = Engine::kThree;        // engine whose pictures choose the form
+  std::optional<MaterialFormat> format;  // unset: by the output's name, else PNG
+  std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8
+  int zstd_level = 0;                    // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
   // Store only roughness, instead of occlusion, roughness and metalness in one texture
   bool has_roughness_alone = false;
   bool has_smoothness = false;             // store 1 - roughness, as Unity reads it
@@ -51,7 +51,7 @@ struct ExportJob {
   // For data that does not fit in memory; empty: the output folder
   std::string scratch_folder;
   int threads = 1;
-  bool force = false;   // in a manifest: also export what is in place
+  bool force = false;  // in a manifest: also export what is in place
   // Keep fitted rows during the run, and continue from the rows of a stopped export of the same job
   bool resume = false;
 };

@@ -34,15 +34,15 @@ std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMap
   }
   auto lobes = std::make_unique<BakedLobes>(job.lobes, job.accuracy.levels);
   if (lobes->surface() != map_surface_name(job.surface))
-    throw Error(ErrorCode::kInput, fmt::format("{}: was baked with --surface {}, expected {} as this export has it",
+    throw Error(ErrorCode::kInput, fmt::format("{}: was baked with --surface {}, expected {} as in this export",
                                                job.lobes, lobes->surface(), map_surface_name(job.surface)));
   const int width = map.normals.width(), height = map.normals.height();
   if (lobes->width() != width || lobes->height() != height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: was baked from a map of {} x {} texels, expected {} x {} as {} has",
+    throw Error(ErrorCode::kInput, fmt::format("{}: was baked from a map of {} x {} texels, expected {} x {} as in {}",
                                                job.lobes, lobes->width(), lobes->height(), width, height, job.input));
   if (!is_baked_name(job.input) && lobes->source_hash() != hashes.hash(job.input))
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: was baked from another map than {}; expected a bake of it", job.lobes, job.input));
+                fmt::format("{}: was baked from another map; expected a bake of {}", job.lobes, job.input));
   return lobes;
 }
 

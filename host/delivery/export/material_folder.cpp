@@ -179,13 +179,13 @@ std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, i
   const std::string sides = fmt::format("its sides are {} x {}: ", width, height);
   if (settings.format == MaterialFormat::kKtx2 && !(is_power_of_two(width) && is_power_of_two(height)))
     warnings.push_back(sides +
-                       "of KTX2 files whose sides are no powers of two Godot keeps level 0 alone and makes mips of its "
-                       "own; resize the map first if it is for Godot");
+                       "Godot keeps only level 0 of KTX2 files unless the sides are powers of two, and computes its "
+                       "own mips; resize the map first if you use Godot");
   const bool has_blocks = settings.texels == MaterialTexels::kBlocks || settings.texels == MaterialTexels::kUastc;
   if (has_blocks && (width % 4 != 0 || height % 4 != 0))
     warnings.push_back(sides +
-                       "Direct3D refuses block-compressed textures whose sides are no multiples of 4, and so do "
-                       "browsers that run on it; resize the map first");
+                       "Direct3D, and browsers that use Direct3D, refuse block-compressed textures unless their sides "
+                       "are multiples of 4; resize the map first");
   return warnings;
 }
 

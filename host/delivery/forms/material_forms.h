@@ -167,9 +167,9 @@ struct ChosenNormalForm {
 };
 ChosenNormalForm choose_normal_form(const FormMeter& meter, const NormalForm& kept);
 
-constexpr double kFormGain = 0.2;        // points, or
+constexpr double kFormGain = 0.2;  // points, or
 // Of the error, whichever is more: such pictures differ that much from an engine's pictures
 constexpr double kFormGainShare = 0.05;
-constexpr double kFormTolerance = 0.1;   // points, for each view
+constexpr double kFormTolerance = 0.1;  // points, for each view
 
 }  // namespace multum

@@ -46,8 +46,7 @@ std::vector<std::string> input_files(const GltfAsset& asset) {
 
 void check_gltf_job(const GltfJob& job) {
   if (!job.output.ends_with(".glb")) throw Error(ErrorCode::kUsage, job.output + ": expected a name that ends in .glb");
-  if (job.lobe_texels && !job.has_lobes)
-    throw Error(ErrorCode::kUsage, "--lobe-texels says how lobes are stored, and there are none; add --lobes");
+  if (job.lobe_texels && !job.has_lobes) throw Error(ErrorCode::kUsage, "--lobe-texels needs lobes; add --lobes");
   check_paths_differ({job.input}, {job.output, job.report});
   check_writable(job.output);
   if (!job.report.empty()) check_writable(job.report);
@@ -85,7 +84,7 @@ class GltfConversion {
     for (const std::string& file : inputs) {
       std::error_code error;
       report_.bytes_before += std::filesystem::file_size(file, error);
-      if (error) asset.refuse(fmt::format("names {}, which cannot be read: {}", file, error.message()));
+      if (error) asset.refuse(fmt::format("refers to {}, which cannot be read: {}", file, error.message()));
     }
     GltfPlan plan = plan_gltf(asset, job_.is_anisotropic);
 
@@ -106,7 +105,7 @@ class GltfConversion {
     progress_stage(progress_, "write");
     RewrittenGltf rewritten = rewrite_gltf(asset, plan, textures);
     for (const std::string& uri : rewritten.left_outside)
-      warn(fmt::format("image {} is of no kind that glTF has: it stays a file beside the model", uri));
+      warn(fmt::format("image {} has a type that glTF does not support; it remains a separate file", uri));
     warn_of_format(plan);
     hashes.check_unchanged(job_.input);
     report_.bytes_after = write_glb(asset, std::move(rewritten.json), rewritten.contents, job_.output, progress_);
@@ -150,15 +149,14 @@ class GltfConversion {
       for (const auto& [name, texture] : one.storage)
         if (!name.starts_with("lobe")) ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
     if (plain_count > 0)
-      warn(
-          fmt::format("{} of its {} new textures are KTX2 files of 8 bits a channel: outside of KHR_texture_basisu, by "
-                      "whose name they are loaded; ",
-                      plain_count, count) +
-          engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
+      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel; this is outside of "
+                       "KHR_texture_basisu, the extension that refers to them; ",
+                       plain_count, count) +
+           engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
     if (job_.format == GltfTextureFormat::kPng && count > 0)
       warn(
-          "PNG has no mips: its new textures are level 0 alone, and the fitted levels are lost; --format uastc has "
-          "them");
+          "PNG has no mips: the new textures have only level 0, and the fitted levels are lost. Use --format uastc to "
+          "keep them");
   }
 
   // If a source cannot be fitted, its materials stay unchanged.
@@ -193,7 +191,7 @@ class GltfConversion {
     for (const MaterialPlan& material : plan.materials) {
       if (!material.is_bad) continue;
       if (report_.fitted_count() == 0) refuse_file(job_.input, fmt::format("'{}': {}", material.name, material.kept));
-      warn(fmt::format("material '{}' stays as it was: {}", material.name, material.kept));
+      warn(fmt::format("material '{}' is unchanged: {}", material.name, material.kept));
     }
   }
 
@@ -257,7 +255,7 @@ class GltfConversion {
     FittedSource fitted = std::move(*found);
     const ChosenForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
-      source.kept = "its own mips are as near";
+      source.kept = "its own mips are as accurate";
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);
@@ -403,7 +401,7 @@ GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress) 
   try {
     return GltfConversion(job, device, progress).run();
   } catch (const nlohmann::json::exception& error) {
-    refuse_file(job.input, std::string("is damaged: its JSON is not as glTF has it: ") + error.what());
+    refuse_file(job.input, std::string("is damaged: its JSON violates glTF: ") + error.what());
   }
 }
 

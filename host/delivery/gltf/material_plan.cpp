@@ -93,7 +93,8 @@ class Planner {
 
   TextureCoordinates coordinates_of(const GltfJson& info) const {
     TextureCoordinates made;
-    if (info.contains("texCoord") && !unsigned_at(info, "texCoord")) refuse("texCoord is not a number of a set");
+    if (info.contains("texCoord") && !unsigned_at(info, "texCoord"))
+      refuse("texCoord is not the number of a coordinate set");
     made.set = unsigned_at(info, "texCoord").value_or(0);
     if (const GltfJson* transform = extension_of(info, "KHR_texture_transform")) {
       made.offset = pair_at(*transform, "offset", 0.0);
@@ -149,7 +150,7 @@ class Planner {
     if (!normal) return "it has no normal map";
     for (const char* name : {"KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_materials_anisotropy"})
       if (extension_of(material, name) != nullptr)
-        return fmt::format("{} says otherwise what its surface reflects", name);
+        return fmt::format("{} defines the reflection of its surface in another way", name);
     if (extension_of(material, "MULTUM_lobes") != nullptr) return "it has lobes already (MULTUM_lobes)";
     static const GltfJson kNone = GltfJson::object();
     const GltfJson* found = object_at(material, "pbrMetallicRoughness");
@@ -161,8 +162,8 @@ class Planner {
     if (!normal->image) return "its normal texture has no PNG, JPEG or WebP image";
     if (rough && !rough->image) return "its metallic-roughness texture has no PNG, JPEG or WebP image";
     if (rough && rough->coordinates != normal->coordinates)
-      return "its roughness lies elsewhere than its normals: other texture coordinates, or another transform";
-    if (rough && rough->wrap != normal->wrap) return "its roughness wraps otherwise than its normals";
+      return "its roughness and its normals differ in texture coordinates or texture transform";
+    if (rough && rough->wrap != normal->wrap) return "its roughness wraps differently from its normals";
 
     made.coordinates = normal->coordinates;
     LobeSource source;
@@ -174,7 +175,7 @@ class Planner {
     constexpr double kScaleMax = 1e6;  // larger scales make all normals horizontal
     made.is_bad = !(std::abs(source.normal_scale) <= kScaleMax);
     if (made.is_bad)
-      return fmt::format("normalTexture.scale is {:g}, expected at most {:g} either way", source.normal_scale,
+      return fmt::format("normalTexture.scale is {:g}, expected at most {:g} in magnitude", source.normal_scale,
                          kScaleMax);
     source.roughness_factor = share_at(surface, "roughnessFactor");
     share_at(surface, "metallicFactor");
@@ -217,15 +218,15 @@ class Planner {
     if (occlusion->coordinates == rough->coordinates && occlusion->wrap == rough->wrap &&
         !is_animated(number, "occlusionTexture/extensions"))
       return true;
-    made.notes.push_back("occlusion keeps the image that roughness had: it lies elsewhere on the surface");
+    made.notes.push_back("occlusion keeps the old roughness image, because both have different texture coordinates");
     return false;
   }
 
   static void note_factors(const LobeSource& source, MaterialPlan& made) {
     if (source.normal_scale != 1.0)
-      made.notes.push_back(fmt::format("normalTexture.scale {:g} is in its texture now", source.normal_scale));
+      made.notes.push_back(fmt::format("its new texture includes normalTexture.scale {:g}", source.normal_scale));
     if (source.roughness_factor != 1.0)
-      made.notes.push_back(fmt::format("roughnessFactor {:g} is in its texture now", source.roughness_factor));
+      made.notes.push_back(fmt::format("its new texture includes roughnessFactor {:g}", source.roughness_factor));
   }
 
   const GltfAsset& asset_;

@@ -290,10 +290,10 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
     // A common size of up to four times the larger image is accepted: then one side differs. A larger common size means
     // that the images were not made for each other, and neither image has this size.
     if (texels(largest) > 4 * std::max(texels(normal), texels(surface)))
-      made.kept = fmt::format("its normals have {} x {} texels, its roughness {} x {}", normal.first, normal.second,
-                              surface.first, surface.second);
+      made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
+                              normal.second, surface.first, surface.second);
     if (surface != normal)
-      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were brought to one size",
+      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to one size",
                                        normal.first, normal.second, surface.first, surface.second));
   }
   if (normal == std::make_pair(1, 1)) made.kept = "its normal map is a single texel";
@@ -308,8 +308,7 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
                              source.roughness_factor == 1.0 && is_surface_whole;
   if (std::make_pair(made.width, made.height) != largest)
     made.notes.push_back(
-        fmt::format("{} x {} was enlarged to {} x {}: KHR_texture_basisu has sides that are "
-                    "multiples of {}",
+        fmt::format("{} x {} was enlarged to {} x {}, because KHR_texture_basisu needs sides that are multiples of {}",
                     largest.first, largest.second, made.width, made.height, settings.side_multiple));
 }
 

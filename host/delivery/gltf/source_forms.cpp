@@ -63,7 +63,7 @@ const SourceForms::Drawn& SourceForms::drawn(std::uint64_t uv_set) {
     made->mesh = read_mesh(asset_.path, static_cast<int>(uv_set));
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInput) throw;
-    log_info(fmt::format("{}; materials are judged on a sphere", error.what()));
+    log_info(fmt::format("{}; pictures show the materials on a sphere", error.what()));
     made->mesh = textured_sphere();
     made->is_sphere = true;
   }

@@ -33,10 +33,12 @@ std::string base64_of_file(const std::string& path) { return encode_base64(bytes
 // Refuses maps that the page cannot show.
 void check_map(const LookMap& map, const BakedHeader& header, bool same_source) {
   if (header.has_roughness)
-    refuse_file(map.input, "found roughness in its lobes, expected none: the page has one base roughness");
+    refuse_file(map.input, "found roughness in its lobes, expected none, because the page has one base roughness");
   if (header.width > kLookSideMax || header.height > kLookSideMax)
-    refuse_file(map.input, fmt::format("found a map of {} x {}, expected sides of at most {}: the page holds it whole",
-                                       header.width, header.height, kLookSideMax));
+    refuse_file(
+        map.input,
+        fmt::format("found a map of {} x {}, expected sides of at most {}, because the page holds the whole map",
+                    header.width, header.height, kLookSideMax));
   if (map.source.empty() && header.first_level > 0)
     refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the map by --source",
                                        header.first_level));
@@ -58,10 +60,9 @@ std::vector<BakedHeader> checked_headers(const LookJob& job) {
     texels += std::int64_t{headers.back().width} * headers.back().height;
   }
   if (texels > kLookTexelsMax)
-    throw Error(ErrorCode::kInput,
-                fmt::format("found maps of {} texels together, expected at most {}, as four of {} x {} have: the page "
-                            "holds all",
-                            texels, kLookTexelsMax, kLookSideMax, kLookSideMax));
+    throw Error(ErrorCode::kInput, fmt::format("found maps of {} texels together, expected at most {} (four maps of {} "
+                                               "x {}), because the page holds all maps",
+                                               texels, kLookTexelsMax, kLookSideMax, kLookSideMax));
   return headers;
 }
 
@@ -133,8 +134,8 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
   material.threads = job.threads;
   const ExportReport report = export_file(material, device, progress);
   if (report.width != header.width || report.height != header.height)
-    refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {}, of which {} was baked", report.width,
-                                        report.height, header.width, header.height, map.input));
+    refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {} as in the map that {} was baked from",
+                                        report.width, report.height, header.width, header.height, map.input));
   return {{"title", text_of_path(std::filesystem::path(map.input).filename().string())},
           {"about",
            fmt::format("{}, GGX of roughness {:.2g}", text_of_path(header.provenance.source_name), job.base_roughness)},

@@ -92,7 +92,7 @@ class HostileTest(unittest.TestCase):
                  (setting("bufferViews", 0, "byteOffset", to=2**64 - 8), "buffer view 0"),
                  (setting("bufferViews", 0, "byteOffset", to=-4), "buffer view 0"),
                  (setting("bufferViews", 0, "buffer", to=1), "buffer is 1"),
-                 (setting("buffers", 0, "byteLength", to=10**9), "buffer 0 says that it has 1000000000 bytes"),
+                 (setting("buffers", 0, "byteLength", to=10**9), "buffer 0 declares 1000000000 bytes"),
                  (setting("buffers", 0, "byteLength", to="x"), "buffer 0 has no byteLength"),
                  (setting("images", 0, to={}), "image 0"),
                  (setting("images", 0, "bufferView", to=99), "bufferView is 99"),

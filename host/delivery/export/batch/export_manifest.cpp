@@ -39,14 +39,15 @@ std::vector<std::string> map_keys() {
 void check_names(const StrictTable& table, const ExportJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
-    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file's name, not in a folder's", job.input));
+    table.refuse("input",
+                 fmt::format("is \"{}\", expected <UDIM> in the file's name instead of a folder's name", job.input));
   if (is_set != has_udim(job.output))
-    table.refuse("output", fmt::format("is \"{}\", but the input is {}: expected a name {} <UDIM>", job.output,
+    table.refuse("output", fmt::format("is \"{}\" although the input is {}; expected a name {} <UDIM>", job.output,
                                        is_set ? "a set" : "one map", is_set ? "with" : "without"));
   for (const std::string ExportJob::*beside : kExportMapsBeside)
     if (!is_set && has_udim(job.*beside))
       table.refuse(
-          "", fmt::format("names \"{}\", but the input is not a set: expected a name without <UDIM>", job.*beside));
+          "", fmt::format("names \"{}\" although the input is not a set; expected a name without <UDIM>", job.*beside));
 }
 
 struct ManifestEntry {
@@ -85,8 +86,10 @@ void check_places_differ(const std::vector<ManifestEntry>& entries) {
     for (const ManifestExport& map : entry.maps) {
       const auto [other, is_new] = records.emplace(canonical_name(export_record_file(map.job)), map.job.input);
       if (!is_new)
-        entry.table.refuse("output", fmt::format("is \"{}\", where {} goes already: expected a place of its own",
-                                                 map.name, other->second));
+        entry.table.refuse(
+            "output",
+            fmt::format("is \"{}\", which is already the output of {}; expected a different output for each map",
+                        map.name, other->second));
     }
 }
 

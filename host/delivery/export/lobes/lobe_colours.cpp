@@ -20,7 +20,7 @@ namespace {
 
 // Lobes per pair of layers. Readers without BC5 store a pair in one RGBA layer.
 constexpr std::size_t kLobesPerPair = 4;
-constexpr float kTintsMax = 4.0f;         // largest tint, times the texel's luminance: lobes do not emit light
+constexpr float kTintsMax = 4.0f;  // largest tint, times the texel's luminance: lobes do not emit light
 constexpr float kLeastLuminance = 1e-4f;
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);
 

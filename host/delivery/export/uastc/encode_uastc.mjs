@@ -62,7 +62,7 @@ function stripsOf(levels) {
 function levelOf(file) {
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
   const LEVEL_COUNT = 40, LEVEL_INDEX = 80;
-  if (view.getUint32(LEVEL_COUNT, true) !== 1) throw new Error("the encoder wrote other levels than one");
+  if (view.getUint32(LEVEL_COUNT, true) !== 1) throw new Error("the encoder did not write exactly one level");
   const offset = Number(view.getBigUint64(LEVEL_INDEX, true));
   return file.subarray(offset, offset + Number(view.getBigUint64(LEVEL_INDEX + 8, true)));
 }
@@ -74,7 +74,7 @@ async function texelsOf(file, { width, rows }, encoder) {
   try {
     const texels = new Uint8Array(4 * width * rows);
     if (!decoder.startTranscoding() || !decoder.transcodeImage(texels, 0, 0, 0, RGBA32, 0, -1, -1))
-      throw new Error("the encoder cannot decode what it wrote");
+      throw new Error("the encoder cannot decode its own file");
     return texels;
   } finally {
     decoder.close();
