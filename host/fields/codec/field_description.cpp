@@ -23,15 +23,15 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kTextBytesMax = std::uint64_t{1} << 26;
-constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // of matrices: 100,000 samples of ten objects
+constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // numbers in matrices: 100,000 samples of ten objects
 constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensionsMax);
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-// Of a mapping: what was found while it was made, which nobody needs to play.
+// Keys of a mapping that describe its search. Players do not need them.
 constexpr std::array kFoundKeys = {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"};
 
-// Fractions become the shortest decimals that are read back as the same singles.
+// Replaces fractions by the shortest decimals that give the same single-precision numbers.
 void round_to_singles(json& value) {
   if (value.is_structured()) {
     for (json& child : value) round_to_singles(child);
@@ -42,7 +42,7 @@ void round_to_singles(json& value) {
   }
 }
 
-// The index of `value` in `list`, put there if it is new.
+// Returns the index of `value` in `list`. Appends `value` if it is new.
 template <typename Value>
 int index_in(std::vector<Value>& list, const Value& value) {
   const auto found = std::find(list.begin(), list.end(), value);
@@ -93,10 +93,10 @@ std::size_t index_of(const json& value, const char* what) {
   return static_cast<std::size_t>(json_integer_of(value, what, 0, INT32_MAX));
 }
 
-// As scene_from() reads it. Returns the layers of each object.
+// Converts the description to the form that scene_from() reads. Returns the layers of each object.
 std::vector<json> expand(json& description) {
   const std::vector<json> views = description.at("views"), moves = description.at("moves");
-  std::size_t numbers = 0;  // of all samples, which share what is stored once
+  std::size_t numbers = 0;  // of all samples, which share the numbers that are stored once
   for (json& sample : description.at("samples")) {
     const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));

@@ -22,7 +22,7 @@ std::size_t section_number(const PackedIndex& index, const PackedSection* sectio
   return static_cast<std::size_t>(section - index.sections().data());
 }
 
-/// The samples of a block that have a texture, by the chunk's number.
+/// Returns the samples of a block that have a texture, by the chunk's number.
 std::map<std::size_t, std::vector<std::size_t>> drawn_samples(const FieldDescription& description,
                                                               const PackedLayer& layer, const FieldBlock& block) {
   std::map<std::size_t, std::vector<std::size_t>> samples;
@@ -155,7 +155,7 @@ InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, 
   const TextureChunkFormat& format = chunk.format();
   InferredTexture texture{static_cast<int>(format.width), static_cast<int>(format.height),
                           radiance_levels(chunk, sample), provenance};
-  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half
+  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half float
   round_to_half(texture.texels);
   return texture;
 }
@@ -172,7 +172,7 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
                                  .string();
   const std::string manifest_path = folder + "/" + kInferredManifestName;
   std::error_code error;
-  if (std::filesystem::exists(manifest_path, error))  // it may be the only one of textures that took hours
+  if (std::filesystem::exists(manifest_path, error))  // the manifest may be the only one of textures that took hours
     throw Error(ErrorCode::kUsage, manifest_path + ": is there already; unpack to a folder without one");
   make_folder(folder + "/textures");
   progress_start(progress, file.index().sections().size());
