@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job is read in the order in which its parts name one another: parameters, layers, objects of the geometry file,
-// cameras, samples; so that each refusal has the line at hand. Samples are read by
-// host/fields/inference/job/animation_samples.
+// Reads a job in the order of its references: parameters, layers, objects of the geometry file, cameras, samples. Each
+// refusal can then name the line. host/fields/inference/job/animation_samples reads the samples.
 #include "host/fields/inference/job/animation_job_reading.h"
 
 #include <algorithm>
@@ -25,7 +24,7 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each is a file or two
-// Of as many samples, each with a camera of its own: 68 keys and values, 1.2 KB.
+// Room for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {
@@ -143,8 +142,8 @@ void read_objects(const StrictTable& job_table, const std::vector<std::string>& 
   }
 }
 
-// Depth is found along -z, and the frustum is cut at planes of constant z: so w must be -z (to a factor), and x and y
-// must grow to the right and upwards.
+// Depth is measured along -z, and the frustum is cut at planes of constant z. Therefore w must be -z (up to a factor),
+// and x and y must grow to the right and upwards.
 void check_camera(const StrictTable& table, const AnimationCamera& camera) {
   const glm::dmat4& m = camera.world_to_camera;
   if (m[0][3] != 0.0 || m[1][3] != 0.0 || m[2][3] != 0.0 || m[3][3] != 1.0)
@@ -172,8 +171,8 @@ void read_cameras(const StrictTable& job_table, AnimationJob& job) {
   }
 }
 
-// Renders of one folder are made alike: what the first sample's files lack, none has. Files that differ are refused
-// when they are read.
+// All renders of a folder must have the same passes: if the first sample's files lack a pass, the job is refused. Other
+// files that differ are refused when they are read.
 void check_passes(const StrictTable& job_table, const AnimationJob& job) {
   const AnimationSample& sample = job.samples.front();
   const std::vector<std::string> channels = exr_channel_names(sample.radiance);

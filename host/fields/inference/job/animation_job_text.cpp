@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job as TOML that a person may edit: every key is written, with its meaning where it comes first, and numbers with
-// the fewest digits that read back as the same number.
+// Writes a job as TOML for people to edit. Every key is written, with its meaning at its first use. Numbers have the
+// fewest digits that give the same number.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A TOML basic string: quotes, backslashes and control characters are escaped.
+// Returns a TOML basic string with escaped quotes, backslashes and control characters.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -68,7 +68,7 @@ std::string settings_text(const AnimationJob& job, const std::string& folder) {
       quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
 }
 
-// Only what differs from `defaults`; `with_comments` writes everything.
+// Writes only values that differ from `defaults`; with `with_comments`, everything.
 std::string texture_text(const AnimationTexture& t, const AnimationTexture& defaults, bool with_comments) {
   std::string text;
   const auto line = [&](const char* key, const auto& value, bool is_default, const char* comment) {

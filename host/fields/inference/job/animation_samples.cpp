@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-// The number of a grid point, the last parameter fastest.
+// Returns the number of a grid point; the last parameter changes fastest.
 std::size_t grid_number(const StrictTable& table, const AnimationJob& job, const std::vector<int>& at) {
   if (at.size() != job.parameters.size())
     table.refuse("at", fmt::format("has {} numbers, expected {}, one a parameter ({})", at.size(),
@@ -65,7 +65,7 @@ std::map<std::string, glm::dmat4> read_motion(const StrictTable& table, const st
   return motion;
 }
 
-// Each object's pixels are told by its number in the object-index image, or by the Cryptomatte.
+// Checks that the object-index image or the Cryptomatte identifies each object's pixels.
 void check_objects_told(const StrictTable& table, const AnimationJob& job, const AnimationSample& sample) {
   const bool by_index = !sample.object_index.empty();
   if (!by_index && sample.geometry.empty())
