@@ -33,7 +33,7 @@ ParameterizedScene::ParameterizedScene(AnimationJob job)
   for (const AnimationObject& object : job_.objects) {
     const auto found =
         std::find_if(meshes_.begin(), meshes_.end(), [&](const ObjectMesh& mesh) { return mesh.name == object.mesh; });
-    MULTUM_CHECK(found != meshes_.end());  // the job was read against the same file
+    MULTUM_CHECK(found != meshes_.end());  // the job was validated against the same file
     mesh_of_object_.push_back(static_cast<int>(found - meshes_.begin()));
   }
   draw_items();
@@ -119,9 +119,9 @@ std::vector<std::vector<float>> ParameterizedScene::coverages(int number) const 
   return coverages;
 }
 
-// An object-index image says of each pixel what its middle shows. Where the geometry has that object in the pixel too,
-// the geometry says how much of it, and of what else; where it has not, as with displaced or unlisted things, the image
-// is taken at its word.
+// An object-index image has the object at the middle of each pixel. If the geometry has this object in the pixel too,
+// the geometry gives the shares of all objects. Otherwise, for example for displaced or unlisted objects, the whole
+// pixel belongs to the object of the image.
 void ParameterizedScene::unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const {
   constexpr int kSubPixels = 4;  // along each side of a pixel: steps of 1/16
   const int factor = std::clamp(kItemBufferSideMax / std::max(job_.width, job_.height), 1, kSubPixels);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of `multum infer`: errors, pictures, times and counts of report.json, and what C++ adds to it: `samples`
-// with their places on the grid of parameters, `pictures`, and the `texels` of layers.
+// Fills the page of `multum infer`: errors, pictures, times and counts of report.json. C++ adds `samples` with their
+// places on the parameter grid, `pictures`, and the `texels` of layers.
 
-// Seconds a point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
+// Seconds per point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
 // .93 s, obtaining matrix A 2.15 min, solving for textures 2.68 min.
 const PAPER_SECONDS = { mapping: 0.93, probing: 2.15 * 60, solving: 2.68 * 60 };
 const NONE = "\u2013";
 
 const { objects, layers, frames, comparison, parameters, samples, pictures, seconds } = data;
-// Three figures; null: there is none.
+// Formats three digits; null: there is no value.
 const mse = (value) => (value === null ? NONE : value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0));
 const secondsText = (value) => value.toFixed(value < 9.95 ? 2 : 1);
 const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
@@ -125,7 +125,7 @@ const LEFT = 44, TOP = 4; // of the cells of a heat map
 const label = (x, y, anchor, text, kind = null) =>
   svgNode("text", { class: kind, x: general(x), y: general(y), "text-anchor": anchor }, text);
 
-// Columns are the last parameter, which samples follow fastest; rows are all others together.
+// Columns are the last parameter, which changes fastest between samples. Rows are all other parameters together.
 const columnCount = parameters.length > 0 ? parameters.at(-1).count : 1;
 const rowCount = Math.floor(samples.length / columnCount);
 const cellWidth = Math.min(42, Math.max(4, 336 / columnCount)), cellHeight = cellWidth < 30 ? cellWidth : 24;
@@ -258,7 +258,7 @@ for (const { object, layer, picture: one } of pictures.textures) {
 byId("times").append(timeTable());
 byId("mappings").append(mappingTable());
 byId("counts").append(countTable());
-// Only when it is wanted; what stands in an object is shown where there is no such file.
+// Loads the player only on request. If the file is missing, the object's content is shown.
 byId("player").addEventListener("toggle", ({ target }) => {
   target.replaceWith(node("object", { id: "player", type: "text/html", data: "player.html", "aria-label": "player" },
     "There is no player.html beside this page yet: the command above writes it, FOLDER being this page's folder."));
