@@ -89,7 +89,7 @@ void read_header(const nlohmann::json& json, FilterMatrix& m) {
   m.rows_rejected = count_of(json, "rowsRejected");
 }
 
-// What the solver relies on without looking again.
+// Checks everything that the solver assumes.
 void check_contents(const FilterMatrix& m, const std::string& path) {
   for (int side : {m.width, m.height, m.texture_width, m.texture_height})
     if (side < 1 || side > kGpuSideMax)
@@ -115,7 +115,7 @@ void check_contents(const FilterMatrix& m, const std::string& path) {
   }
 }
 
-// A comment ends with its line, and names may hold whatever a glTF file's do.
+// Replaces line breaks: a comment ends with its line, and names from glTF files may contain any character.
 std::string in_one_line(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';

@@ -17,8 +17,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kPositionsLeast = 2, kPositionsMost = 100000;  // as recorded_path.js has them
-constexpr std::int64_t kFileBytesMax = std::int64_t{64} << 20;       // of that many positions, indented
+constexpr std::size_t kPositionsLeast = 2, kPositionsMost = 100000;  // as in recorded_path.js
+constexpr std::int64_t kFileBytesMax = std::int64_t{64} << 20;       // for this many positions, indented
 
 [[noreturn]] void refuse_path(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 

@@ -32,7 +32,7 @@ using nlohmann::ordered_json;
 constexpr const char* kGeometryName = "geometry.glb";
 constexpr const char* kWasmName = "packed_field.wasm";
 
-// Modules in the order of what they import. In one page they are one script, so no two may share a name at top level.
+// Modules in the order of their imports. In one page they are one script, so no two may share a top-level name.
 constexpr std::array kPageModules = {
     "error_text.js",    "next_frame.js",        "byte_source.js",        "checksum.js",
     "mpt_file.js",      "field_description.js", "matrices.js",           "glb.js",
@@ -40,7 +40,7 @@ constexpr std::array kPageModules = {
     "field_player.js",  "recorded_path.js",     "parameter_controls.js", "player.js"};
 constexpr std::array kWorkerModules = {"packed_field.js", "error_text.js", "chunk_head.js", "decoding_worker.js"};
 
-/// Of a file of the player; packed_field.mjs is a .js there, since not all servers know the other ending.
+/// Returns a file of the player. packed_field.mjs is named .js there, because not all servers know .mjs.
 std::string_view player_file(const std::string& name) {
   if (name == "packed_field.js") return player_module_files().at("packed_field.mjs");
   if (name == kWasmName) return player_module_files().at(name);
@@ -54,7 +54,7 @@ std::string file_bytes(const std::string& path) {
   return bytes;
 }
 
-/// The objects that the field draws, of the scene file that it names.
+/// Returns the objects that the field draws, from the scene file that it names.
 std::string geometry_of(const std::string& field, const PlayerOutput& output) {
   const PackedFieldFile file(field);
   const InferredManifest& manifest = file.description().field;
@@ -71,7 +71,7 @@ std::string geometry_of(const std::string& field, const PlayerOutput& output) {
   return scene_glb(objects, manifest.uv_set);
 }
 
-/// Modules as one script.
+/// Joins modules into one script.
 template <std::size_t kCount>
 std::string joined(const std::array<const char*, kCount>& names) {
   std::string script;
