@@ -129,8 +129,8 @@ std::vector<float> texel_masses(const FilterMatrix& matrix) {
   return masses;
 }
 
-/// Splits each block into sixteen parts and returns the fourth root of greatest mass over mean mass. On field_demo1 this
-/// correction lowers error + lambda bits by 0.5 %; the square root gives about the same.
+/// Splits each block into sixteen parts and returns the fourth root of greatest mass over mean mass. On field_demo1
+/// this correction lowers error + lambda bits by 0.5 %; the square root gives about the same.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses) {
   constexpr float kExponent = 0.25f, kShareMin = 0.02f;
   const BlockGrid grid{layout.width, layout.height, layout.side};

@@ -137,7 +137,7 @@ std::vector<std::size_t> SampleGrid::samples_in(const FieldBlock& block) const {
 SampleGrid sample_grid(const std::vector<InferredSample>& samples) {
   SampleGrid grid;
   grid.sizes.resize(samples.front().at.size(), 1);
-  const auto refuse = [] { throw Error(ErrorCode::kInput, "its samples are no full grid of the parameters"); };
+  const auto refuse = [] { throw Error(ErrorCode::kInput, "its samples do not form a full grid of the parameters"); };
   std::size_t count = 1;
   for (std::size_t d = 0; d < grid.sizes.size(); ++d) {
     for (const InferredSample& sample : samples) {

@@ -41,8 +41,8 @@ struct SampleGrid {
 SampleGrid sample_grid(const std::vector<InferredSample>& samples);
 
 struct BlockLimits {
-  int side = 8;   // samples along a varying parameter, at least 1
-  int first = 0;  // length of the first block, where a mapping's samples need several; 0 to side; 0: side
+  int side = 8;                 // samples along a varying parameter, at least 1
+  int first = 0;                // length of the first block, where a mapping's samples need several; 0 to side; 0: side
   std::size_t samples_max = 1;  // textures of a block, at least 1
 };
 

@@ -79,7 +79,7 @@ json description_json(const FieldDescription& description) {
 std::string inflated(std::span<const std::uint8_t> bytes) {
   ByteReader reader(bytes);
   const std::uint64_t length = reader.number(kTextBytesMax);
-  if (reader.failed()) refuse_description("does not say how long it is");
+  if (reader.failed()) refuse_description("does not give its length");
   std::string text(length, '\0');
   auto written = static_cast<uLongf>(length);
   const auto packed = bytes.subspan(reader.position());
@@ -102,7 +102,7 @@ std::vector<json> expand(json& description) {
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));
     numbers += view.size();
     for (const json& matrix : move) numbers += std::max<std::size_t>(matrix.size(), 1);
-    if (numbers > kNumbersMax) refuse_description("moves more objects in more samples than a field may have");
+    if (numbers > kNumbersMax) refuse_description("moves too many objects in too many samples for a field");
     sample = {{"name", sample.at(0)}, {"at", sample.at(1)}, {"worldToClip", view}, {"objectToWorld", move}};
   }
   std::vector<json> layers;
@@ -145,9 +145,9 @@ PackedLayer layer_from(const json& entry, std::size_t object, const InferredMani
       ++count;
     }
   }
-  if (count != field.samples.size()) refuse_description("has blocks that leave samples out");
+  if (count != field.samples.size()) refuse_description("has blocks that do not cover all samples");
   for (const int sample : layer.unseen)
-    if (sample < 0 || sample >= std::ssize(field.samples)) refuse_description("names a sample that there is not");
+    if (sample < 0 || sample >= std::ssize(field.samples)) refuse_description("names an unknown sample");
   if (!std::is_sorted(layer.unseen.begin(), layer.unseen.end())) refuse_description("has samples out of order");
   return layer;
 }
@@ -197,7 +197,7 @@ FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
   } catch (const json::exception& error) {
     refuse(std::string("is damaged: ") + error.what());
   } catch (const std::out_of_range&) {
-    refuse("names a view that there is not");
+    refuse("names an unknown view");
   }
   return result;
 }

@@ -31,7 +31,7 @@ InferredTexture read_texture_of(const std::string& folder, const std::string& na
   const std::string path = folder + "/" + name;
   InferredTexture texture = read_inferred_texture(path);
   if (static_cast<std::size_t>(texture.width) != width || static_cast<std::size_t>(texture.height) != height)
-    refuse_file(path, fmt::format("is of {} x {} texels, the manifest's mapping of {} x {}", texture.width,
+    refuse_file(path, fmt::format("has {} x {} texels, but the manifest's mapping has {} x {}", texture.width,
                                   texture.height, width, height));
   return texture;
 }
@@ -205,7 +205,7 @@ class ObjectReading {
     FilterMatrix matrix = read_filter_matrix(path);
     const TextureMapping& mapping = mapping_of_sample(object_, pose.first_sample);
     if (matrix.texture_width != mapping.width || matrix.texture_height != mapping.height)
-      refuse_file(path, fmt::format("is of a texture of {} x {}, the manifest's mapping of {} x {}",
+      refuse_file(path, fmt::format("is for a texture of {} x {} texels, but the manifest's mapping has {} x {}",
                                     matrix.texture_width, matrix.texture_height, mapping.width, mapping.height));
     return matrix;
   }

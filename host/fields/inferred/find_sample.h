@@ -22,7 +22,7 @@ std::size_t find_sample(const std::vector<Sample>& samples, const std::vector<st
     if (samples[s].name == text || indices(samples[s]) == text) return s;
   throw Error(
       ErrorCode::kUsage,
-      fmt::format("sample '{}': expected the indices {} from {} to {}, or a sample's name, as {}", text,
+      fmt::format("sample '{}': expected the indices {} from {} to {}, or a sample's name such as {}", text,
                   fmt::join(parameters, ","), indices(samples.front()), indices(samples.back()), samples.front().name));
 }
 

@@ -45,17 +45,18 @@ std::size_t value_count(const MipLevelPlace& level) {
 void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) {
   const Imf::Header& header = file.header();
   if (file.levelMode() != Imf::MIPMAP_LEVELS || file.levelRoundingMode() != Imf::ROUND_DOWN)
-    refuse_file(path, "is not mip-mapped as inferred textures are (MIPMAP_LEVELS, ROUND_DOWN)");
+    refuse_file(path, "does not have the mip-map mode of inferred textures (MIPMAP_LEVELS, ROUND_DOWN)");
   for (const char* name : kChannels) {
     const Imf::Channel* channel = header.channels().findChannel(name);
     if (channel == nullptr)
       refuse_file(path, std::string("has no channel ") + name + "; inferred textures have R, G and B");
     // The library would round other types, and large values to infinity.
-    if (channel->type != Imf::HALF) refuse_file(path, std::string("has a channel ") + name + " that is not of halfs");
+    if (channel->type != Imf::HALF)
+      refuse_file(path, std::string("has a channel ") + name + " that does not hold half floats");
   }
   // frame_of() begins at pixel (0, 0). For another window the library would write beyond the texels.
   if (header.dataWindow().min != Imath::V2i(0, 0))
-    refuse_file(path, "has a data window that does not begin at (0, 0), as those of inferred textures do");
+    refuse_file(path, "has a data window that does not begin at (0, 0); inferred textures begin there");
   const int width = file.levelWidth(0), height = file.levelHeight(0);
   if (width > kGpuSideMax || height > kGpuSideMax)
     refuse_file(path, "is " + std::to_string(width) + " x " + std::to_string(height) + " texels, expected up to " +

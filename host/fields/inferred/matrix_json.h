@@ -45,7 +45,7 @@ inline void check_picture_size(int width, int height, int supersampling) {
       supersampling > kSupersamplingMax)
     throw Error(ErrorCode::kInput, "the picture is " + std::to_string(width) + " x " + std::to_string(height) +
                                        " pixels with supersampling " + std::to_string(supersampling) +
-                                       ", expected 1 to 16384 a side and 1 to 8");
+                                       ", expected 1 to 16384 per side and 1 to 8");
 }
 
 }  // namespace multum

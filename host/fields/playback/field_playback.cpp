@@ -87,8 +87,8 @@ void FieldPlayback::reserve(std::size_t bytes) {
   const Lock lock(mutex_);
   if (memory_.take(bytes)) return;
   throw Error(ErrorCode::kEnvironment,
-              fmt::format("playback: drawing takes {} bytes, {} of {} are left: allow more memory", bytes,
-                          memory_.bytes_max() - memory_.bytes(), memory_.bytes_max()));
+              fmt::format("playback: drawing takes {} bytes, but only {} of {} bytes are left; allow more memory",
+                          bytes, memory_.bytes_max() - memory_.bytes(), memory_.bytes_max()));
 }
 
 // ---- what a point needs
@@ -281,7 +281,8 @@ void FieldPlayback::drop_coefficients(Chunk& chunk) {
 }
 
 std::size_t FieldPlayback::chunk_work_bytes(const Chunk& chunk) const {
-  return file_.index().sections()[chunk.section].length + chunk.head_bytes + chunk.limit;  // decoding makes a second head
+  return file_.index().sections()[chunk.section].length + chunk.head_bytes +
+         chunk.limit;  // decoding makes a second head
 }
 
 // ---- frames

@@ -34,7 +34,7 @@ class PathParser {
 
   void parse() {
     if (text_.size() > kTextMax)
-      throw Error(ErrorCode::kUsage, fmt::format("path: has {} letters, expected up to {}", text_.size(), kTextMax));
+      throw Error(ErrorCode::kUsage, fmt::format("path: has {} characters, expected up to {}", text_.size(), kTextMax));
     path_.values_.resize(path_.names_.size());
     do {
       auto& steps = path_.values_[parameter()];
@@ -55,7 +55,7 @@ class PathParser {
   [[noreturn]] void refuse(const std::string& expected) const {
     const std::string found = at_ < text_.size() ? fmt::format("'{}'", text_.substr(at_, 12)) : "the end";
     throw Error(ErrorCode::kUsage,
-                fmt::format("path '{}': found {} at letter {}, expected {}", text_, found, at_ + 1, expected));
+                fmt::format("path '{}': found {} at character {}, expected {}", text_, found, at_ + 1, expected));
   }
   void skip_spaces() {
     while (at_ < text_.size() && is_space(text_[at_])) ++at_;
@@ -115,7 +115,7 @@ class PathParser {
     }
   }
   void factor(int depth) {
-    if (depth > kDepthMax) refuse(fmt::format("at most {} parentheses and signs within one another", kDepthMax));
+    if (depth > kDepthMax) refuse(fmt::format("at most {} nested parentheses and signs", kDepthMax));
     if (takes("-")) {
       factor(depth + 1);
       return add(Kind::kNegate);

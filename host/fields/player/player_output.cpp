@@ -66,8 +66,8 @@ std::string geometry_of(const std::string& field, const PlayerOutput& output) {
   std::vector<ObjectMesh> objects = read_object_meshes(path, manifest.uv_set);
   std::erase_if(objects, [&](const ObjectMesh& object) { return drawn.count(object.name) == 0; });
   if (objects.size() != drawn.size())
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: has {} of the {} objects that the field draws", path, objects.size(), drawn.size()));
+    throw Error(ErrorCode::kInput, fmt::format("{}: has only {} of the {} objects that the field draws", path,
+                                               objects.size(), drawn.size()));
   return scene_glb(objects, manifest.uv_set);
 }
 
@@ -131,14 +131,14 @@ void check_player_output(const PlayerOutput& output) {
   if (!output.is_asked_for()) return;
   if (player_module_files().count(kWasmName) == 0)
     throw Error(ErrorCode::kEnvironment,
-                "this multum was built without the decoder for browsers: its build found no compiler for WebAssembly. "
-                "On Debian: apt-get install clang lld wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32, and "
-                "build again");
+                "this multum was built without the decoder for browsers, because its build found no compiler for "
+                "WebAssembly. On Debian, run apt-get install clang lld wasi-libc libc++-14-dev-wasm32 "
+                "libclang-rt-14-dev-wasm32, and build again");
   if (!output.page.empty() && fs::path(output.page).extension() != ".html")
     throw Error(ErrorCode::kUsage, output.page + ": expected the name of a page, *.html");
   if (!output.page.empty()) check_writable(output.page);
   if (!output.folder.empty() && fs::exists(output.folder) && !fs::is_directory(output.folder))
-    throw Error(ErrorCode::kUsage, output.folder + ": is a file, expected a folder to write a player to");
+    throw Error(ErrorCode::kUsage, output.folder + ": is a file; expected a folder for the player");
 }
 
 void write_player(const std::string& field, const PlayerOutput& output) {
@@ -149,10 +149,9 @@ void write_player(const std::string& field, const PlayerOutput& output) {
   if (!output.folder.empty()) write_folder(name, title, bytes, geometry, output.folder);
   if (output.page.empty()) return;
   if (bytes.size() + geometry.size() > kPlayerPageBytesMax)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: the field and its geometry have {} bytes, a page takes {} at most; expected a "
-                            "folder for the player, in the place of a page",
-                            output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: the field and its geometry have {} bytes, but a page holds at most "
+                                               "{}; expected a folder for the player instead of a page",
+                                               output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
   write_text_file(output.page, one_page(name, title, bytes, geometry));
 }
 

@@ -91,8 +91,9 @@ FieldRound coded_field(const FieldTarget& target, const FieldMeasure& measure, F
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress) {
   MULTUM_CHECK(settings.block >= 1 && (settings.alpha == 0.0 || settings.alpha > 1.0));
   if (!settings.output.ends_with(".mpt"))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: is not a name for a packed field, expected one that ends in .mpt", settings.output));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: is not a name for a packed field, expected a name that ends in .mpt", settings.output));
   check_paths_differ({settings.folder + "/" + kInferredManifestName}, {settings.output});
   check_writable(settings.output);
   progress_start(progress, 0);

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;  // objects are numbered in the order of the file
 
 constexpr const char* kExpected =
-    "expected a folder of renders: scene.json beside geometry.glb, .gltf or .obj, rad_vVV_pPP.exr, and geom_vVV.exr or "
+    "expected a folder of renders with scene.json, geometry.glb, .gltf or .obj, rad_vVV_pPP.exr, and geom_vVV.exr or "
     "id_vVV_pPP.png";
 
 // Returns the number of samples along a parameter that share texture coordinates: all, or even blocks of at most 16.
@@ -59,8 +59,9 @@ class FolderReader {
                          [](const Json& sample) { return sample.contains("object_to_world"); });
     has_index_ = exists("id_" + sample_name(samples.front()) + ".png");
     if (moves_ && !has_index_)
-      refuse_file(folder_, fmt::format("has objects that move, but no id_{}.png; object-index images are needed then",
-                                       sample_name(samples.front())));
+      refuse_file(folder_,
+                  fmt::format("has objects that move, but no id_{}.png; moving objects need object-index images",
+                              sample_name(samples.front())));
     const char* other = moves_ ? "motion" : samples.front().contains("light_swing_deg") ? "light" : "parameter";
     job_.parameters = {{"view", whole(scene_, "views", "the scene"), true},
                        {other, whole(scene_, "params", "the scene"), false}};
@@ -71,7 +72,7 @@ class FolderReader {
               [](const AnimationSample& a, const AnimationSample& b) { return a.at < b.at; });
     const int expected = job_.parameters[0].count * job_.parameters[1].count;
     if (std::ssize(job_.samples) != expected)
-      refuse_file(scene_path_, fmt::format("describes {} samples, expected {} by its views and params",
+      refuse_file(scene_path_, fmt::format("describes {} samples, expected {} from its views and params",
                                            job_.samples.size(), expected));
     read_layers();
     return std::move(job_);
@@ -84,7 +85,7 @@ class FolderReader {
     return fs::is_regular_file(path(name), error);
   }
   std::string existing(const std::string& name) const {
-    if (!exists(name)) refuse_file(folder_, fmt::format("has no {}, which scene.json describes", name));
+    if (!exists(name)) refuse_file(folder_, fmt::format("has no {}, although scene.json describes it", name));
     return path(name);
   }
 
@@ -138,8 +139,9 @@ class FolderReader {
   std::string mesh_of(const std::string& object) const {
     for (const std::string& mesh : {object, object + "_Mesh"})
       if (std::find(meshes_.begin(), meshes_.end(), mesh) != meshes_.end()) return mesh;
-    refuse_file(job_.geometry_file, fmt::format("has no object \"{}\", which scene.json names; it has {}", object,
-                                                fmt::join(meshes_, ", ")));
+    refuse_file(job_.geometry_file,
+                fmt::format("has no object \"{}\", although scene.json names it; its objects are {}", object,
+                            fmt::join(meshes_, ", ")));
   }
 
   void read_objects() {
@@ -218,7 +220,7 @@ class FolderReader {
     if (!view_dependent.passes.empty()) job_.layers.push_back(view_dependent);
     if (job_.layers.empty() && has("R")) job_.layers.push_back({"radiance", {""}, all});
     if (job_.layers.empty())
-      refuse_file(file, fmt::format("has no channel diffuse.R, glossy.R, transmission.R or R; it has {}",
+      refuse_file(file, fmt::format("has no channel diffuse.R, glossy.R, transmission.R or R; its channels are {}",
                                     fmt::join(channels, ", ")));
   }
 

@@ -125,9 +125,9 @@ CameraCheck check_camera(const AnimationJob& job, const AnimationSample& sample,
   const double off_share = static_cast<double>(check.off) / check.tested;
   if (off_share > kOffShareMax)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: sample {}: its depths do not lie on the objects as camera {} sees them: {:.0f} % of "
-                            "{} pixels are off by more than {} of their depth, the median distance is {:.3g}; expected "
-                            "at most {:.0f} %. Check the camera's matrices, depth, and the objects' placement",
+                fmt::format("{}: sample {}: its depths do not match the objects in camera {}: {:.0f} % of {} pixels "
+                            "differ by more than {} of their depth, and the median distance is {:.3g}; expected at "
+                            "most {:.0f} %. Check the camera's matrices, depth, and the placement of objects",
                             job.path, sample.name, camera.name, 100.0 * off_share, check.tested, job.depth_tolerance,
                             check.distance_median, 100.0 * kOffShareMax));
   return check;

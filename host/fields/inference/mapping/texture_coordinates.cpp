@@ -233,7 +233,7 @@ glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double facto
 // Steps 3 and 4: scale along the direction of maximal stretch until the threshold holds everywhere.
 glm::dmat2 hold_stretch(const SeenMesh& scene, glm::dmat2 map, double threshold, bool is_diagonal,
                         TextureMapping* mapping) {
-  constexpr int kRoundsMax = 100;   // "usually a very small number"
+  constexpr int kRoundsMax = 100;  // "usually a very small number"
   // The last percent, and any rest after the rounds, is scaled in all directions at once
   constexpr double kAlmost = 1.01;
   constexpr double kRounding = 1e-9;  // relative

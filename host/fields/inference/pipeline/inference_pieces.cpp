@@ -73,7 +73,7 @@ ObjectMappings find_object_mappings(const ParameterizedScene& field) {
       is_seen = is_seen || mappings[k].back().width > 0;
     }
     if (!is_seen)
-      log_warning(job.path, fmt::format("object '{}' is seen in no picture and gets no texture", job.objects[k].name));
+      log_warning(job.path, fmt::format("no picture shows object '{}', so it gets no texture", job.objects[k].name));
   }
   return mappings;
 }

@@ -65,7 +65,7 @@ void ParameterizedScene::check_cameras() {
     const CameraCheck check = check_camera(job_, sample, meshes_, layers.channels[job_.depth], {});
     nan_depths_ += check.nan_depths;
     if (check.tested == 0)
-      log_warning(sample.geometry, fmt::format("has no usable depth, so that camera '{}' is not checked",
+      log_warning(sample.geometry, fmt::format("has no usable depth, so camera '{}' is not checked",
                                                job_.cameras[static_cast<std::size_t>(sample.camera)].name));
   }
 }
@@ -114,7 +114,7 @@ std::vector<std::vector<float>> ParameterizedScene::coverages(int number) const 
   const std::size_t pixel_count = static_cast<std::size_t>(job_.width) * static_cast<std::size_t>(job_.height);
   for (const auto& coverage : coverages)
     if (coverage.size() != pixel_count)
-      throw Error(ErrorCode::kInput, fmt::format("{}: its Cryptomatte is not of {} x {} pixels as {} says",
+      throw Error(ErrorCode::kInput, fmt::format("{}: its Cryptomatte does not have {} x {} pixels as in {}",
                                                  sample.geometry, job_.width, job_.height, job_.path));
   return coverages;
 }

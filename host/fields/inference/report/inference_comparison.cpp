@@ -63,7 +63,7 @@ class Comparer {
         probe = probe_of(variant, supersampling);
       last = &variant;
       const std::string sub_pixels =
-          supersampling > 1 ? fmt::format(", {0} x {0} sub-pixels", supersampling) : ", one sample a pixel";
+          supersampling > 1 ? fmt::format(", {0} x {0} sub-pixels", supersampling) : ", one sample per pixel";
       comparison.rows.push_back({variant.name + sub_pixels, errors_of(variant, *probe, comparison.pixel_counts)});
     }
   }

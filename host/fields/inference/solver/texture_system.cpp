@@ -214,17 +214,16 @@ void TextureSystem::add_views(const std::vector<InferenceView>& views) {
     if (m.texture_width != first.texture_width || m.texture_height != first.texture_height ||
         m.wrap_s != first.wrap_s || m.wrap_t != first.wrap_t || m.anisotropy != first.anisotropy ||
         m.has_mips != first.has_mips)
-      throw Error(
-          ErrorCode::kInput,
-          fmt::format("the filter matrices of '{}' in views '{}' and '{}' are of different textures or samplers",
-                      m.provenance.object, first.provenance.view, m.provenance.view));
+      throw Error(ErrorCode::kInput,
+                  fmt::format("the filter matrices of '{}' in views '{}' and '{}' have different textures or samplers",
+                              m.provenance.object, first.provenance.view, m.provenance.view));
     append_weighted_rows(view, rows_);
     for (const float weight : view.row_weights) root_weights_.push_back(weight > 0.0f ? std::sqrt(weight) : 0.0f);
   }
   if (rows_.row_count() == 0)
-    throw Error(ErrorCode::kInput, fmt::format("object '{}': no pixel of it is left in {} views, so that there is "
-                                               "nothing to infer its texture from",
-                                               first.provenance.object, views.size()));
+    throw Error(ErrorCode::kInput,
+                fmt::format("object '{}': it has no usable pixel in {} views, so its texture cannot be inferred",
+                            first.provenance.object, views.size()));
 }
 
 void TextureSystem::make_pyramid() {
