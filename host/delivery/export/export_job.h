@@ -39,7 +39,7 @@ struct ExportJob {
   std::optional<MaterialFormat> format;  // unset: by the output's name, else PNG
   std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8
   int zstd_level = 0;                    // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
-  // Store only roughness, instead of occlusion, roughness and metalness in one texture
+  // Store only roughness, instead of occlusion, roughness and metalness in one texture.
   bool has_roughness_alone = false;
   bool has_smoothness = false;             // store 1 - roughness, as Unity reads it
   GreenAxis write_green = GreenAxis::kUp;  // of written files; `reading` has the map's own axis
@@ -48,11 +48,11 @@ struct ExportJob {
   bool measure = true;
   ExportAccuracySettings accuracy;
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and maps; changes no byte of the result
-  // For data that does not fit in memory; empty: the output folder
+  // For data that does not fit in memory; empty: the output folder.
   std::string scratch_folder;
   int threads = 1;
   bool force = false;  // in a manifest: also export what is in place
-  // Keep fitted rows during the run, and continue from the rows of a stopped export of the same job
+  // Keep fitted rows during the run, and continue from the rows of a stopped export of the same job.
   bool resume = false;
 };
 

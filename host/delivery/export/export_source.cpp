@@ -27,7 +27,7 @@ LobeMaterialFiles material_files_of(const ExportJob& job) {
 std::unique_ptr<BakedLobes> compared_lobes(const ExportJob& job, const NormalMapRows& map, InputHashes& hashes) {
   if (!job.measure || (job.lobes.empty() && !is_baked_name(job.input))) return nullptr;
   if (job.lobes.empty()) {
-    // The lobes are of the texels, not of the surface between them
+    // The lobes are of the texels, not of the surface between them.
     if (job.surface == MapSurface::kInterpolated) return nullptr;
     if (!representation_info(read_baked_header(job.input).representation).has_kappa) return nullptr;
     return std::make_unique<BakedLobes>(job.input, job.accuracy.levels);

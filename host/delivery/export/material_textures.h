@@ -23,8 +23,8 @@ enum class TextureRole {
   kNormal,
   kOrm,         // occlusion, roughness, metalness: glTF, Unreal
   kMask,        // metalness, occlusion, 1, smoothness: Unity
-  kRoughness,   // alone
-  kSmoothness,  // alone
+  kRoughness,   // one channel
+  kSmoothness,  // one channel
   kAnisotropy,  // direction x and y, strength: KHR_materials_anisotropy
 };
 

@@ -33,7 +33,7 @@ struct OneLobeInputs {
   // alpha^2, occlusion, metalness, of the same size. Null: alpha is of base_roughness, without occlusion and metalness.
   const PlaneStore* material = nullptr;
   bool has_roughness = false, has_occlusion = false, has_metalness = false;  // planes that come from maps
-  // For buffers; changes no byte of the result
+  // For buffers; changes no byte of the result.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   int threads = 1;
   bool wants_means = false;       // MaterialRows::means

@@ -168,7 +168,7 @@ struct ChosenNormalForm {
 ChosenNormalForm choose_normal_form(const FormMeter& meter, const NormalForm& kept);
 
 constexpr double kFormGain = 0.2;  // points, or
-// Of the error, whichever is more: such pictures differ that much from an engine's pictures
+// Share of the error; the larger gain counts. Pictures differ from an engine's pictures by about this share.
 constexpr double kFormGainShare = 0.05;
 constexpr double kFormTolerance = 0.1;  // points, for each view
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t kNothing = ~0u;
 constexpr int kPictureSide = 240;   // pixels
 constexpr int kSamplesPerSide = 8;  // of a pixel
-// Half of the picture at distance 1: the field of view is 45 degrees
+// Half of the picture at distance 1: the field of view is 45 degrees.
 const double kPlaneHalf = std::tan(22.5 * std::numbers::pi / 180.0);
 // Pixels are edges if their middle sees the surface at a cosine below this value.
 constexpr double kFacingMin = 0.02;

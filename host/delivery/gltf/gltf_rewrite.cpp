@@ -67,7 +67,7 @@ class GltfRewriter {
     const MaterialPlan& plan = plan_.materials[number];
     const LobeSource& source = plan_.sources[plan.source];
     const SourceTextures& textures = sources_[plan.source];
-    // First, because adding lobes moves `materials`
+    // First, because adding lobes moves `materials`.
     const std::size_t lobes = textures.lobes ? lobes_of(plan.source) : 0;
     GltfJson& material = made_.json["materials"][number];
     const GltfJson::json_pointer place("/materials/" + std::to_string(number));

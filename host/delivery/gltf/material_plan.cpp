@@ -47,7 +47,7 @@ class Planner {
   const GltfJson* object_at(const GltfJson& in, const char* key) const {
     const auto found = in.find(key);
     if (found == in.end()) return nullptr;
-    if (!found->is_object()) refuse(fmt::format("{} is no object", key));
+    if (!found->is_object()) refuse(fmt::format("{} is not an object", key));
     return &*found;
   }
   const GltfJson* extension_of(const GltfJson& in, const char* name) const {

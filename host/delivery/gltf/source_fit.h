@@ -83,7 +83,7 @@ std::string why_kept(const GltfAsset& asset, const Error& error);
 /// Fitted textures by content; null: none.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;
-  // What a renderer's own mips of level 0 would be: normals, with roughness in alpha. Null if `anisotropy` is set.
+  // The mips that a renderer makes of level 0: normals, with roughness in alpha. Null if `anisotropy` is set.
   std::unique_ptr<LevelFile> averages;
 };
 

@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
-// Basis Universal uses 6; levels above 12 take several times as long and save one percent
+// Basis Universal uses 6; levels above 12 take several times as long and save one percent.
 constexpr int kZstdLevel = 12;
 
 FallbackImage write_png(const LevelFile& levels) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the images of a pyramid over parameters into the stream that DctStreamDecoder reads. Coefficients are chosen
-// by rate and distortion. For each block the encoder tries fewer bands, and each coefficient one step nearer to zero.
+// by rate and distortion. For each block the encoder tries fewer bands, and each coefficient lowered by one step.
 // It keeps the choice with the least error + lambda bits; the bits follow from the contexts.
 #pragma once
 

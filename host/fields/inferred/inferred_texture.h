@@ -53,7 +53,7 @@ struct InferredSample {
   std::string name;
   std::vector<int> at;  // index along each parameter
   glm::dmat4 world_to_clip{1.0};
-  // Of objects that are moved from their places in the geometry file
+  // Places of objects that are not where the geometry file has them.
   std::map<std::string, glm::dmat4> object_to_world;
 };
 

@@ -101,14 +101,14 @@ class HostileTest(unittest.TestCase):
                  (setting("textures", 0, "source", to=7), "source is 7"),
                  (setting("textures", 0, "sampler", to=7), "sampler is 7"),
                  (setting("samplers", 0, "wrapS", to=1), "'bricks'", "wrapS is 1"),
-                 (setting("materials", 0, "normalTexture", to=[]), "'bricks'", "normalTexture is no object"),
+                 (setting("materials", 0, "normalTexture", to=[]), "'bricks'", "normalTexture is not an object"),
                  (setting("materials", 0, "normalTexture", "index", to=5), "index is 5"),
                  (setting("materials", 0, "normalTexture", "index", to=0.5), "index is 0.5"),
                  (setting("materials", 0, "normalTexture", "texCoord", to="a"), "texCoord"),
                  (setting("materials", 0, "normalTexture", "scale", to=1e300), "'bricks'", "scale is 1e+300"),
                  (setting("materials", 0, "pbrMetallicRoughness", "roughnessFactor", to=1.5), "roughnessFactor is 1.5"),
-                 (setting("materials", 0, "pbrMetallicRoughness", to="x"), "pbrMetallicRoughness is no object"),
-                 (setting("materials", 0, "extensions", to=1), "extensions is no object"))
+                 (setting("materials", 0, "pbrMetallicRoughness", to="x"), "pbrMetallicRoughness is not an object"),
+                 (setting("materials", 0, "extensions", to=1), "extensions is not an object"))
         for change, *words in cases:
             with self.subTest(words=words):
                 self.assert_refused(self.changed(change), *words)

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kViewAngles[] = {0.0, 17.5, 35.0, 52.5, 70.0};  // angle to the map's z axis, degrees
 constexpr double kWideLightAngle = 10.0;                         // half angle of a wide light, degrees
-// Share of point lights that are drawn from the wide lobe
+// Share of point lights that are drawn from the wide lobe.
 constexpr double kWideShare = 0.25;
 
 struct Frame3 {

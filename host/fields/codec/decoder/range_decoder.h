@@ -19,7 +19,7 @@ class RangeDecoder {
   /// determine the symbol.
   bool decode(std::uint32_t probability) {
     if (exhausted_) return false;
-    // Size of the part that stands for 1, at the interval's beginning
+    // Size of the part that stands for 1, at the interval's beginning.
     const std::uint32_t bound = (range_ >> 16) * probability;
     // Untrusted bytes may give a number beyond the interval, which counts as the last number in the interval.
     if (code_ >= range_) code_ = range_ - 1;

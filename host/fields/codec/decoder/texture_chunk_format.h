@@ -25,7 +25,7 @@ namespace multum {
 
 enum class ImageCoder : std::uint8_t { kDct = 0, kWavelet = 1 };
 
-/// Which images add up to which samples.
+/// The images that add up to each sample.
 struct ImagePlan {
   std::vector<std::size_t> levels;                              // by image
   std::vector<std::optional<std::size_t>> parents;              // by image: the earlier image that it refines

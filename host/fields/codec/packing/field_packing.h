@@ -56,7 +56,7 @@ struct FieldPackReport {
   /// The error of frames drawn with the inferred textures, compared with the ray-traced frames: over all pixels, 8-bit
   /// sRGB units. Unset: the folder has no report of `multum infer`.
   std::optional<double> inferred_mse;
-  // Coding adds more than error_limit() of inferred_mse, and the user set no error
+  // Coding adds more than error_limit() of inferred_mse, and the user set no error.
   bool is_error_large = false;
   bool has_given_way = false;               // the default ratio was lowered
   std::vector<PackedObjectReport> objects;  // of the objects with textures

@@ -27,7 +27,7 @@ struct AnimationParameter {
 struct AnimationLayer {
   std::string name;
   std::vector<std::string> passes;  // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "" means R G B themselves
-  // Names of parameters; one texture serves all samples along the other parameters
+  // Names of parameters; one texture serves all samples along the other parameters.
   std::vector<std::string> depends_on;
   bool operator==(const AnimationLayer&) const = default;
 };

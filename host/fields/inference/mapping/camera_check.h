@@ -17,10 +17,10 @@ struct CameraCheck {
 };
 
 /// `depth`: the sample's depth channel, width * height, row 0 at the top. Values are left out unless they are finite,
-/// above 0 and nearer than the far plane. `coverage`: share of each pixel that the objects cover; partly covered pixels
-/// are left out; empty: all pixels count. `objects`: of the geometry file, with moving objects placed by the sample.
-/// Throws Error(kInput) naming sample and camera if more than a tenth of the tested pixels miss the objects by more
-/// than job.depth_tolerance times their depth.
+/// above 0 and below the depth of the far plane. `coverage`: share of each pixel that the objects cover; partly covered
+/// pixels are left out; empty: all pixels count. `objects`: of the geometry file, with moving objects placed by the
+/// sample. Throws Error(kInput) naming sample and camera if more than a tenth of the tested pixels miss the objects by
+/// more than job.depth_tolerance times their depth.
 CameraCheck check_camera(const AnimationJob& job, const AnimationSample& sample, const std::vector<ObjectMesh>& objects,
                          const std::vector<float>& depth, const std::vector<float>& coverage);
 

@@ -78,7 +78,7 @@ class Segmentation {
   std::vector<GaussKernel> kernels_;
   std::vector<float> background_;
   std::vector<PixelState> state_;
-  // Per object: count of pixels above and to the left, as a sum table
+  // Per object: count of pixels above and to the left, as a sum table.
   std::vector<std::vector<std::int32_t>> whole_count_;
 };
 

@@ -65,7 +65,7 @@ Interval triangle_extent(const ObjectMesh& mesh, std::uint32_t triangle, glm::le
 
 // Returns the middle of the largest gap between intervals on a circle of circumference 1; nullopt: no gap.
 std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
-  // End of the covered part, starting from the previous period
+  // End of the covered part, starting from the previous period.
   double covered = -std::numeric_limits<double>::infinity();
   for (Interval& interval : intervals) {
     const double period = std::floor(interval.low);
@@ -234,7 +234,7 @@ glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double facto
 glm::dmat2 hold_stretch(const SeenMesh& scene, glm::dmat2 map, double threshold, bool is_diagonal,
                         TextureMapping* mapping) {
   constexpr int kRoundsMax = 100;  // "usually a very small number"
-  // The last percent, and any rest after the rounds, is scaled in all directions at once
+  // The last percent, and any rest after the rounds, is scaled in all directions at once.
   constexpr double kAlmost = 1.01;
   constexpr double kRounding = 1e-9;  // relative
   Stretch stretch = largest_stretch(scene, map);

@@ -19,7 +19,7 @@ struct InferenceSettings {
   double pyramid_weight = 0.1;       // epsilon_f, >= 0
   double range_weight = 0.0;         // epsilon_b, >= 0
   double gradient_tolerance = 1e-3;  // stop when the projected gradient falls below this share of its value at x = 0
-  // A Newton step ends when its gradient falls below this share of its first value, [0, 1)
+  // A Newton step ends when its gradient falls below this share of its first value, [0, 1).
   double step_tolerance = 0.03;
   int iteration_max = 400;   // of conjugate gradient, all Newton steps together
   int newton_max = 12;       // steps
