@@ -32,26 +32,26 @@ struct ExportJob {
   std::string output;  // a folder; or NAME.ktx2, NAME.dds for files NAME_normal.ktx2 and so on
   std::string report;  // JSON; empty: none
   NormalMapSettings reading;
-  MapSurface surface = MapSurface::kTexels;  // of levels 1 and coarser
+  MapSurface surface = MapSurface::kTexels;  // surface that levels 1 and coarser are fitted to
   OneLobeSettings lobe;
   std::optional<MaterialForm> form;      // unset: one lobe
   Engine engine = Engine::kThree;        // engine whose pictures choose the form
   std::optional<MaterialFormat> format;  // unset: by the output's name, else PNG
   std::optional<MaterialTexels> texels;  // unset: half floats in EXR, else RGBA8
-  int zstd_level = 0;                    // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
+  int zstd_level = 0;                    // Zstandard level of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed.
   // Store only roughness, instead of occlusion, roughness and metalness in one texture.
   bool has_roughness_alone = false;
   bool has_smoothness = false;             // store 1 - roughness, as Unity reads it
-  GreenAxis write_green = GreenAxis::kUp;  // of written files; `reading` has the map's own axis
+  GreenAxis write_green = GreenAxis::kUp;  // green axis of written files; `reading` has the map's own axis
   int uastc_effort = 1;                    // of MaterialTexels::kUastc
   std::string encoder;                     // UastcSettings::encoder
   bool measure = true;
   ExportAccuracySettings accuracy;
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and maps; changes no byte of the result
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // memory for buffers and maps; changes no byte
   // For data that does not fit in memory; empty: the output folder.
   std::string scratch_folder;
   int threads = 1;
-  bool force = false;  // in a manifest: also export what is in place
+  bool force = false;  // manifests: also export what is in place
   // Keep fitted rows during the run, and continue from the rows of a stopped export of the same job.
   bool resume = false;
 };

@@ -18,7 +18,7 @@ struct ExportSource {
   std::optional<PlaneStore> surface;  // only for MapSurface::kInterpolated
   std::optional<LobeMaterial> material;
   std::unique_ptr<BakedLobes> lobes;    // null: none to compare with
-  std::unique_ptr<InputHashes> hashes;  // of the input files, computed before they were read
+  std::unique_ptr<InputHashes> hashes;  // hashes of the input files, computed before reading
 
   /// The result points into the source, which must outlive it.
   OneLobeInputs inputs(const ExportJob& job) const;

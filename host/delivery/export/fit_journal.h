@@ -44,7 +44,7 @@ class FitJournal {
   FitJournal() = default;
 
   std::unique_ptr<RecordJournal> journal_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Place> found_;  // by level and first row
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Place> found_;  // places by level and first row
   std::uint64_t rows_resumed_ = 0;
 };
 

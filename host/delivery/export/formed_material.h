@@ -15,7 +15,8 @@ struct FormSettings {
   MaterialForm form = MaterialForm::kOneLobe;
   Engine engine = Engine::kThree;  // engine whose pictures choose, for MaterialForm::kAuto
   bool has_two_channels = false;   // textures store only x and y of normals: means are stored as unit vectors
-  SpillPolicy spill;               // for levels 1 and coarser, which wait for their form in up to four stores each
+  // Storage of levels 1 and coarser, which wait for their form in up to four stores each.
+  SpillPolicy spill;
 };
 
 struct FormedReport {

@@ -38,12 +38,13 @@ struct MaterialFolderSettings {
   MaterialFormat format = MaterialFormat::kPng;
   bool has_anisotropy = false;
   MaterialTexels texels = MaterialTexels::kRgba8;  // EXR always has kRgba16f, PNG always kRgba8
-  std::string name_prefix;                         // of the file names: "rock_" for rock_normal.ktx2
-  int zstd_level = 0;                              // of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed
-  bool has_roughness_alone = false;                // a texture of one channel, roughness or smoothness
-  bool has_smoothness = false;                     // instead of roughness: mask instead of orm
-  bool green_is_down = false;                      // negate y of normals and directions
-  UastcSettings uastc = {};                        // of kUastc
+  std::string name_prefix;                         // prefix of the file names: "rock_" for rock_normal.ktx2
+  // Zstandard level of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed.
+  int zstd_level = 0;
+  bool has_roughness_alone = false;  // a texture of one channel, roughness or smoothness
+  bool has_smoothness = false;       // instead of roughness: mask instead of orm
+  bool green_is_down = false;        // negate y of normals and directions
+  UastcSettings uastc = {};          // of kUastc
 };
 
 /// Returns whether an image format can store the texels. KTX2 and DDS store all texel formats.

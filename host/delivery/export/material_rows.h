@@ -16,7 +16,7 @@ struct MaterialRows {
   std::vector<glm::vec3> anisotropy;  // x, y: unit direction of the axis; z: strength, 0..1. Empty: isotropic
   std::vector<float> occlusion;       // 0..1; empty: no such map
   std::vector<float> metalness;       // 0..1; empty: no such map
-  std::vector<glm::vec3> means = {};  // of normals; empty in level 0, or if OneLobeInputs::wants_means is not set
+  std::vector<glm::vec3> means = {};  // means of normals; empty in level 0, or if OneLobeInputs::wants_means is not set
 };
 
 /// Receives finished rows. The rows of each level arrive from the top down, levels in any order.

@@ -29,7 +29,7 @@ struct LeveledTexture {
   int width = 1, height = 1;
   int level_count = 1;
   int layer_count = 0;         // 0: no array
-  bool alpha_is_data = false;  // with four channels: alpha is data, not opacity
+  bool alpha_is_data = false;  // alpha of four channels is data, not opacity
 };
 
 /// Returns the rows of blocks of a level, over all layers of an array. Blocks may be single texels.

@@ -27,7 +27,7 @@ constexpr int kZstdLevelMax = 19;
 
 struct Ktx2Choice {
   std::string swizzle;  // host/delivery/export/ktx2_head.h
-  int zstd_level = 0;   // of supercompression, 1..kZstdLevelMax; 0: none
+  int zstd_level = 0;   // supercompression level, 1..kZstdLevelMax; 0: none
   std::vector<Ktx2Key> keys = {};
 };
 

@@ -67,7 +67,7 @@ struct FormError {
 };
 
 struct FormMeterSettings {
-  Engine engine = Engine::kThree;  // for normals() and improve()
+  Engine engine = Engine::kThree;  // engine of normals() and improve()
   bool has_points = true;          // points() and lobes() are needed
   int threads = 1;
 };
@@ -118,14 +118,14 @@ class FormMeter {
     std::size_t view;  // in views_
     FormLight reference, noise;
     FormLight weights;           // weights of differences in the error, percent
-    Looked middle;               // as the engine reads it
+    Looked middle;               // the pixel's middle as the engine reads it
     std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness depends on them
     std::vector<Looked> points;  // at 2 x 2 points
   };
   // Grey base colours of a pixel.
   struct PixelColours {
     double mean = 0.5;
-    std::vector<double> factors = {};  // of lobes; empty: 1
+    std::vector<double> factors = {};  // factors of lobes; empty: 1
   };
   static PixelColours colours_of(const ModelPixel& pixel, const LobeLevels& lobes);
   struct Bent {  // a normal of a form, in world space

@@ -52,7 +52,7 @@ struct ModelPictures::View {
   double distance = 0.0;
   glm::dvec3 eye{0.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0}, forward{0.0, 0.0, -1.0};
   int left = 0, top = 0, width = 0, height = 0;  // pixels of the picture that the model may cover
-  std::vector<std::uint32_t> triangles;          // by sample of these pixels
+  std::vector<std::uint32_t> triangles;          // triangle at each sample of these pixels
 
   std::size_t sample_at(int x, int y) const { return size_of(y) * size_of(width * kSamplesPerSide) + size_of(x); }
 

@@ -23,7 +23,7 @@ namespace multum {
 /// A place on the surface, or a difference of places: the change of interpolated values.
 struct SurfacePoint {
   glm::dvec3 position{0.0}, normal{0.0, 0.0, 1.0}, tangent{1.0, 0.0, 0.0}, bitangent{0.0, 1.0, 0.0};
-  glm::dvec2 place{0.0};  // in the image, 0 to 1, from its top left corner
+  glm::dvec2 place{0.0};  // place in the image, 0 to 1, from its top left corner
 
   SurfacePoint operator+(const SurfacePoint& other) const;
   SurfacePoint operator-(const SurfacePoint& other) const;
@@ -37,8 +37,8 @@ struct ModelPixel {
 };
 
 struct ModelPicture {
-  double distance = 0.0;   // from the eye to the model's middle, in model units
-  std::string shape = {};  // of host/delivery/forms/simple_views.h; empty: a model
+  double distance = 0.0;   // distance from the eye to the model's middle, in model units
+  std::string shape = {};  // shape of host/delivery/forms/simple_views.h; empty: a model
   glm::dvec3 eye{0.0};
   glm::dmat3 to_view{1.0};  // turns directions into view space
   std::vector<ModelPixel> pixels;
@@ -47,7 +47,7 @@ struct ModelPicture {
 /// The triangles of a surface, and the positions of their texels.
 struct PicturedSurface {
   std::vector<int> materials;                                // indices in the file
-  std::function<glm::dvec2(const glm::dvec2&)> place_of_uv;  // from the mesh's own coordinates, whose v grows upwards
+  std::function<glm::dvec2(const glm::dvec2&)> place_of_uv;  // converts the mesh's coordinates, whose v grows upwards
 };
 
 /// Pictures of a whole model, drawn once for all its surfaces.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSimpleSamples = 8;           // of a pixel
 constexpr double kSimpleTexelsMost = 32.0;  // per pixel; coarser views reuse the last level
-constexpr double kSpherePixelsMin = 4.0;    // of the sphere's radius
+constexpr double kSpherePixelsMin = 4.0;    // smallest radius of the sphere
 constexpr double kSphereRim = 0.9;          // share of the sphere's area; the rest counts as edges
 // Tilts of the plane seen from above, and of the tilted plane, in degrees.
 constexpr double kTilts[] = {0.0, 35.0, 75.0};

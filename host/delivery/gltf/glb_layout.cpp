@@ -31,7 +31,7 @@ struct BufferPlace {
   bool is_merged = false;
   std::size_t index = 0;        // index of the new buffer
   std::uint64_t base = 0;       // offset of its first byte in the merged buffer
-  std::vector<ByteRange> cuts;  // in order; lengths are multiples of kAlignment
+  std::vector<ByteRange> cuts;  // ordered ranges; lengths are multiples of kAlignment
 
   std::uint64_t moved(std::uint64_t offset) const {
     std::uint64_t cut = 0;

@@ -259,7 +259,7 @@ class GltfConversion {
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);
-      progress_advance(progress_, 2 * source.texel_count());  // for textures that need no encoding
+      progress_advance(progress_, 2 * source.texel_count());  // counts textures that need no encoding
       return made;
     }
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
@@ -329,7 +329,7 @@ class GltfConversion {
   Stopwatch stopwatch_;
   struct {
     double fit = 0.0, form = 0.0, encode = 0.0, lobes = 0.0;
-  } seconds_;  // by stage, of all sources
+  } seconds_;  // seconds by stage, for all sources
   std::unique_ptr<WorkFolder> folder_;
   GltfReport report_;
 };

@@ -28,15 +28,16 @@ struct GltfJob {
   bool is_anisotropic = false;
   MaterialForm form = MaterialForm::kAuto;  // of all materials
   Engine engine = Engine::kThree;           // engine whose pictures choose the form
-  bool has_lobes = false;                   // in MULTUM_lobes; with MaterialForm::kAuto only if their error is lower
-  std::optional<LobeTexels> lobe_texels;    // unset: as `format` says; only with lobes
+  // Add MULTUM_lobes; with MaterialForm::kAuto only if the lobes' error is lower.
+  bool has_lobes = false;
+  std::optional<LobeTexels> lobe_texels;  // unset: as `format` says; only with lobes
   bool is_fast = false;
-  MapSurface surface = MapSurface::kTexels;  // of levels 1 and coarser
-  std::optional<ZRange> z_range;             // of all normal maps; unset: from statistics
+  MapSurface surface = MapSurface::kTexels;  // surface that levels 1 and coarser are fitted to
+  std::optional<ZRange> z_range;             // z range of all normal maps; unset: from statistics
   bool two_channel = false;                  // rebuild z of all normal maps
   int uastc_effort = 1;
   std::string encoder;                                    // UastcSettings::encoder
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // for buffers and maps; changes no byte of the result
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // memory for buffers and maps; changes no byte
   int threads = 1;
 };
 
@@ -57,10 +58,10 @@ struct GltfReport {
     std::string storage_text() const;
   };
   std::vector<Material> materials;
-  std::vector<ChosenForm> forms;  // by source; set where pictures chose the form
+  std::vector<ChosenForm> forms;  // forms by source; set where pictures chose the form
   std::vector<Textures> textures;
   std::vector<std::string> warnings;
-  std::uint64_t bytes_before = 0, bytes_after = 0;  // of the file and all files that it refers to
+  std::uint64_t bytes_before = 0, bytes_after = 0;  // bytes of the file and all files that it refers to
   std::string device;
   std::map<std::string, std::uint64_t> launches;        // by kernel
   std::vector<std::pair<std::string, double>> seconds;  // by stage

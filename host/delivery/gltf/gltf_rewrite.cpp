@@ -337,7 +337,7 @@ class GltfRewriter {
   std::map<std::size_t, std::size_t> instead_;    // old texture -> its first replacement
   std::set<std::size_t> kept_;                    // kept textures of drawn materials
   std::set<std::size_t> renewed_images_;
-  std::map<std::size_t, std::size_t> lobes_;  // by source, index in the extension's array
+  std::map<std::size_t, std::size_t> lobes_;  // index in the extension's array, by source
 };
 
 }  // namespace

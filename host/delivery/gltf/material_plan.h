@@ -21,10 +21,11 @@ namespace multum {
 struct LobeSource {
   std::size_t normal_image = 0;
   std::optional<std::size_t> surface_image;  // metallic-roughness; none: roughness_factor everywhere
-  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // of both images, beyond their borders
-  double normal_scale = 1.0;                                            // of x and y
-  double roughness_factor = 1.0;                                        // multiplies the image's roughness
-  bool has_occlusion = false;  // red of surface_image is a material's occlusion
+  // Wrap modes of both images, beyond their borders.
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
+  double normal_scale = 1.0;      // of x and y
+  double roughness_factor = 1.0;  // multiplies the image's roughness
+  bool has_occlusion = false;     // red of surface_image is a material's occlusion
   bool is_anisotropic = false;
 
   auto operator<=>(const LobeSource&) const = default;
@@ -44,7 +45,7 @@ struct MaterialPlan {
   std::string name;                // "bricks", or "material 3"
   std::string kept;                // reason that the material is unchanged; empty: it is fitted
   std::size_t source = 0;          // in GltfPlan::sources
-  TextureCoordinates coordinates;  // of the fitted textures
+  TextureCoordinates coordinates;  // coordinates of the fitted textures
   std::vector<std::string> notes;
   bool is_bad = false;    // `kept` is a fault of the model and causes a warning
   bool is_plain = false;  // `kept` says that its own mips are as good: a trilinear filter reads them

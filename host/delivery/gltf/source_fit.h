@@ -24,10 +24,10 @@
 namespace multum {
 
 struct SourceFitSettings {
-  std::string folder;  // for images and levels
+  std::string folder;  // folder for images and levels
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;
-  std::optional<ZRange> z_range;  // of all normal maps; unset: from statistics
+  std::optional<ZRange> z_range;  // z range of all normal maps; unset: from statistics
   bool two_channel = false;       // rebuild z of all normal maps
   int side_multiple = 1;          // texture sides are multiples of this number
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;
@@ -38,7 +38,7 @@ struct SourceFitSettings {
 struct PreparedSource {
   LobeSource source;
   std::string normal_file, surface_file;  // in the folder
-  std::string colour_file;                // of the normals' size; empty: none
+  std::string colour_file;                // image of the normals' size; empty: none
   int width = 0, height = 0;              // of the textures
   std::string kept;                       // reason that it is not fitted; empty: it is fitted
   bool is_bad = false;                    // the reason is a fault of an image

@@ -13,7 +13,8 @@
 namespace multum {
 
 constexpr int kLookSideMax = 2048;  // per map: the browser holds a whole map and its averaged normals as floats
-constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;  // of all maps: 150 MB of page
+// Limit for all maps together: 150 MB of page.
+constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;
 
 struct LookMap {
   std::string input;   // *.ndf.exr of vMF lobes

@@ -15,7 +15,7 @@ struct DctTarget {
   std::array<std::vector<float>, CoefficientBlocks::kPlanes> coefficients;
   /// Weights of squared errors per coefficient, block by block: at least 0; 0 where the coefficient is invisible.
   std::vector<float> weights;
-  std::vector<float> steps;  // above 0, one per place of a block
+  std::vector<float> steps;  // steps above 0, one per place of a block
   float scale = 1.0f;        // multiplies all steps
   float lambda = 0.0f;       // weighted squared error that one bit is worth
 };

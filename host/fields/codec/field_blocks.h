@@ -18,7 +18,7 @@
 namespace multum {
 
 struct FieldBlock {
-  std::vector<int> begin, size;      // of a box, along each parameter
+  std::vector<int> begin, size;      // box along each parameter
   std::vector<std::size_t> varying;  // parameters that its textures vary with, ascending
 
   /// Returns the sizes along `varying`, or a single 1 if nothing varies.

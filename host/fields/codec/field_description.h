@@ -25,7 +25,7 @@ struct PackedLayer {
 
 struct FieldDescription {
   InferredManifest field;           // its objects' layers have no textures
-  SampleGrid grid;                  // of the field's samples
+  SampleGrid grid;                  // grid of the field's samples
   std::vector<PackedLayer> layers;  // numbered as in the sections, object by object
 };
 

@@ -244,8 +244,8 @@ class ObjectReading {
   const InferredObject& object_;
   ObjectWeights& weights_;
   std::vector<Pose> poses_;
-  std::mutex mutex_;                              // of progress and checksums_
-  std::map<std::string, std::string> checksums_;  // of textures, by name
+  std::mutex mutex_;                              // guards progress and checksums_
+  std::map<std::string, std::string> checksums_;  // checksums of textures, by name
 };
 
 void read_object(const FieldSourceSettings& settings, const InferredManifest& field, std::size_t number,

@@ -44,8 +44,8 @@ struct FieldSource {
   FieldDescription description;
   std::vector<std::unique_ptr<ObjectWeights>> weights;  // of objects
   std::vector<ChunkToCode> chunks;
-  double values = 0.0;   // of all frames, three per pixel
-  std::string checksum;  // of all data that was read
+  double values = 0.0;   // values of all frames, three per pixel
+  std::string checksum;  // checksum of all data that was read
 };
 
 struct FieldSourceSettings {

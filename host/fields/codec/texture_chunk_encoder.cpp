@@ -248,7 +248,7 @@ class Residual {
   }
 
  private:
-  static constexpr float kWeightMin = 1e-9f;  // below it, no pixel shows the coefficient
+  static constexpr float kWeightMin = 1e-9f;  // no pixel shows coefficients of lower weight
 
   std::vector<PlaneCoefficients> lacking_;
   const std::vector<std::vector<float>>& weights_;
@@ -360,7 +360,7 @@ EncodedChunk ChunkEncoder::encode(const ChunkSettings& settings, const std::func
   choose_scales(format, summed_weights_, settings.lambda, *plan, shares);
   const auto coding = coding_of(format, settings.lambda);
   Residual left(coefficients_, weights_);
-  std::optional<Residual> aim;  // of an open loop: the target sum of the images
+  std::optional<Residual> aim;  // open loop: the target sum of the images
   if (settings.open_loop) aim.emplace(left);
   for (std::size_t i = 0; i < plan->image_count(); ++i) {
     step();

@@ -34,7 +34,7 @@ using CoefficientWeights = std::function<std::vector<float>(std::size_t sample)>
 
 struct ChunkSettings {
   ImageCoder coder = ImageCoder::kDct;
-  std::size_t side = 16;  // of cosine blocks: 8, 16 or 32
+  std::size_t side = 16;  // side of cosine blocks: 8, 16 or 32
   /// The levels of the pyramid, as in ParameterPyramid::of. Empty: a basis of at most `basis_images` images is learnt
   /// from the block instead (Karhunen-Loeve transform over the samples).
   std::vector<ParameterPyramid::Halvings> levels;

@@ -10,10 +10,10 @@ namespace multum {
 
 /// The wanted coefficients of an image, and their required precision.
 struct WaveletTarget {
-  std::array<std::vector<float>, 3> coefficients;  // of each plane, [height][width] as forward_wavelet computes them
+  std::array<std::vector<float>, 3> coefficients;  // planes, [height][width] as forward_wavelet computes them
   /// Weights of squared errors per coefficient, at least 0, [height][width]; 0 where the coefficient is invisible.
   std::vector<float> weights;
-  std::vector<float> steps;  // above 0, one per band in the order of wavelet_bands
+  std::vector<float> steps;  // steps above 0, one per band in the order of wavelet_bands
   float scale = 1.0f;        // multiplies all steps
   float lambda = 0.0f;       // weighted squared error that one bit is worth
 };

@@ -26,7 +26,7 @@ struct FilterMatrixProvenance {
 };
 
 struct FilterMatrix {
-  int width = 0, height = 0;  // of the picture, pixels
+  int width = 0, height = 0;  // size of the picture, pixels
   int supersampling = 1;      // sub-pixels along each side of a pixel, whose rows were averaged
   int texture_width = 1, texture_height = 1;
   WrapMode wrap_s = WrapMode::kClamp, wrap_t = WrapMode::kClamp;

@@ -37,7 +37,7 @@ std::string read_texture_provenance(const std::string& path);
 
 struct InferredLayer {
   std::string name;
-  std::vector<std::string> textures;  // of every sample, relative to the manifest; empty: none at this sample
+  std::vector<std::string> textures;  // texture of every sample, relative to the manifest; empty: none at this sample
 };
 
 struct InferredObject {

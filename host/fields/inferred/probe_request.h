@@ -14,7 +14,7 @@
 namespace multum {
 
 struct ProbeTask {
-  std::string object;  // of the geometry file
+  std::string object;  // object of the geometry file
   TextureMapping mapping;
   float anisotropy = 1.0f;
   bool has_mips = true;

@@ -18,13 +18,13 @@ enum class DecodedKind {
   /// Textures are then complete sooner after a jump. The images of a frame then depend on time, and so does their
   /// rounding.
   kImagesAndSums,
-  kTextures,  // of single samples, whole: radiance with all mip levels. For points on a single sample
+  kTextures,  // whole textures of single samples: radiance with all mip levels. For points on a single sample
 };
 
 /// RGBA halves, [height][width][4], in the units of TextureChunk::image; or radiance, [texel][4] of all mip levels, the
 /// finest first. Alpha is 0.
 struct DecodedImage {
-  std::size_t width = 0, height = 0;  // of the finest level
+  std::size_t width = 0, height = 0;  // size of the finest level
   std::vector<std::uint16_t> halves;
 };
 

@@ -130,7 +130,7 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
       static_cast<std::size_t>(description().field.objects[described.object].mapping_of_sample[shares.front().sample]);
   need.is_drawn = true;
   need.is_decoded = true;
-  std::map<std::pair<std::size_t, ImageKey>, float> weights;  // by place in the order of terms
+  std::map<std::pair<std::size_t, ImageKey>, float> weights;  // weights by place in the order of terms
   for (const SampleShare& share : shares) {
     const Place place = *place_of(layer, share.sample);
     const Chunk& chunk = *chunks_[place.chunk];

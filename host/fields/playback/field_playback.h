@@ -51,7 +51,7 @@ struct NeededImage {
 /// The images whose sum is a layer's texture at a point; with DecodedKind::kTextures, one texture.
 struct LayerNeed {
   bool is_drawn = false;            // the object has a texture of the layer there, and its chunk is undamaged
-  std::size_t mapping = 0;          // of the object: the texture's size
+  std::size_t mapping = 0;          // mapping of the object: the texture's size
   bool is_decoded = false;          // all coefficients are decoded: the zero images are known
   std::array<float, 3> offset{};    // gamma-coded
   std::vector<NeededImage> images;  // coarsest first, without images known to be zero
@@ -128,7 +128,7 @@ class FieldPlayback {
     std::optional<TextureChunkFormat> format;
     std::optional<ImagePlan> plan;
     std::vector<std::uint32_t> served;  // number of samples that each image serves
-    std::vector<bool> zeros;            // of each image; empty: not known yet
+    std::vector<bool> zeros;            // whether each image is zero; empty: not known yet
     std::array<float, 3> offset{};
     std::shared_ptr<const TextureChunk> decoded;
     std::size_t head_bytes = 0, coefficient_bytes = 0;  // counted bytes

@@ -8,8 +8,9 @@
 namespace multum {
 
 struct ImageKey {
-  std::size_t chunk = 0;  // in the order of layers, then blocks
-  std::size_t image = 0;  // of the chunk's plan; numbers after its images mean, for each sample, the sum of its images
+  std::size_t chunk = 0;  // index in the order of layers, then blocks
+  // Index in the chunk's plan; numbers after its images mean, for each sample, the sum of its images.
+  std::size_t image = 0;
 
   auto operator<=>(const ImageKey&) const = default;
 };

@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 constexpr std::size_t kTextMax = 4096;  // characters; far more than people write
-constexpr int kDepthMax = 64;           // of parentheses and signs; each is a recursive call of the parser
+constexpr int kDepthMax = 64;           // most nested parentheses and signs; each is a recursive call of the parser
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n'; }
 

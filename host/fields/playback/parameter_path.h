@@ -38,7 +38,7 @@ class ParameterPath {
   };
 
   std::vector<std::string> names_;
-  std::vector<std::vector<Step>> values_;  // of each parameter, operands before their operators; empty: 0
+  std::vector<std::vector<Step>> values_;  // steps of each parameter, operands before their operators; empty: 0
 };
 
 }  // namespace multum

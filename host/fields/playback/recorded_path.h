@@ -23,7 +23,7 @@ class RecordedPath {
   std::vector<double> at(double seconds) const;
 
  private:
-  std::vector<double> times_;  // of positions, in ascending order
+  std::vector<double> times_;  // times of positions, in ascending order
   std::vector<std::vector<double>> positions_;
 };
 

@@ -46,12 +46,12 @@ struct CellAccuracy {
 struct LevelAccuracy {
   int level;
   double noise;
-  std::vector<RuleError> errors;  // by rule: means over cells with equal weights
+  std::vector<RuleError> errors;  // means over cells with equal weights, by rule
 };
 
 struct ExportAccuracy {
   int lights_per_view = 0;
-  std::vector<std::string> ids, names;  // of the rules; the export is first
+  std::vector<std::string> ids, names;  // ids and names of the rules; the export is first
   std::vector<CellAccuracy> cells;
   std::vector<LevelAccuracy> levels;
 

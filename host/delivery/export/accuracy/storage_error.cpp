@@ -21,7 +21,7 @@ namespace {
 // Places per level, views per place and lights per view. Results of two such sets differ by a twentieth of the error.
 constexpr int kRows = 96, kPlacesPerRow = 16, kViews = 2, kLights = 8;
 constexpr double kViewAngleMax = 70.0;  // angle to the map's z axis, degrees
-constexpr double kAlbedo = 0.5;         // of the surface where it is not metal
+constexpr double kAlbedo = 0.5;         // albedo where the surface is not metal
 // Ambient light relative to unit lights: it scatters as much as they do. Real pictures have both.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
 // Relative L1 error of a picture with exact textures, from edges and sampling. In docs/evidence/GLTF_EXAMPLE.md the

@@ -27,7 +27,7 @@ struct LobeExportJob {
 struct LobeExportReport {
   LobeTextureHeader header;
   std::uint64_t gpu_bytes = 0;      // of the texture
-  std::uint64_t default_bytes = 0;  // of all levels of the map as BC5 and a roughness as BC4
+  std::uint64_t default_bytes = 0;  // bytes of all levels of the map as BC5 and a roughness as BC4
   std::string device;
   std::vector<std::pair<std::string, double>> seconds;  // by stage
 

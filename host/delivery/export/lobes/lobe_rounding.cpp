@@ -17,7 +17,7 @@ namespace multum {
 namespace {
 
 constexpr int kBlockSide = 4;
-constexpr std::size_t kBlockTexels = 16, kScalarBytes = 8;  // of a block of BC4
+constexpr std::size_t kBlockTexels = 16, kScalarBytes = 8;  // sizes of a BC4 block
 constexpr std::size_t kPaletteSize = 8;
 
 // The storable values of a lobe's texel directly below and above the wanted value.
@@ -185,7 +185,7 @@ class BlockRounding : public LobeRounding {
  private:
   struct BlockPlace {
     int x, y;
-    std::size_t at;  // in the blocks of a lobe
+    std::size_t at;  // index in the blocks of a lobe
   };
 
   struct Encoded {

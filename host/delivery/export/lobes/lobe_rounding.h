@@ -17,9 +17,9 @@ namespace multum {
 /// A channel of a lobe: texels store low + range * c + offset, c from 0 to 1.
 struct RoundedChannel {
   float low = 0.0f, range = 1.0f;
-  std::vector<float> offset;  // by texel; empty: 0
-  std::vector<float> weight;  // by texel, weight of the squared error
-  std::vector<float> wanted;  // by texel; replaced by the stored values
+  std::vector<float> offset;  // offsets by texel; empty: 0
+  std::vector<float> weight;  // weights of squared errors by texel
+  std::vector<float> wanted;  // wanted values by texel; replaced by the stored values
 };
 
 /// Rounds rows of a level, all lobes and channels.

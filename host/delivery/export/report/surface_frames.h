@@ -19,7 +19,7 @@ constexpr int kFrameSide = 96;  // pixels
 /// The camera and the light.
 struct FrameView {
   double level = 2.0;           // log2 of a pixel's side, in finest texels: 2..6
-  glm::dvec2 middle{0.0};       // of the picture, in finest texels
+  glm::dvec2 middle{0.0};       // middle of the picture, in finest texels
   glm::dvec2 half_vector{0.0};  // slopes in the middle of the picture
 };
 

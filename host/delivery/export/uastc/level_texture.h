@@ -20,7 +20,7 @@ class LevelFileTexture : public SharesTexture {
 
  private:
   const LevelFile& file_;
-  std::vector<std::vector<std::uint8_t>> held_;  // by level; empty: on disk
+  std::vector<std::vector<std::uint8_t>> held_;  // levels in memory; empty: on disk
 };
 
 }  // namespace multum

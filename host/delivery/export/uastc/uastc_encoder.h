@@ -14,7 +14,7 @@ namespace multum {
 
 struct UastcSettings {
   std::string option;   // the option that selects UASTC, "--format"; messages name it
-  std::string folder;   // for files exchanged between the programs
+  std::string folder;   // folder for files exchanged between the programs
   std::string encoder;  // folder of the package, or of the node_modules that contains it; empty: node's search path
   int effort = 1;       // Basis Universal effort, 0..3: how many codings of a block are tried
   int threads = 1;

@@ -15,7 +15,7 @@ namespace multum {
 /// The blocks of an image, row by row. Blocks at the right and lower borders extend beyond the image.
 struct BlockGrid {
   std::size_t width = 1, height = 1;  // samples
-  std::size_t side = 16;              // of a block: 8, 16 or 32
+  std::size_t side = 16;              // side of a block: 8, 16 or 32
 
   std::size_t columns() const { return (width + side - 1) / side; }
   std::size_t rows() const { return (height + side - 1) / side; }

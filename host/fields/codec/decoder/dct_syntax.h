@@ -27,7 +27,7 @@ struct BlockSurroundings {
   std::span<const std::int16_t> left, up, parent, luma;
   bool has_parent = false;
   std::size_t plane = 0;  // 0: luma
-  std::size_t level = 0;  // of the pyramid; 0 is the coarsest
+  std::size_t level = 0;  // level of the pyramid; 0 is the coarsest
 };
 
 /// The coded groups around a group of blocks.
@@ -47,7 +47,7 @@ class DctSyntax {
         const std::size_t band = std::bit_width(std::max(u, v));
         order_[band].push_back(static_cast<std::uint16_t>(v * side_ + u));
       }
-    for (auto& band : order_)  // by ascending frequency, so that lower neighbours come first
+    for (auto& band : order_)  // ascending frequency, so that lower neighbours come first
       std::stable_sort(band.begin(), band.end(), [this](auto a, auto b) { return frequency(a) < frequency(b); });
   }
 

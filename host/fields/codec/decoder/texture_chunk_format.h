@@ -28,7 +28,7 @@ enum class ImageCoder : std::uint8_t { kDct = 0, kWavelet = 1 };
 /// The images that add up to each sample.
 struct ImagePlan {
   std::vector<std::size_t> levels;                              // by image
-  std::vector<std::optional<std::size_t>> parents;              // by image: the earlier image that it refines
+  std::vector<std::optional<std::size_t>> parents;              // the earlier image that each image refines
   std::vector<std::vector<ParameterPyramid::Term>> of_samples;  // by sample
 
   std::size_t image_count() const { return levels.size(); }

@@ -19,7 +19,7 @@ struct FieldCoderSettings {
   bool open_loop = false;
   double alpha = 0.0;  // as in FieldPackSettings
   int threads = 0;
-  std::uint64_t memory_bytes = 0;         // for textures and their coding
+  std::uint64_t memory_bytes = 0;         // memory for textures and their coding
   ImageTransforms* transforms = nullptr;  // null: transforms without a device
   PackingJournal* journal = nullptr;      // null: none
 };
@@ -27,7 +27,7 @@ struct FieldCoderSettings {
 /// The field coded with one lambda.
 struct FieldRound {
   double lambda = 0.0, mse = 0.0;
-  std::vector<double> object_mse;  // of each object's pixels
+  std::vector<double> object_mse;  // errors over each object's pixels
   double mse_covered = 0.0;
   std::vector<EncodedChunk> chunks;
   std::vector<std::uint8_t> file;
@@ -76,7 +76,7 @@ class FieldCoder {
   std::mutex progress_mutex_;
   std::optional<MemoryGate> gate_;
   bool keeps_textures_ = false;
-  std::vector<std::optional<ChunkSource>> textures_;  // by chunk, while they are kept
+  std::vector<std::optional<ChunkSource>> textures_;  // textures by chunk, while they are kept
   std::vector<ChunkCandidates> candidates_;           // by chunk
   std::vector<KeptChunk> kept_;                       // the same
   std::vector<double> shares_;                        // shares of lambda, by object, up to 1

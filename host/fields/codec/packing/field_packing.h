@@ -42,7 +42,7 @@ struct PackedChunkReport {
 struct PackedObjectReport {
   std::string object;
   double pixels = 0.0;  // covered pixels in all samples
-  double mse = 0.0;     // of these pixels, estimated
+  double mse = 0.0;     // estimated error of these pixels
   double lambda = 0.0;  // lambda of its chunks
 };
 
@@ -51,7 +51,7 @@ struct FieldPackReport {
   double lambda = 0.0, mse = 0.0;
   int rounds = 0;                  // number of times that everything was coded
   std::size_t chunks_resumed = 0;  // number of chunk codings taken from a stopped packing
-  double mse_covered = 0.0;        // of pixels that objects cover; alpha refers to it
+  double mse_covered = 0.0;        // error of pixels that objects cover; alpha refers to it
   bool is_alpha_met = true;
   /// The error of frames drawn with the inferred textures, compared with the ray-traced frames: over all pixels, 8-bit
   /// sRGB units. Unset: the folder has no report of `multum infer`.
@@ -59,7 +59,7 @@ struct FieldPackReport {
   // Coding adds more than error_limit() of inferred_mse, and the user set no error.
   bool is_error_large = false;
   bool has_given_way = false;               // the default ratio was lowered
-  std::vector<PackedObjectReport> objects;  // of the objects with textures
+  std::vector<PackedObjectReport> objects;  // only objects with textures
   std::vector<PackedChunkReport> chunks;
 };
 

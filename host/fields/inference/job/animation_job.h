@@ -59,7 +59,7 @@ struct AnimationObject {
 struct AnimationCamera {
   std::string name;
   glm::dmat4 world_to_camera{1.0};  // right-handed, looks along -z
-  glm::dmat4 projection{1.0};       // to OpenGL clip space: -w..w, y up
+  glm::dmat4 projection{1.0};       // maps to OpenGL clip space: -w..w, y up
   bool operator==(const AnimationCamera&) const = default;
 };
 
@@ -71,7 +71,7 @@ struct AnimationSample {
                              // object_index is given
   std::string object_index;  // PNG whose grey value is the object's number; empty: Cryptomatte is used
   int camera = 0;
-  std::map<std::string, glm::dmat4> object_to_world;  // of objects that move, by mesh name
+  std::map<std::string, glm::dmat4> object_to_world;  // places of objects that move, by mesh name
   bool operator==(const AnimationSample&) const = default;
 };
 

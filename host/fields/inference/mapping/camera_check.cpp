@@ -23,7 +23,7 @@ constexpr double kOffShareMax = 0.1;     // allows for silhouettes and for geome
 
 struct Triangle {
   glm::dvec3 a, b, c;
-  glm::dvec3 centre;  // of its bounding sphere
+  glm::dvec3 centre;  // centre of its bounding sphere
   double radius;
 };
 

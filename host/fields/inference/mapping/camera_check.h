@@ -12,8 +12,8 @@ namespace multum {
 struct CameraCheck {
   int tested = 0;                // pixels, at most 512
   int off = 0;                   // tested pixels whose distance to the objects exceeds the tolerance
-  double distance_median = 0.0;  // of the tested pixels, world units
-  int nan_depths = 0;            // of all pixels; left out
+  double distance_median = 0.0;  // median of the tested pixels, world units
+  int nan_depths = 0;            // NaN depths of all pixels; left out
 };
 
 /// `depth`: the sample's depth channel, width * height, row 0 at the top. Values are left out unless they are finite,

@@ -115,7 +115,7 @@ glm::dmat2 fit_isometric_map(const std::vector<IsometricEdge>& edges, const glm:
   const Objective objective(scaled, settings.is_diagonal);
   Point here = objective.at(glm::dmat2(1.0));
   glm::dmat2 direction = -here.gradient;
-  double step = 0.1;  // of Q, whose elements are about 1
+  double step = 0.1;  // step of Q, whose elements are about 1
   for (int i = 0; i < settings.iterations_max && dot(here.gradient, here.gradient) > 1e-24; ++i) {
     if (dot(direction, here.gradient) >= 0.0) direction = -here.gradient;  // not downhill: restart
     const Point next = line_minimum(objective, here, direction, &step);

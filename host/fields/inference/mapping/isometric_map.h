@@ -13,7 +13,7 @@ namespace multum {
 /// An edge in one view. Triangles that share an edge may each add it with their own area. The terms of the sum are
 /// equal, so the weights add up to W_i of the paper.
 struct IsometricEdge {
-  glm::dvec2 uv;  // from one end to the other
+  glm::dvec2 uv;  // vector from one end to the other
   double length;  // s_i, pixels, > 0
   double weight;  // W_i, square pixels
 };

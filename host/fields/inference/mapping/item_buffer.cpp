@@ -22,7 +22,7 @@ constexpr std::int64_t kUnitsPerPixel = 1 << 14;
 constexpr double kGuardPixels = 1 << 15;
 
 struct ScreenVertex {
-  std::int64_t x, y;  // in units, y downwards
+  std::int64_t x, y;  // position in units, y downwards
   double depth_over_w, one_over_w;
 };
 

@@ -28,19 +28,19 @@ struct SegmentationSettings {
 struct SegmentationInput {
   int width = 0, height = 0;
   std::span<const float> rgb;                     // 3 per pixel
-  std::vector<std::span<const float>> coverages;  // of each object, 0..1 per pixel
+  std::vector<std::span<const float>> coverages;  // coverage by each object, 0..1 per pixel
 };
 
 /// Pixels count per object's layer: a pixel that two objects share counts twice. Values are of single channels.
 struct SegmentationReport {
   std::size_t not_finite_pixels = 0;  // NaN or infinite in some channel
   std::size_t negative_pixels = 0;    // finite, and below radiance_min in some channel
-  std::size_t repaired_pixels = 0;    // of these, replaced by the mean of the object's valid neighbours
-  std::size_t dropped_pixels = 0;     // of these, without such neighbours: coverage 0
-  std::size_t mixed_pixels = 0;       // taken apart
-  std::size_t unguided_pixels = 0;    // of these, without a wholly covered pixel of the object in reach
+  std::size_t repaired_pixels = 0;    // invalid pixels replaced by the mean of the object's valid neighbours
+  std::size_t dropped_pixels = 0;     // invalid pixels without such neighbours: coverage 0
+  std::size_t mixed_pixels = 0;       // pixels split between objects
+  std::size_t unguided_pixels = 0;    // mixed pixels without a wholly covered pixel of the object in reach
   std::size_t clamped_values = 0;     // negative after splitting, set to 0
-  std::size_t clipped_values = 0;     // above radiance_max, set to it
+  std::size_t clipped_values = 0;     // values above radiance_max, set to it
 
   void add(const SegmentationReport& other);
 };

@@ -15,7 +15,7 @@ namespace multum {
 
 /// A camera and the places of objects in one block. Samples of a pose share their filter matrices under any light.
 struct AnimationPose {
-  std::string name;  // of its first sample
+  std::string name;  // name of its first sample
   int camera = 0;
   int block = 0;
   std::map<std::string, glm::dmat4> object_to_world;

@@ -33,7 +33,7 @@ struct SeenMesh {
   const ObjectMesh& mesh;
   const std::vector<MappingView>& views;
   std::vector<VisiblePixels> pixels;             // one per view
-  std::vector<std::uint32_t> visible_triangles;  // in any view, ascending
+  std::vector<std::uint32_t> visible_triangles;  // triangles visible in any view, ascending
 };
 
 SeenMesh look(const ObjectMesh& mesh, const std::vector<MappingView>& views) {
@@ -198,7 +198,7 @@ Stretch view_stretch(const VisiblePixels& pixels, const glm::dmat2& map) {
         ++stretch.degenerate_pixels;
       } else if (value > squared) {
         squared = value;
-        const double angle = 0.5 * std::atan2(2.0 * q, p - r);  // of the largest eigenvalue
+        const double angle = 0.5 * std::atan2(2.0 * q, p - r);  // angle of the largest eigenvalue
         stretch.direction = {-std::sin(angle), std::cos(angle)};
       }
     }
@@ -297,7 +297,7 @@ glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::
 
 // Step 6: returns the texels along one side: whole, a power of two if requested, and at most side_max.
 int side_length(double texels, const AnimationTexture& texture) {
-  constexpr double kRounding = 1e-6;  // of a texel: 64.0000001 texels are 64
+  constexpr double kRounding = 1e-6;  // rounding of texels: 64.0000001 texels are 64
   const int wanted = static_cast<int>(std::ceil(std::clamp(texels - kRounding, 1.0, double{1 << 20})));
   if (!texture.power_of_two) return std::min(wanted, texture.side_max);
   int side = 1;

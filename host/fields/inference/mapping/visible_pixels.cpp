@@ -60,7 +60,7 @@ VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView&
     value[i] = glm::dvec3(corner.uv - corners[0].uv, 1.0);
     scale *= glm::length(at[i]);
   }
-  constexpr double kEdgeOn = 1e-13;  // of the corners' product: the area is only rounding error
+  constexpr double kEdgeOn = 1e-13;  // share of the corners' product: below it the area is only rounding error
   const bool is_degenerate = is_line_in_texture(corners) || !(std::abs(glm::determinant(at)) > kEdgeOn * scale);
   return {triangle, is_degenerate, is_degenerate ? glm::dmat3(0.0) : value * glm::inverse(at)};
 }

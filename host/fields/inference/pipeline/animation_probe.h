@@ -22,7 +22,7 @@ struct ProbeSettings {
   int threads = 0;
   bool has_mips = true;     // false: bilinear, level 0 only
   int supersampling = 0;    // 0: the job's
-  double anisotropy = 0.0;  // of all objects; 0: the job's value per object
+  double anisotropy = 0.0;  // anisotropy of all objects; 0: the job's value per object
 };
 
 class AnimationProbe {

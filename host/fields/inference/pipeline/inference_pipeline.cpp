@@ -301,7 +301,7 @@ class InferencePipeline {
   AnimationInferResult result_;
   Device device_;
   AnimationProbe probe_;
-  std::map<std::size_t, ObjectSystem> systems_;       // of the current layer, by object
+  std::map<std::size_t, ObjectSystem> systems_;       // systems of the current layer, by object
   std::map<std::size_t, std::vector<float>> starts_;  // the last point's texels, by object
   std::set<std::pair<int, std::size_t>> counted_;     // poses and objects whose rows are in the result
 };

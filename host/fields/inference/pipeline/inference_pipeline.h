@@ -43,9 +43,9 @@ struct TextureResult {
   std::size_t object = 0;
   std::size_t layer = 0;
   std::size_t point = 0;               // index among the grid's points of the layer
-  int block = 0;                       // of the grid; selects the object's mapping
+  int block = 0;                       // block of the grid; selects the object's mapping
   std::vector<int> samples;            // of the job
-  std::vector<double> squared_errors;  // of each sample: mean over wholly covered pixels, 8-bit sRGB units
+  std::vector<double> squared_errors;  // mean of each sample over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
   std::vector<double> forward_squared_errors;  // the same of forward mapping (forward_mapping.h); empty: not requested
   std::vector<bool> is_held_out;               // not used for solving
@@ -78,8 +78,8 @@ struct AnimationInferResult {
   InferredManifest manifest;
   std::vector<TextureResult> textures;
   std::vector<std::string> blocks;  // names of the grid's blocks
-  ObjectMappings mappings;          // of each object in each block
-  SegmentationReport segmentation;  // of all pictures together
+  ObjectMappings mappings;          // mapping of each object in each block
+  SegmentationReport segmentation;  // sum over all pictures
   StageSeconds seconds;
   std::string renderer, device;
   std::uint64_t rows = 0, rows_rejected = 0;

@@ -15,7 +15,7 @@ struct InferenceShare {
 
 struct InferenceShareResult {
   bool was_there = false;  // a complete share with the same inputs and settings existed: nothing was done
-  int textures = 0;        // of the share, including existing ones
+  int textures = 0;        // textures of the share, including existing ones
 };
 
 /// Throws Error, Cancelled; finished textures remain.

@@ -13,14 +13,14 @@ namespace multum {
 
 struct ComparisonRow {
   std::string name;                    // "trilinear, regularisation 0.1"
-  std::vector<double> squared_errors;  // of each of the job's objects, all its layers added, wholly covered pixels,
+  std::vector<double> squared_errors;  // one per object of the job, all layers added, wholly covered pixels,
                                        // 8-bit sRGB units; negative: not visible
 };
 
 struct InferenceComparison {
   std::string sample;
-  int supersampling = 1;             // of the rows, if any
-  std::vector<double> pixel_counts;  // of each of the job's objects
+  int supersampling = 1;             // supersampling of the rows, if any
+  std::vector<double> pixel_counts;  // pixels of each of the job's objects
   std::vector<ComparisonRow> rows;
 };
 

@@ -33,13 +33,13 @@ struct FrameErrors {
   double squared_error = 0.0, pixel_count = 0.0;
   double uncovered_pixels = 0.0;                                   // left out: alpha below kWholeCoverage
   double not_finite_pixels = 0.0;                                  // left out: NaN or infinite in either picture
-  std::vector<double> object_squared_errors, object_pixel_counts;  // of each of the job's objects, where it covers
+  std::vector<double> object_squared_errors, object_pixel_counts;  // one per object of the job, where it covers
                                                                    // pixels wholly in the ray-traced picture
 };
 
 struct InferenceFrames {
   std::vector<FrameErrors> frames;
-  double seconds = 0.0;  // of drawing, reading and comparing
+  double seconds = 0.0;  // seconds for drawing, reading and comparing
 };
 
 /// The mean over the pixels of all frames; count 0: none.

@@ -19,18 +19,18 @@ struct ReportPicture {
 
 struct PictureRow {
   ReportPicture ray_traced, rendered, error;
-  double squared_error = 0.0;  // of the shown pixels
+  double squared_error = 0.0;  // error of the shown pixels
 };
 
 struct ReportPictures {
   bool has_frame = false;
   PictureRow frame;
-  std::vector<PictureRow> objects;  // of each of the job's objects; width 0: it covers no pixel wholly
+  std::vector<PictureRow> objects;  // one per object of the job; width 0: it covers no pixel wholly
   struct Texture {
     std::size_t object, layer;
     ReportPicture picture;  // of level 0
   };
-  std::vector<Texture> textures;  // of the shown sample
+  std::vector<Texture> textures;  // textures of the shown sample
 };
 
 constexpr double kErrorScale = 20.0;  // as in the paper's figure 6

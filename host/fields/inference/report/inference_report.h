@@ -31,7 +31,8 @@ struct LayerSummary {
   double squared_error = -1.0, pixel_count = 0.0;
   double forward_squared_error = -1.0;
   double held_out_squared_error = -1.0, held_out_pixel_count = 0.0;  // forward mapping holds out nothing
-  double worst_squared_error = -1.0;                                 // of one sample that was used for solving
+  // Worst error of a sample that was used for solving.
+  double worst_squared_error = -1.0;
   int worst_sample = -1;
   double iterations_median = 0.0;
   int iterations_max = 0;

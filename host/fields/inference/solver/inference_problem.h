@@ -10,7 +10,7 @@
 namespace multum {
 
 enum class InferenceForm {
-  kAuto,    // by the number of entries, as measured (texture_system.cpp)
+  kAuto,    // chosen by the number of entries, as measured (texture_system.cpp)
   kMatrix,  // products with A and its transpose, eq. (2)
   kNormal,  // products with A^T A, eq. (3)
 };
@@ -21,7 +21,7 @@ struct InferenceSettings {
   double gradient_tolerance = 1e-3;  // stop when the projected gradient falls below this share of its value at x = 0
   // A Newton step ends when its gradient falls below this share of its first value, [0, 1).
   double step_tolerance = 0.03;
-  int iteration_max = 400;   // of conjugate gradient, all Newton steps together
+  int iteration_max = 400;   // conjugate gradient iterations of all Newton steps together
   int newton_max = 12;       // steps
   bool precondition = true;  // by the diagonal
   InferenceForm form = InferenceForm::kAuto;

@@ -19,7 +19,7 @@ constexpr double kDelta = 1.0 / 512;  // d of eq. (5)
 // work-items. With 64 partial sums, an iteration on an H100 took 2.5 ms, its products only 0.04 ms
 // (docs/evidence/GPU.md).
 constexpr std::size_t kPartCount = 2048, kPartsAGroup = 32;
-constexpr int kHalvingsMax = 12;  // of a Newton step that leads uphill
+constexpr int kHalvingsMax = 12;  // most halvings of a Newton step that leads uphill
 
 using Sums = std::array<double, 3>;
 

@@ -25,9 +25,9 @@
 namespace multum {
 
 struct InferenceStep {
-  int iteration;          // of conjugate gradient so far
+  int iteration;          // conjugate gradient iterations so far
   double objective;       // f(x), all colours
-  double gradient_ratio;  // of the projected gradient to the gradient at x = 0, for the worst colour
+  double gradient_ratio;  // ratio of the projected gradient to the gradient at x = 0, for the worst colour
   std::uint64_t held;     // texel colours at a bound
 };
 
@@ -60,7 +60,7 @@ class TextureInference {
   bool uses_normal_form() const;
   std::size_t row_count() const;
   std::size_t entry_count() const;         // of A
-  std::size_t normal_entry_count() const;  // of A^T A; an estimate unless A^T A is used
+  std::size_t normal_entry_count() const;  // entries of A^T A; an estimate unless A^T A is used
 
  private:
   std::unique_ptr<TextureSystem> system_;

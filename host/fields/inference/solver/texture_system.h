@@ -71,7 +71,7 @@ class TextureSystem {
   bool is_periodic_s = false, is_periodic_t = false;
   bool uses_normal = false;
   double pyramid_weight = 0.0;  // includes everything that multiplies Gamma
-  std::vector<float> diagonal;  // of A^T A + pyramid_weight R^T R
+  std::vector<float> diagonal;  // diagonal of A^T A + pyramid_weight R^T R
   std::size_t entry_count = 0, normal_entry_count = 0;
   Kernel curvature_product, advance_residual, advance_direction;
 
@@ -81,7 +81,7 @@ class TextureSystem {
   void make_pyramid();
 
   SparseRows rows_;                  // weighted
-  std::vector<float> root_weights_;  // of every row of every view; 0 for rows that are left out
+  std::vector<float> root_weights_;  // one per row of every view; 0 for rows that are left out
   DeviceRows matrix_, transpose_, normal_;
   DeviceBuffer row_values_, residual_;
   DeviceBuffer levels_, taps_, gathers_, gather_entries_, strips_;  // pyramid_tables.h

@@ -121,7 +121,7 @@ function comparisonTable() {
   return table([{ head: "inferred with", isText: true }, ...objects.map(({ name }) => ({ head: name }))], rows);
 }
 
-const LEFT = 44, TOP = 4; // of the cells of a heat map
+const LEFT = 44, TOP = 4; // position of a heat map's cells
 const label = (x, y, anchor, text, kind = null) =>
   svgNode("text", { class: kind, x: general(x), y: general(y), "text-anchor": anchor }, text);
 
