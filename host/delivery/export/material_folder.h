@@ -34,7 +34,7 @@ class MaterialWriter : public MaterialSink {
 };
 
 struct MaterialFolderSettings {
-  std::string folder;  // which exists
+  std::string folder;  // an existing folder
   MaterialFormat format = MaterialFormat::kPng;
   bool has_anisotropy = false;
   MaterialTexels texels = MaterialTexels::kRgba8;  // EXR always has kRgba16f, PNG always kRgba8

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-constexpr int kLobeZstdLevel = 12;  // as UASTC's
+constexpr int kLobeZstdLevel = 12;  // equal to the level for UASTC
 
 // Returns the error of the worst level.
 double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const LobeSurface& surface) {

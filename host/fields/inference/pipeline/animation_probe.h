@@ -17,11 +17,11 @@ using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of 
 
 struct ProbeSettings {
   std::string viewer;            // the program
-  std::string context = "auto";  // its GL
+  std::string context = "auto";  // its OpenGL context
   std::string folder;            // of the matrices
   int threads = 0;
   bool has_mips = true;     // false: bilinear, level 0 only
-  int supersampling = 0;    // 0: the job's
+  int supersampling = 0;    // 0: as in the job
   double anisotropy = 0.0;  // anisotropy of all objects; 0: the job's value per object
 };
 

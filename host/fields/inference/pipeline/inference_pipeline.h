@@ -26,7 +26,7 @@ struct AnimationInferSettings {
   std::string output;            // folder
   std::string device;            // selector of Device::open()
   std::string viewer;            // multum-view
-  std::string context = "auto";  // its GL
+  std::string context = "auto";  // its OpenGL context
   int threads = 1;
   bool has_absolute_geometry = false;  // store the scene file's absolute path instead of a relative one
   bool force = false;                  // infer existing textures again

@@ -15,7 +15,7 @@ namespace multum {
 struct FrameSettings {
   std::string output;            // folder with the manifest; frames go into OUTPUT/frames
   std::string viewer;            // multum-view
-  std::string context = "auto";  // its GL
+  std::string context = "auto";  // its OpenGL context
 };
 
 /// Three values per pixel, row 0 at the top; 1 is the job's radiance_max.
