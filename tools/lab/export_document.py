@@ -114,7 +114,7 @@ neighbours to have the same: all directions of a map lie in one half plane, whos
 ## Which form the levels get
 
     multum export wool_n.png -o wool/ --metalness wool_m.png --form auto --for three
-      wool/: on a sphere at 32 texels a pixel plain 16.0 %, one lobe 29.4 %, chosen 21.8 %: fitted normals and roughness
+      wool/: on a sphere at 32 texels per pixel plain 16.0 %, one lobe 29.4 %, chosen 21.8 %: fitted normals and roughness
 
 Every level from 1 on is one fitted lobe. `--form averages` writes means of normals with the fitted roughness: they keep
 their length, and so their weight where texels are interpolated, except where z is rebuilt. `--form auto` draws pixels

@@ -19,7 +19,7 @@ int sample_grid(int level);
 /// from 1 to 64.
 ///
 /// Neighbours on the grid have very different facets. Every aligned square of 2 x 2, 4 x 4, ... samples covers the
-/// distribution evenly, because such a square lies in one or a few finest texels. The slopes are points of a (0,
+/// distribution evenly, because such a square covers one or a few finest texels. The slopes are points of a (0,
 /// 2)-sequence in the order of the squares (Kollig and Keller 2002, "Efficient multidimensional sampling", section
 /// 3.1), mapped by tan theta = sqrt(u / (1 - u)). A scale of about 1 % makes the maximum-likelihood alpha of all slopes
 /// exactly 1: a texel with a single normal keeps its roughness.

@@ -11,7 +11,7 @@ namespace {
 
 std::string text_of(const FormView& view) {
   if (view.shape.empty()) return fmt::format("at {:.3g} m", view.distance);
-  return fmt::format("on a {} at {:.3g} texel{} a pixel", view.shape, view.distance, view.distance == 1.0 ? "" : "s");
+  return fmt::format("on a {} at {:.3g} texel{} per pixel", view.shape, view.distance, view.distance == 1.0 ? "" : "s");
 }
 
 // Returns the view in which two forms differ most.

@@ -107,7 +107,7 @@ void write_export_page(const ExportJob& job, const ExportReport& report, const s
           encode_base64(png_of(study.distances[d].pictures[p].grey, scratch->path()));
   for (std::size_t m = 0; m < study.ids.size(); ++m) json["names"][study.ids[m]] = study.names[m];
   const std::string map = text_of_path(fs::path(job.input).filename().string());
-  json["title"] = "One lobe a texel: " + map;
+  json["title"] = "One lobe per texel: " + map;
   json["map"] = map;
   json["software"] = software_version();
   json["report"] = Json::parse(report.to_json(job));

@@ -63,7 +63,7 @@ double FieldCoder::lambda_of(std::size_t object, double lambda) const {
 
 FieldRound FieldCoder::code(double lambda) {
   ++rounds_;
-  progress_stage(progress_, fmt::format("code, a bit worth {:.4g}", lambda));
+  progress_stage(progress_, fmt::format("code with lambda {:.4g}", lambda));
   std::vector<std::size_t> all(source_.chunks.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   code_chunks(all, lambda);
