@@ -198,7 +198,8 @@ async function work({ plan, encoder, strips, next }) {
   for (let i; (i = Atomics.add(next, 0, 1)) < strips.length;) {
     const strip = strips[i];
     const texels = new Uint8Array(4 * strip.width * strip.rows);
-    if (readSync(input, texels, 0, texels.length, strip.input) !== texels.length) throw new Error("the file of levels is cut short");
+    if (readSync(input, texels, 0, texels.length, strip.input) !== texels.length)
+      throw new Error("the file of levels is cut short");
     const found = await blocksOf(texels, strip, plan, basis);
     if (found.blocks.length !== strip.bytes)
       throw new Error(`found ${found.blocks.length} bytes, expected ${strip.bytes}`);
